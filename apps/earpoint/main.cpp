@@ -1,0 +1,25 @@
+#include <cstdio>
+#include <exception>
+
+#include <CLI/CLI.hpp>
+
+#include <earpoint/core/error.h>
+
+int main(int argc, char** argv) {
+  CLI::App app("Earpoint: hear a recorded moment from another place.", "earpoint");
+  app.require_subcommand(1);
+  app.set_version_flag("--version", EARPOINT_VERSION);
+  try {
+    app.parse(argc, argv);
+    return 0;
+  } catch (const CLI::ParseError& error) {
+    const int code = app.exit(error);
+    return code == 0 ? 0 : 2;
+  } catch (const earpoint::InputError& error) {
+    std::fprintf(stderr, "earpoint: %s\n", error.what());
+    return 2;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "earpoint: internal error: %s\n", error.what());
+    return 1;
+  }
+}

@@ -1,0 +1,53 @@
+# Flags that every target of the project shares.
+add_library(earpoint_flags INTERFACE)
+target_compile_features(earpoint_flags INTERFACE cxx_std_20)
+target_compile_options(earpoint_flags INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Wold-style-cast
+  -Wnon-virtual-dtor -Woverloaded-virtual)
+# Sums in a fixed order, so that the same seed gives the same bytes: no -ffast-math anywhere.
+target_compile_options(earpoint_flags INTERFACE -ffp-contract=off)
+if(EARPOINT_DCHECK)
+  target_compile_definitions(earpoint_flags INTERFACE EARPOINT_DCHECK_ENABLED=1)
+endif()
+if(EARPOINT_SANITIZE)
+  target_compile_options(earpoint_flags INTERFACE -fsanitize=${EARPOINT_SANITIZE}
+                         -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  target_link_options(earpoint_flags INTERFACE -fsanitize=${EARPOINT_SANITIZE})
+endif()
+
+# earpoint_add_module(<name>
+#   [DEPENDS <module>...]         modules whose headers its own headers may include
+#   [LIBRARIES <target>...]       outside libraries, private to the module
+#   SOURCES <file>... [TESTS <file>...] [TEST_DEPENDS <module>...] [TEST_LIBRARIES <target>...])
+#
+# Makes earpoint::<name> with the include root src/<name>/include, and <name>_test from TESTS.
+# A file that includes a module which is not in DEPENDS does not compile.
+function(earpoint_add_module name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" ""
+    "DEPENDS;LIBRARIES;SOURCES;TESTS;TEST_DEPENDS;TEST_LIBRARIES")
+  if(arg_UNPARSED_ARGUMENTS)
+    message(FATAL_ERROR "earpoint_add_module(${name}): unknown ${arg_UNPARSED_ARGUMENTS}")
+  endif()
+
+  add_library(earpoint_${name} STATIC ${arg_SOURCES})
+  add_library(earpoint::${name} ALIAS earpoint_${name})
+  target_include_directories(earpoint_${name} PUBLIC include)
+  list(TRANSFORM arg_DEPENDS PREPEND earpoint::)
+  target_link_libraries(earpoint_${name}
+    PUBLIC ${arg_DEPENDS}
+    PRIVATE earpoint_flags fmt::fmt nlohmann_json::nlohmann_json Threads::Threads
+            ${arg_LIBRARIES})
+
+  if(arg_TESTS)
+    add_executable(${name}_test ${arg_TESTS})
+    list(TRANSFORM arg_TEST_DEPENDS PREPEND earpoint::)
+    target_include_directories(${name}_test PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
+    target_link_libraries(${name}_test PRIVATE earpoint::${name} ${arg_TEST_DEPENDS}
+      earpoint_flags fmt::fmt nlohmann_json::nlohmann_json ${arg_TEST_LIBRARIES}
+      GTest::gtest_main)
+    target_compile_definitions(${name}_test PRIVATE
+      EARPOINT_SOURCE_DIR="${PROJECT_SOURCE_DIR}" EARPOINT_BINARY_DIR="${PROJECT_BINARY_DIR}")
+    gtest_discover_tests(${name}_test DISCOVERY_MODE PRE_TEST
+      PROPERTIES TIMEOUT 600 LABELS ${name})
+  endif()
+endfunction()

@@ -1,0 +1,32 @@
+#include <earpoint/core/error.h>
+
+namespace earpoint {
+namespace {
+
+std::string compose(std::string_view where, std::string_view problem, std::string_view mend) {
+  std::string message;
+  message.append(where);
+  if (!where.empty()) message.append(": ");
+  message.append(problem);
+  if (!mend.empty()) message.append("; ").append(mend);
+  // One line, whatever a file's contents or name brought along.
+  for (char& c : message) {
+    if (c == '\n' || c == '\r') c = ' ';
+  }
+  return message;
+}
+
+}  // namespace
+
+InputError::InputError(std::string_view where, std::string_view problem, std::string_view mend)
+    : std::runtime_error(compose(where, problem, mend)) {}
+
+namespace detail {
+
+void check_failed(const char* condition, const char* file, int line) {
+  throw std::logic_error(std::string("check failed: ") + condition + " at " + file + ":" +
+                         std::to_string(line));
+}
+
+}  // namespace detail
+}  // namespace earpoint
