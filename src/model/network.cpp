@@ -17,8 +17,9 @@ constexpr int kLargestWidth = 1 << 16;
 void check_range(std::string_view where, std::string_view field, std::int64_t value,
                  std::int64_t least, std::int64_t most) {
   if (value >= least && value <= most) return;
-  throw InputError(where,
-                   fmt::format("{}: expected {} to {}, found {}", field, least, most, value));
+  const std::string expected =
+      least == most ? fmt::format("{}", least) : fmt::format("{} to {}", least, most);
+  throw InputError(where, fmt::format("{}: expected {}, found {}", field, expected, value));
 }
 
 /// The inputs that a network may have, in the order of concatenation; width 0 stands for any.
