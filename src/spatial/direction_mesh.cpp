@@ -1,0 +1,185 @@
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include <earpoint/core/error.h>
+#include <earpoint/core/pose.h>
+#include <earpoint/spatial/direction_mesh.h>
+
+namespace earpoint {
+namespace {
+
+constexpr int kAzimuthCells = 36;
+constexpr int kHeightCells = 18;
+// How far outside of a triangle still counts as inside: rounding of unit vectors.
+constexpr double kEdgeTolerance = 1e-9;
+
+// Hull of the directions slightly moved in and out, so that four on a circle (rings of equal
+// elevation) have one triangulation. A smooth function of |y| keeps left and right alike. Its size
+// is above the rounding of angles in files and below the bulge of half a degree.
+Vector3 moved_off_circle(const Vector3& v) {
+  constexpr double kAmplitude = 3e-6;
+  return v * (1.0 + kAmplitude * std::sin(12.9 * v.x + 78.2 * std::abs(v.y) + 37.7 * v.z));
+}
+
+}  // namespace
+
+struct DirectionMesh::Face {
+  std::array<int, 3> corners{};
+  Vector3 normal;
+  double offset = 0.0;
+
+  Face(int a, int b, int c, std::span<const Vector3> points) : corners{a, b, c} {
+    normal = cross(points[b] - points[a], points[c] - points[a]);
+    offset = dot(normal, points[a]);
+  }
+  [[nodiscard]] bool sees(const Vector3& point) const { return dot(normal, point) > offset; }
+};
+
+// Incremental convex hull: each point replaces the faces that it sees by a fan over their rim.
+std::vector<DirectionMesh::Face> DirectionMesh::hull(std::span<const Vector3> points) {
+  const int count = static_cast<int>(points.size());
+  // A first tetrahedron, as wide as it is cheap to find.
+  const auto farthest = [&](auto measure) {
+    int best = 0;
+    for (int i = 1; i < count; ++i) {
+      if (measure(points[i]) > measure(points[best])) best = i;
+    }
+    return best;
+  };
+  const int a = 0;
+  const int b = farthest([&](const Vector3& p) { return norm(p - points[a]); });
+  const int c =
+      farthest([&](const Vector3& p) { return norm(cross(points[b] - points[a], p - points[a])); });
+  const Vector3 plane = cross(points[b] - points[a], points[c] - points[a]);
+  const int d = farthest([&](const Vector3& p) { return std::abs(dot(plane, p - points[a])); });
+  const double volume = dot(plane, points[d] - points[a]);
+  EARPOINT_CHECK(std::abs(volume) > 1e-4);
+  const int e = volume < 0.0 ? b : c;  // counter-clockwise seen from outside
+  const int f = volume < 0.0 ? c : b;
+  std::vector<Face> faces = {
+      {a, e, f, points}, {a, d, e, points}, {e, d, f, points}, {f, d, a, points}};
+
+  std::vector<Face> kept;
+  std::vector<std::pair<int, int>> edges;
+  for (int i = 0; i < count; ++i) {
+    if (i == a || i == b || i == c || i == d) continue;
+    kept.clear();
+    edges.clear();
+    for (const Face& face : faces) {
+      if (!face.sees(points[i])) {
+        kept.push_back(face);
+        continue;
+      }
+      for (int k = 0; k < 3; ++k) edges.emplace_back(face.corners[k], face.corners[(k + 1) % 3]);
+    }
+    std::sort(edges.begin(), edges.end());
+    for (const auto& [from, to] : edges) {
+      // An edge of two faces that go is inside of the hole; the rest are its rim.
+      if (!std::binary_search(edges.begin(), edges.end(), std::pair(to, from))) {
+        kept.emplace_back(from, to, i, points);
+      }
+    }
+    faces.swap(kept);
+  }
+  return faces;
+}
+
+DirectionMesh::DirectionMesh(std::span<const Vector3> directions)
+    : directions_(directions.begin(), directions.end()) {
+  EARPOINT_CHECK(directions_.size() >= 4);
+  std::vector<Vector3> points;
+  for (const Vector3& direction : directions_) {
+    EARPOINT_CHECK(std::abs(norm(direction) - 1.0) < 1e-6);
+    points.push_back(moved_off_circle(direction));
+  }
+  std::map<std::pair<int, int>, int> triangle_of_edge;
+  for (const Face& face : hull(points)) {
+    const auto [i, j, k] = face.corners;
+    const Vector3& u = directions_[i];
+    const Vector3& v = directions_[j];
+    const Vector3& w = directions_[k];
+    const double determinant = dot(u, cross(v, w));
+    // A face with the origin on its outer side or in its plane: the directions leave a hemisphere
+    // empty, and nothing is measured that way.
+    if (determinant < 1e-9) continue;
+    const int index = static_cast<int>(triangles_.size());
+    triangle_of_edge[{j, k}] = triangle_of_edge[{k, i}] = triangle_of_edge[{i, j}] = index;
+    triangles_.push_back(
+        {face.corners,
+         {},
+         {cross(v, w) / determinant, cross(w, u) / determinant, cross(u, v) / determinant}});
+  }
+  EARPOINT_CHECK(!triangles_.empty());
+  for (Triangle& triangle : triangles_) {
+    for (int corner = 0; corner < 3; ++corner) {
+      const std::pair edge(triangle.corners[(corner + 2) % 3], triangle.corners[(corner + 1) % 3]);
+      const auto found = triangle_of_edge.find(edge);
+      triangle.neighbours[corner] = found == triangle_of_edge.end() ? -1 : found->second;
+    }
+  }
+  starts_.assign(static_cast<std::size_t>(kAzimuthCells) * kHeightCells, 0);
+  for (std::size_t i = 0; i < triangles_.size(); ++i) {
+    Vector3 middle;
+    for (const int corner : triangles_[i].corners) middle = middle + directions_[corner];
+    starts_[start(normalized(middle))] = static_cast<int>(i);
+  }
+}
+
+int DirectionMesh::start(const Vector3& unit) const {
+  const double turns = std::atan2(unit.y, unit.x) / (2.0 * kPi) + 0.5;
+  const int column = std::clamp(static_cast<int>(turns * kAzimuthCells), 0, kAzimuthCells - 1);
+  const int row =
+      std::clamp(static_cast<int>((unit.z + 1.0) / 2.0 * kHeightCells), 0, kHeightCells - 1);
+  return row * kAzimuthCells + column;
+}
+
+std::array<double, 3> DirectionMesh::weights(const Triangle& triangle, const Vector3& v) const {
+  return {dot(triangle.inverse[0], v), dot(triangle.inverse[1], v), dot(triangle.inverse[2], v)};
+}
+
+int DirectionMesh::nearest(const Vector3& direction) const {
+  int best = 0;
+  double best_cosine = -2.0 * norm(direction);
+  EARPOINT_CHECK(best_cosine < 0.0);
+  for (std::size_t i = 0; i < directions_.size(); ++i) {
+    const double cosine = dot(directions_[i], direction);
+    if (cosine > best_cosine) {
+      best_cosine = cosine;
+      best = static_cast<int>(i);
+    }
+  }
+  return best;
+}
+
+DirectionMesh::Place DirectionMesh::locate(const Vector3& direction) const {
+  EARPOINT_CHECK(norm(direction) > 0.0);
+  const Vector3 unit = normalized(direction);
+  const auto place = [&](const Triangle& triangle) {
+    std::array<double, 3> found = weights(triangle, unit);
+    double sum = 0.0;
+    for (double& weight : found) sum += weight = std::max(weight, 0.0);
+    for (double& weight : found) weight /= sum;
+    return Place{triangle.corners, found};
+  };
+  const auto contains = [&](const std::array<double, 3>& w) {
+    return *std::min_element(w.begin(), w.end()) >= -kEdgeTolerance;
+  };
+  // Walk across the edge that the direction lies farthest beyond.
+  int current = starts_[start(unit)];
+  for (std::size_t step = 0; step < triangles_.size() && current >= 0; ++step) {
+    const Triangle& triangle = triangles_[current];
+    const std::array<double, 3> found = weights(triangle, unit);
+    if (contains(found)) return place(triangle);
+    current = triangle.neighbours[std::min_element(found.begin(), found.end()) - found.begin()];
+  }
+  // A walk that met the rim of an open mesh, or went round in a circle: look everywhere.
+  for (const Triangle& triangle : triangles_) {
+    if (contains(weights(triangle, unit))) return place(triangle);
+  }
+  const int corner = nearest(unit);
+  return {{corner, corner, corner}, {1.0, 0.0, 0.0}};
+}
+
+}  // namespace earpoint
