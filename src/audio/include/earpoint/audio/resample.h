@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+
+#include <earpoint/core/waveform.h>
+
+namespace earpoint {
+
+/// Resamples with libsamplerate's best sinc converter (pass band 96 %, aliases below -140 dB),
+/// without delay: sample i of the input lies at i * to / from in the output.
+/// @return  round(samples * to / from) samples; the input itself if the rates are equal
+[[nodiscard]] Waveform resample(const Waveform& waveform, int sample_rate_hz);
+
+/// The same for sound that arrives in blocks: the blocks that come out, joined, are what
+/// resample() makes of the blocks that went in, joined.
+class StreamResampler {
+ public:
+  /// @param channels  > 0; rates > 0, with a ratio between 1/256 and 256
+  StreamResampler(int channels, int from_hz, int to_hz);
+  ~StreamResampler();
+  StreamResampler(StreamResampler&&) noexcept;
+  StreamResampler& operator=(StreamResampler&&) noexcept;
+
+  /// @param block  the next samples at from_hz; may be empty
+  /// @param last   nothing follows: what the filter still holds comes out too
+  /// @return  what is ready at to_hz; may hold 0 samples
+  [[nodiscard]] Waveform process(const Waveform& block, bool last);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// The resampling that the published data sets were prepared with: a sinc over 24 zero crossings
+/// with a squared-cosine window, cut off at 0.945 of the lower Nyquist frequency, edges repeated.
+/// Use it where numbers must equal published ones; resample() is cleaner.
+/// @return  floor(samples * to / from) samples
+/// Source: julius (MIT), resample_frac; see docs/formats.md. Taps in double; julius rounds them to
+/// float, so its output differs by up to 3e-6.
+[[nodiscard]] Waveform resample_sinc(const Waveform& waveform, int sample_rate_hz);
+
+}  // namespace earpoint
