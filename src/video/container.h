@@ -1,0 +1,104 @@
+#pragma once
+
+// An opened movie or sound file and a decoder for one of its streams. Private to the module.
+
+#include "ffmpeg.h"
+
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <earpoint/video/media.h>
+
+namespace earpoint::ffmpeg {
+
+struct FileDeleter {
+  void operator()(std::FILE* file) const { std::fclose(file); }
+};
+struct IoDeleter {
+  void operator()(AVIOContext* io) const {
+    av_freep(&io->buffer);
+    avio_context_free(&io);
+  }
+};
+struct InputFormatDeleter {
+  void operator()(AVFormatContext* format) const { avformat_close_input(&format); }
+};
+
+/// Reads packets of a container. FFmpeg is given only this one open file: whatever a container
+/// refers to (playlists, other files, addresses) is never opened.
+class InputContainer {
+ public:
+  /// @throws InputError if the file is missing or no movie or sound file
+  explicit InputContainer(const std::filesystem::path& path);
+
+  [[nodiscard]] AVFormatContext& format() { return *format_; }
+  [[nodiscard]] const AVStream& stream(int index) const;
+  /// Index in the container. @throws InputError if there is no stream of that kind
+  [[nodiscard]] int preferred_stream(StreamKind kind) const;
+  [[nodiscard]] MediaInfo describe() const;
+  [[nodiscard]] StreamInfo describe(int index) const;
+
+  /// The container's start: what t = 0 means, in the container's own time.
+  [[nodiscard]] double origin_s() const { return origin_s_; }
+  /// @return seconds since the container's start; nothing if the timestamp is missing
+  [[nodiscard]] std::optional<double> time_s(int stream, std::int64_t timestamp) const;
+  [[nodiscard]] std::int64_t timestamp(int stream, double time_s) const;
+
+  /// "clip.mp4: video stream 0" or "clip.mp4: video stream 0 at 1.250 s"
+  [[nodiscard]] std::string where(int stream) const;
+  [[nodiscard]] std::string where(int stream, std::optional<double> time_s) const;
+
+  /// Drops every other stream's packets.
+  void select(int stream);
+  /// The next packet of the selected stream.
+  /// @return false at the end
+  /// @throws InputError naming stream and time if the file is damaged or ends too early
+  bool read(AVPacket& packet);
+  /// Goes to a key frame at or before the timestamp. @return false if the file cannot do that
+  bool seek(int stream, std::int64_t timestamp);
+
+ private:
+  void open();
+  void find_origin();
+  void check_whole(int error);
+  [[noreturn]] void throw_damaged(int error) const;
+
+  std::filesystem::path path_;
+  // Closed in the reverse of this order.
+  std::unique_ptr<std::FILE, FileDeleter> file_;
+  std::unique_ptr<AVIOContext, IoDeleter> io_;
+  std::unique_ptr<AVFormatContext, InputFormatDeleter> format_;
+  double origin_s_ = 0.0;
+  int selected_ = -1;
+  std::optional<double> last_time_s_;  // of the packet read last, for messages
+};
+
+/// Decodes one stream of a container, frame by frame in order of presentation.
+class StreamDecoder {
+ public:
+  /// @throws InputError if there is no decoder for it
+  StreamDecoder(InputContainer& container, int stream);
+
+  /// @return false at the end
+  /// @throws InputError naming stream and time if the data are damaged
+  bool next(AVFrame& frame);
+  /// As InputContainer::seek; the next frame is the first that can be decoded from there.
+  bool seek(std::int64_t timestamp);
+
+ private:
+  void feed();
+  [[noreturn]] void throw_damaged(int error, std::optional<double> time_s) const;
+
+  InputContainer& container_;
+  int stream_;
+  CodecContextPtr codec_;
+  PacketPtr packet_;
+  bool is_draining_ = false;
+  std::optional<double> packet_time_s_;
+};
+
+}  // namespace earpoint::ffmpeg

@@ -1,0 +1,160 @@
+#include "ffmpeg.h"
+#include "frame_image.h"
+#include "picture.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <string>
+
+#include <fmt/format.h>
+
+#include <earpoint/core/error.h>
+#include <earpoint/core/file.h>
+#include <earpoint/video/image_file.h>
+
+extern "C" {
+#include <libavutil/display.h>
+#include <libavutil/opt.h>
+}
+
+namespace earpoint {
+namespace {
+
+using namespace ffmpeg;  // NOLINT(google-build-using-namespace): our own, private
+
+constexpr std::array<std::uint8_t, 8> kPngSignature = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
+constexpr std::array<std::uint8_t, 3> kJpegSignature = {0xff, 0xd8, 0xff};
+
+template <std::size_t size>
+bool begins_with(std::span<const std::byte> bytes,
+                 const std::array<std::uint8_t, size>& signature) {
+  return bytes.size() >= size && std::memcmp(bytes.data(), signature.data(), size) == 0;
+}
+
+PacketPtr packet_of(std::span<const std::byte> bytes) {
+  PacketPtr packet = make_packet();
+  check_memory(av_new_packet(packet.get(), static_cast<int>(bytes.size())));
+  std::memcpy(packet->data, bytes.data(), bytes.size());
+  return packet;
+}
+
+/// Whether the last scan of a JPEG file comes to its end marker: the decoder does not mind if a few
+/// rows are missing. Neither marker occurs within coded data.
+bool ends_properly(std::span<const std::byte> jpeg) {
+  for (std::size_t i = jpeg.size() - 1; i > 0; --i) {
+    if (jpeg[i - 1] != std::byte{0xff}) continue;
+    if (jpeg[i] == std::byte{0xd9}) return true;
+    if (jpeg[i] == std::byte{0xda}) return false;
+  }
+  return false;
+}
+
+/// The orientation that a JPEG's Exif data ask for.
+Orientation orientation_of(const AVFrame& frame) {
+  const AVFrameSideData* matrix = av_frame_get_side_data(&frame, AV_FRAME_DATA_DISPLAYMATRIX);
+  if (matrix != nullptr) {
+    return orientation_from_display_matrix(reinterpret_cast<const std::int32_t*>(matrix->data));
+  }
+  const AVDictionaryEntry* entry = av_dict_get(frame.metadata, "Orientation", nullptr, 0);
+  return orientation_from_exif(entry == nullptr ? 1 : std::atoi(entry->value));
+}
+
+FramePtr decode_picture(std::span<const std::byte> bytes, AVCodecID id, const std::string& where) {
+  CodecContextPtr codec = make_codec_context(avcodec_find_decoder(id));
+  codec->max_pixels = kMaxPixels;
+  codec->thread_count = 1;
+  codec->err_recognition = AV_EF_CRCCHECK | AV_EF_BITSTREAM | AV_EF_BUFFER | AV_EF_EXPLODE;
+  listen_to_log();
+  check(avcodec_open2(codec.get(), codec->codec, nullptr), where, "cannot be decoded");
+
+  const PacketPtr packet = packet_of(bytes);
+  constexpr const char* problem = "is damaged, cut short or too large";
+  FramePtr frame = make_frame();
+  check(avcodec_send_packet(codec.get(), packet.get()), where, problem, kDamagedMend);
+  check(avcodec_send_packet(codec.get(), nullptr), where, problem, kDamagedMend);
+  check(avcodec_receive_frame(codec.get(), frame.get()), where, problem, kDamagedMend);
+  // Decoders return half a picture with a complaint; half a picture is none.
+  if (!first_complaint().empty() || frame->decode_error_flags != 0 ||
+      (frame->flags & AV_FRAME_FLAG_CORRUPT)) {
+    check(AVERROR_INVALIDDATA, where, problem, kDamagedMend);
+  }
+  return frame;
+}
+
+/// The whole picture as the bytes of a file.
+PacketPtr encode_picture(const Image& image, AVCodecID id) {
+  const bool is_jpeg = id == AV_CODEC_ID_MJPEG;
+  const AVPixelFormat format = is_jpeg                 ? AV_PIX_FMT_YUVJ444P
+                               : image.channels() == 1 ? AV_PIX_FMT_GRAY8
+                                                       : AV_PIX_FMT_RGB24;
+  CodecContextPtr codec = make_codec_context(avcodec_find_encoder(id));
+  codec->width = image.width();
+  codec->height = image.height();
+  codec->pix_fmt = format;
+  codec->time_base = {1, 25};
+  codec->thread_count = 1;
+  codec->flags |= AV_CODEC_FLAG_BITEXACT;
+  if (is_jpeg) {
+    constexpr int jpeg_quantiser = 2;  // FFmpeg's scale, 1 (best) to 31
+    codec->color_range = AVCOL_RANGE_JPEG;
+    codec->flags |= AV_CODEC_FLAG_QSCALE;
+    codec->global_quality = FF_QP2LAMBDA * jpeg_quantiser;
+  } else {
+    av_opt_set(codec->priv_data, "pred", "mixed", 0);
+  }
+  check_memory(avcodec_open2(codec.get(), codec->codec, nullptr));
+
+  const FramePtr frame = frame_from_image(image, format, image.width(), image.height(),
+                                          AVCOL_SPC_BT470BG, AVCOL_RANGE_JPEG);
+  frame->quality = codec->global_quality;
+  frame->pts = 0;
+  PacketPtr packet = make_packet();
+  check_memory(avcodec_send_frame(codec.get(), frame.get()));
+  check_memory(avcodec_send_frame(codec.get(), nullptr));
+  check_memory(avcodec_receive_packet(codec.get(), packet.get()));
+  return packet;
+}
+
+}  // namespace
+
+std::optional<PictureFormat> picture_format(std::span<const std::byte> bytes) {
+  if (begins_with(bytes, kPngSignature)) return PictureFormat::png;
+  if (begins_with(bytes, kJpegSignature)) return PictureFormat::jpeg;
+  return std::nullopt;
+}
+
+Image read_image(const std::filesystem::path& path) {
+  const std::vector<std::byte> bytes = read_file(path);
+  const std::string where = path.string();
+  if (bytes.empty()) throw InputError(where, "is empty");
+  const auto format = picture_format(bytes);
+  if (!format) throw InputError(where, "is neither a PNG nor a JPEG picture");
+
+  const bool is_jpeg = *format == PictureFormat::jpeg;
+  if (is_jpeg && !ends_properly(bytes)) {
+    throw InputError(where, "is cut short (no end marker)", kDamagedMend);
+  }
+  const FramePtr frame =
+      decode_picture(bytes, is_jpeg ? AV_CODEC_ID_MJPEG : AV_CODEC_ID_PNG, where);
+  ImageMaker maker;
+  return oriented(maker.image(*frame, where), orientation_of(*frame));
+}
+
+void write_image(const std::filesystem::path& path, const Image& image) {
+  EARPOINT_CHECK(!image.empty() && (image.channels() == 1 || image.channels() == 3));
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const bool is_jpeg = extension == ".jpg" || extension == ".jpeg";
+  if (!is_jpeg && extension != ".png") {
+    throw InputError(
+        path.string(),
+        fmt::format("pictures are written as .png, .jpg or .jpeg, not '{}'", extension));
+  }
+  listen_to_log();
+  const PacketPtr packet = encode_picture(image, is_jpeg ? AV_CODEC_ID_MJPEG : AV_CODEC_ID_PNG);
+  write_file(path, std::as_bytes(std::span(packet->data, static_cast<std::size_t>(packet->size))));
+}
+
+}  // namespace earpoint

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <filesystem>
+
+#include <earpoint/core/image.h>
+
+namespace earpoint {
+
+/// Reads a PNG or JPEG file; its first bytes, not its name, say which.
+///
+/// Whatever comes in (grey, palette, 1 to 16 bits, transparency, YCbCr) goes out as RGB. Samples of
+/// other depths are scaled to 0..255 and rounded; transparent pixels are composited on black; a
+/// JPEG's Exif orientation is applied. Colour profiles are not: values are taken as sRGB.
+///
+/// @return  shape [height][width][3]
+/// @throws  InputError if the file is missing, neither PNG nor JPEG, damaged, cut short, or larger
+///          than 100 megapixels
+[[nodiscard]] Image read_image(const std::filesystem::path& path);
+
+/// Writes a picture, whole or not at all. The extension chooses the format: .png is lossless;
+/// .jpg and .jpeg have full colour resolution (4:4:4) and high quality.
+///
+/// @param image  not empty; 3 channels (RGB), or 1 (grey; read_image gives it back as RGB)
+/// @throws  InputError if the extension is another, or the file cannot be written
+void write_image(const std::filesystem::path& path, const Image& image);
+
+}  // namespace earpoint

@@ -1,0 +1,51 @@
+#include "container.h"
+#include "picture.h"
+
+#include <array>
+#include <fstream>
+
+#include <earpoint/core/error.h>
+#include <earpoint/video/image_file.h>
+#include <earpoint/video/media.h>
+
+namespace earpoint {
+namespace {
+
+std::optional<PictureFormat> picture_format_of(const std::filesystem::path& path) {
+  std::array<std::byte, 16> head{};
+  std::ifstream file(path, std::ios::binary);
+  file.read(reinterpret_cast<char*>(head.data()), head.size());
+  return picture_format(std::span(head).first(static_cast<std::size_t>(file.gcount())));
+}
+
+MediaInfo describe_picture_file(const std::filesystem::path& path, PictureFormat format) {
+  const Image image = read_image(path);
+  MediaInfo info;
+  info.kind = MediaKind::picture;
+  info.format = format == PictureFormat::png ? "png" : "jpeg";
+  StreamInfo& stream = info.streams.emplace_back();
+  stream.kind = StreamKind::video;
+  stream.codec = format == PictureFormat::png ? "png" : "mjpeg";
+  stream.width = image.width();
+  stream.height = image.height();
+  return info;
+}
+
+}  // namespace
+
+const StreamInfo* MediaInfo::preferred(StreamKind wanted) const {
+  const StreamInfo* first = nullptr;
+  for (const StreamInfo& stream : streams) {
+    if (stream.kind != wanted) continue;
+    if (stream.is_default) return &stream;
+    if (first == nullptr) first = &stream;
+  }
+  return first;
+}
+
+MediaInfo probe_media(const std::filesystem::path& path) {
+  if (const auto format = picture_format_of(path)) return describe_picture_file(path, *format);
+  return ffmpeg::InputContainer(path).describe();
+}
+
+}  // namespace earpoint
