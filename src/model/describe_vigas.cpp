@@ -1,4 +1,4 @@
-#include "safetensors_header.h"
+#include "quote.h"
 
 #include <initializer_list>
 

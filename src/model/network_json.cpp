@@ -1,4 +1,4 @@
-#include "safetensors_header.h"
+#include "quote.h"
 #include "strict_json.h"
 
 #include <array>

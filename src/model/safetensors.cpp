@@ -1,3 +1,4 @@
+#include "quote.h"
 #include "safetensors_header.h"
 
 #include <algorithm>

@@ -1,5 +1,7 @@
 #include "safetensors_header.h"
 
+#include "quote.h"
+
 #include <algorithm>
 #include <limits>
 #include <optional>
@@ -205,12 +207,6 @@ void check_coverage(const SafetensorsHeader& header, std::int64_t data_size,
 }
 
 }  // namespace
-
-std::string in_quotes(std::string_view name) {
-  constexpr std::size_t kLongest = 120;
-  if (name.size() <= kLongest) return fmt::format("'{}'", name);
-  return fmt::format("'{}...'", name.substr(0, kLongest));
-}
 
 SafetensorsHeader parse_safetensors_header(std::string_view text, std::int64_t data_size,
                                            std::string_view where) {

@@ -31,7 +31,4 @@ struct SafetensorsHeader {
 SafetensorsHeader parse_safetensors_header(std::string_view text, std::int64_t data_size,
                                            std::string_view where);
 
-/// The name in quotes, shortened if it is long: file contents go into messages.
-std::string in_quotes(std::string_view name);
-
 }  // namespace earpoint

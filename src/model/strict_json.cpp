@@ -1,6 +1,6 @@
 #include "strict_json.h"
 
-#include "safetensors_header.h"
+#include "quote.h"
 
 #include <vector>
 

@@ -56,6 +56,24 @@ TEST(OracleWeights, AreOfTheNetworkThatTheManifestNames) {
   EXPECT_THROW((void)weights.at("output_net.0.first.weight"), std::logic_error);
 }
 
+TEST(OracleWeights, EqualTheReleasedFormatsCheckpointsBitForBit) {
+  const Checkpoint mini = import_checkpoint(kMini.parent_path() / "best_val.ckpt");
+  EXPECT_EQ(make_oracle_checkpoint(kMini).state_dict, mini.state_dict);
+  EXPECT_EQ(make_oracle_checkpoint(kMini).hparams, mini.hparams);
+}
+
+TEST(OracleWeights, EqualTheLargeCheckpointsBitForBit) {
+  const char* folder = std::getenv("EARPOINT_ORACLE_DIR");
+  if (folder == nullptr) GTEST_SKIP() << "EARPOINT_ORACLE_DIR is not set";
+  for (const char* name : {"C_tiny_noresnet", "A_soundspaces"}) {
+    const fs::path oracle = fs::path(folder) / name;
+    const Checkpoint made = make_oracle_checkpoint(oracle / "manifest.json");
+    const Checkpoint read = import_checkpoint(oracle / "best_val.ckpt");
+    EXPECT_EQ(made.state_dict, read.state_dict) << name;
+    EXPECT_EQ(made.hparams, read.hparams) << name;
+  }
+}
+
 TEST(OracleWeights, FullNetworksAreDescribedFromTheirTensors) {
   const char* folder = std::getenv("EARPOINT_ORACLE_DIR");
   if (folder == nullptr) GTEST_SKIP() << "EARPOINT_ORACLE_DIR is not set";
