@@ -1,3 +1,5 @@
+#include "model_command.h"
+
 #include <cstdio>
 #include <exception>
 
@@ -9,6 +11,7 @@ int main(int argc, char** argv) {
   CLI::App app("Earpoint: hear a recorded moment from another place.", "earpoint");
   app.require_subcommand(1);
   app.set_version_flag("--version", EARPOINT_VERSION);
+  add_model_command(app);
   try {
     app.parse(argc, argv);
     return 0;

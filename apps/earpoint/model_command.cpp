@@ -1,0 +1,147 @@
+#include "model_command.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include <earpoint/model/checkpoint.h>
+#include <earpoint/model/network.h>
+#include <earpoint/model/safetensors.h>
+#include <earpoint/model/weights.h>
+
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+struct ImportOptions {
+  fs::path checkpoint;
+  fs::path output;
+  bool keep_all = false;
+};
+
+struct InfoOptions {
+  fs::path file;
+  bool json = false;
+};
+
+std::int64_t value_count(const std::map<std::string, earpoint::Tensor>& tensors) {
+  std::int64_t count = 0;
+  for (const auto& [name, tensor] : tensors) count += tensor.elements();
+  return count;
+}
+
+void import_model(const ImportOptions& options) {
+  const std::string where = options.checkpoint.string();
+  earpoint::Checkpoint checkpoint = earpoint::import_checkpoint(options.checkpoint);
+  const std::size_t found = checkpoint.state_dict.size();
+  const earpoint::SafetensorsFile file = earpoint::weight_file_from_checkpoint(
+      std::move(checkpoint),
+      options.keep_all ? earpoint::KeepTensors::all : earpoint::KeepTensors::required, where);
+  earpoint::write_safetensors(options.output, file);
+  fmt::print("wrote {}: {} tensors, {} values", options.output.string(), file.tensors.size(),
+             value_count(file.tensors));
+  if (file.tensors.size() < found) {
+    fmt::print("; left out {} tensors that inference never reads (--keep-all keeps them)",
+               found - file.tensors.size());
+  }
+  fmt::print("\n");
+}
+
+/// What `model info` says about a file, of either network.
+struct ModelFacts {
+  Json description;
+  std::size_t tensors = 0;
+  std::int64_t values = 0;
+  std::vector<std::string> unused;
+};
+
+ModelFacts facts_of(const fs::path& path) {
+  earpoint::SafetensorsFile file = earpoint::read_safetensors(path);
+  const std::string where = path.string();
+  ModelFacts facts;
+  const earpoint::NetworkKind kind = earpoint::network_kind(file, where);
+  facts.description = Json::parse(file.metadata.at(std::string(earpoint::kDescriptionKey)));
+  if (kind == earpoint::NetworkKind::vigas) {
+    earpoint::ViGasWeights weights = earpoint::vigas_weights(std::move(file), where);
+    facts.tensors = weights.tensors.size();
+    facts.values = value_count(weights.tensors);
+    facts.unused = std::move(weights.unused);
+  } else {
+    earpoint::Rt60EstimatorWeights weights =
+        earpoint::rt60_estimator_weights(std::move(file), where);
+    facts.tensors = weights.tensors.size();
+    facts.values = value_count(weights.tensors);
+    facts.unused = std::move(weights.unused);
+  }
+  return facts;
+}
+
+/// A description's value on one line: objects as their values, lists joined.
+std::string text_of(const Json& value) {
+  if (value.is_null()) return "none";
+  if (value.is_string()) return value.get<std::string>();
+  if (!value.is_structured()) return value.dump();
+  std::vector<std::string> parts;
+  for (const auto& [key, item] : value.items()) {
+    parts.push_back(value.is_array() ? text_of(item) : fmt::format("{} {}", key, text_of(item)));
+  }
+  return fmt::format("{}", fmt::join(parts, value.is_array() ? "; " : ", "));
+}
+
+void print_info(const InfoOptions& options) {
+  const ModelFacts facts = facts_of(options.file);
+  if (options.json) {
+    fmt::print("{}\n", Json{{"file", options.file.string()},
+                            {"description", facts.description},
+                            {"tensors", facts.tensors},
+                            {"values", facts.values},
+                            {"unused_tensors", facts.unused}}
+                           .dump(2));
+    return;
+  }
+  fmt::print("{}\n", options.file.string());
+  for (const auto& [key, value] : facts.description.items()) {
+    fmt::print("  {:<20} {}\n", key, text_of(value));
+  }
+  fmt::print("  {:<20} {}\n  {:<20} {}\n  {:<20} {}\n", "tensors", facts.tensors, "values",
+             facts.values, "unused tensors", facts.unused.size());
+}
+
+void add_import(CLI::App& model) {
+  auto options = std::make_shared<ImportOptions>();
+  CLI::App* command = model.add_subcommand(
+      "import", "Make a weight file of a PyTorch checkpoint of the released code.");
+  command->add_option("checkpoint", options->checkpoint, "Checkpoint, e.g. best_val.ckpt")
+      ->required();
+  command->add_option("-o,--output", options->output, "Weight file to write (.safetensors)")
+      ->required();
+  command->add_flag("--keep-all", options->keep_all,
+                    "Also keep the tensors that inference never reads");
+  command->callback([options] { import_model(*options); });
+}
+
+void add_info(CLI::App& model) {
+  auto options = std::make_shared<InfoOptions>();
+  CLI::App* command =
+      model.add_subcommand("info", "Check a weight file and say what network it is of.");
+  command->add_option("file", options->file, "Weight file (.safetensors)")->required();
+  command->add_flag("--json", options->json, "Print JSON");
+  command->callback([options] { print_info(*options); });
+}
+
+}  // namespace
+
+void add_model_command(CLI::App& app) {
+  CLI::App* model = app.add_subcommand("model", "Networks: import, inspect, run.");
+  model->require_subcommand(1);
+  add_import(*model);
+  add_info(*model);
+}

@@ -1,0 +1,47 @@
+#include "run_program.h"
+
+#include <array>
+#include <filesystem>
+#include <stdexcept>
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <earpoint/core/file.h>
+
+namespace fs = std::filesystem;
+
+ProgramOutcome run_earpoint(const std::vector<std::string>& arguments) {
+  const std::string stem =
+      (fs::temp_directory_path() / ("earpoint_run_" + std::to_string(::getpid()))).string();
+  const std::array<std::string, 2> captured{stem + ".out", stem + ".err"};
+
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  for (int i = 0; i < 2; ++i) {
+    posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO + i, captured[i].c_str(),
+                                     O_CREAT | O_TRUNC | O_WRONLY, 0600);
+  }
+  std::vector<std::string> words{EARPOINT_PROGRAM};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  std::vector<char*> pointers;
+  for (std::string& word : words) pointers.push_back(word.data());
+  pointers.push_back(nullptr);
+
+  pid_t child = 0;
+  const int error =
+      posix_spawn(&child, EARPOINT_PROGRAM, &actions, nullptr, pointers.data(), environ);
+  posix_spawn_file_actions_destroy(&actions);
+  if (error != 0) throw std::runtime_error("cannot start " EARPOINT_PROGRAM);
+  int status = 0;
+  if (::waitpid(child, &status, 0) != child)
+    throw std::runtime_error("cannot wait for the program");
+
+  ProgramOutcome outcome{WIFEXITED(status) ? WEXITSTATUS(status) : -1,
+                         earpoint::read_text_file(captured[0]),
+                         earpoint::read_text_file(captured[1])};
+  for (const std::string& path : captured) fs::remove(path);
+  return outcome;
+}
