@@ -1,0 +1,154 @@
+// What the released evaluation computes, and what this module makes of the same inputs.
+// testdata/ holds a part of the reference data; the whole is read where EARPOINT_ORACLE_DIR says.
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include <earpoint/audio/butterworth.h>
+#include <earpoint/audio/gcc_phat.h>
+#include <earpoint/audio/resample.h>
+#include <earpoint/audio/stft.h>
+#include <earpoint/model/safetensors.h>
+
+namespace earpoint {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The folders that hold a file of reference data: ours, and the whole set if it is there.
+std::vector<fs::path> folders() {
+  std::vector<fs::path> result{fs::path(EARPOINT_SOURCE_DIR) / "src/audio/testdata"};
+  if (const char* whole = std::getenv("EARPOINT_ORACLE_DIR")) {
+    result.push_back(fs::path(whole) / "D_signal");
+  }
+  return result;
+}
+
+std::vector<SafetensorsFile> files(const std::string& name) {
+  std::vector<SafetensorsFile> result;
+  for (const fs::path& folder : folders()) result.push_back(read_safetensors(folder / name));
+  return result;
+}
+
+/// Row `row` of a tensor of two axes; the whole of a tensor of one.
+template <typename T>
+std::span<const T> row_of(const Tensor& tensor, std::int64_t row) {
+  const auto length = static_cast<std::size_t>(tensor.shape.back());
+  return tensor.as<T>().subspan(static_cast<std::size_t>(row) * length, length);
+}
+
+TEST(ButterworthOracle, SectionsAreTheReferences) {
+  for (const SafetensorsFile& file : files("filter.safetensors")) {
+    for (const auto& [name, cut_hz] : {std::pair{"sos_80", 80.0}, {"sos_150", 150.0}}) {
+      const auto sections = butterworth_bandpass(cut_hz, 7999.0, 16000.0);
+      const std::span<const double> expected = file.tensors.at(name).as<double>();
+      ASSERT_EQ(sections.size() * 6, expected.size());
+      for (std::size_t i = 0; i < sections.size(); ++i) {
+        const SecondOrderSection& s = sections[i];
+        const double found[6] = {s.b0, s.b1, s.b2, 1.0, s.a1, s.a2};
+        for (int j = 0; j < 6; ++j) {
+          // Poles within 1e-4 of the unit circle magnify the rounding of the tangents.
+          EXPECT_NEAR(found[j], expected[6 * i + j], 1e-12) << name << " section " << i;
+        }
+      }
+    }
+  }
+}
+
+TEST(ButterworthOracle, ZeroPhaseFilteringIsTheReferences) {
+  for (const SafetensorsFile& file : files("filter.safetensors")) {
+    for (const auto& [suffix, cut_hz] : {std::pair{"_cut80", 80.0}, {"_cut150", 150.0}}) {
+      const auto sections = butterworth_bandpass(cut_hz, 7999.0, 16000.0);
+      for (const std::string name : {"x1", "x2"}) {
+        if (!file.tensors.contains(name)) continue;
+        const Tensor& input = file.tensors.at(name);
+        const std::int64_t rows = input.elements() / input.shape.back();
+        for (std::int64_t row = 0; row < rows; ++row) {
+          const std::span<const double> in = row_of<double>(input, row);
+          const std::span<const double> expected =
+              row_of<double>(file.tensors.at(name + suffix), row);
+          std::vector<double> out(in.size());
+          filter_zero_phase(sections, in, out);
+          for (std::size_t n = 0; n < out.size(); ++n) {
+            ASSERT_NEAR(out[n], expected[n], 1e-11) << name << suffix << " sample " << n;
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST(GccPhatOracle, DelaysAreTheReferencesToTheSixteenthOfASample) {
+  for (const SafetensorsFile& file : files("gcc_phat.safetensors")) {
+    const std::span<const double> expected = file.tensors.at("delay").as<double>();
+    const std::span<const double> margin = file.tensors.at("margin").as<double>();
+    for (std::size_t pair = 0; pair < expected.size(); ++pair) {
+      // Two independent noises have several peaks of nearly one height; those are no evidence.
+      if (margin[pair] < 1e-4) continue;
+      EXPECT_EQ(gcc_phat_delay_samples(row_of<float>(file.tensors.at("sig"), pair),
+                                       row_of<float>(file.tensors.at("ref"), pair)),
+                expected[pair])
+          << "pair " << pair;
+    }
+  }
+}
+
+TEST(GccPhatOracle, SilenceGivesTheReferencesEdge) {
+  for (const SafetensorsFile& file : files("gcc_phat.safetensors")) {
+    const std::span<const float> reference = row_of<float>(file.tensors.at("ref"), 0);
+    const std::vector<float> silence(reference.size());
+    const std::span<const double> expected = file.tensors.at("edge").as<double>();
+    EXPECT_EQ(gcc_phat_delay_samples(silence, reference), expected[0]);
+    EXPECT_EQ(gcc_phat_delay_samples(reference, silence), expected[1]);
+    EXPECT_EQ(gcc_phat_delay_samples(reference, reference), expected[2]);
+  }
+}
+
+TEST(ResampleOracle, SincFollowsTheReference) {
+  for (const SafetensorsFile& file : files("resample.safetensors")) {
+    for (const int rate_hz : {48000, 44100, 22050, 8000}) {
+      const Tensor& input = file.tensors.at("in_" + std::to_string(rate_hz));
+      const Tensor& expected = file.tensors.at("out_" + std::to_string(rate_hz));
+      const auto channels = static_cast<int>(input.shape[0]);
+      Waveform wave(channels, input.shape[1], rate_hz);
+      std::ranges::copy(input.as<float>(), wave.planar().begin());
+      const Waveform out = resample_sinc(wave, 16000);
+      ASSERT_EQ(out.samples(), expected.shape[1]);
+      for (std::size_t i = 0; i < out.planar().size(); ++i) {
+        // The reference rounds its taps to float.
+        ASSERT_NEAR(out.planar()[i], expected.as<float>()[i], 3e-6F) << rate_hz << " Hz at " << i;
+      }
+    }
+  }
+}
+
+TEST(StftOracle, ValuesAreTheReferences) {
+  const char* whole = std::getenv("EARPOINT_ORACLE_DIR");
+  if (whole == nullptr) GTEST_SKIP() << "EARPOINT_ORACLE_DIR is not set";
+  const SafetensorsFile file = read_safetensors(fs::path(whole) / "D_signal/metrics.safetensors");
+  const std::span<const float> target = file.tensors.at("tgt").as<float>();
+  const std::span<const float> expected = file.tensors.at("stft0").as<float>();
+  Stft stft;
+  for (std::size_t c = 0; c < 2; ++c) {
+    const Spectrogram found = stft.forward(target.subspan(c * 16000, 16000));
+    ASSERT_EQ(found.frames, 101);
+    ASSERT_EQ(found.bins, 257);
+    for (int frame = 0; frame < found.frames; ++frame) {
+      for (int bin = 0; bin < found.bins; ++bin) {
+        // The reference has bins first, then frames, then real and imaginary part.
+        const std::size_t at = ((c * 257 + bin) * 101 + frame) * 2;
+        // Values of up to 100 in float.
+        ASSERT_NEAR(found.frame(frame)[bin].real(), expected[at], 2e-5F);
+        ASSERT_NEAR(found.frame(frame)[bin].imag(), expected[at + 1], 2e-5F);
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace earpoint
