@@ -14,6 +14,8 @@ constexpr int kAzimuthCells = 36;
 constexpr int kHeightCells = 18;
 // How far outside of a triangle still counts as inside: rounding of unit vectors.
 constexpr double kEdgeTolerance = 1e-9;
+// A hull of less volume is a plane: the bulge of directions moved off circles is far below.
+constexpr double kFlat = 1e-4;
 
 // Hull of the directions slightly moved in and out, so that four on a circle (rings of equal
 // elevation) have one triangulation. A smooth function of |y| keeps left and right alike. Its size
@@ -21,6 +23,29 @@ constexpr double kEdgeTolerance = 1e-9;
 Vector3 moved_off_circle(const Vector3& v) {
   constexpr double kAmplitude = 3e-6;
   return v * (1.0 + kAmplitude * std::sin(12.9 * v.x + 78.2 * std::abs(v.y) + 37.7 * v.z));
+}
+
+struct Tetrahedron {
+  std::array<int, 4> corners{};
+  double volume = 0.0;  // six-fold, signed
+};
+
+// Four directions as far from one plane as is cheap to find.
+Tetrahedron wide_tetrahedron(std::span<const Vector3> points) {
+  const auto farthest = [&](auto measure) {
+    int best = 0;
+    for (int i = 1; i < std::ssize(points); ++i) {
+      if (measure(points[i]) > measure(points[best])) best = i;
+    }
+    return best;
+  };
+  const Vector3& a = points[0];
+  const int b = farthest([&](const Vector3& p) { return norm(p - a); });
+  const Vector3 ab = points[b] - a;
+  const int c = farthest([&](const Vector3& p) { return norm(cross(ab, p - a)); });
+  const Vector3 plane = cross(ab, points[c] - a);
+  const int d = farthest([&](const Vector3& p) { return std::abs(dot(plane, p - a)); });
+  return {{0, b, c, d}, dot(plane, points[d] - a)};
 }
 
 }  // namespace
@@ -39,23 +64,9 @@ struct DirectionMesh::Face {
 
 // Incremental convex hull: each point replaces the faces that it sees by a fan over their rim.
 std::vector<DirectionMesh::Face> DirectionMesh::hull(std::span<const Vector3> points) {
-  const int count = static_cast<int>(points.size());
-  // A first tetrahedron, as wide as it is cheap to find.
-  const auto farthest = [&](auto measure) {
-    int best = 0;
-    for (int i = 1; i < count; ++i) {
-      if (measure(points[i]) > measure(points[best])) best = i;
-    }
-    return best;
-  };
-  const int a = 0;
-  const int b = farthest([&](const Vector3& p) { return norm(p - points[a]); });
-  const int c =
-      farthest([&](const Vector3& p) { return norm(cross(points[b] - points[a], p - points[a])); });
-  const Vector3 plane = cross(points[b] - points[a], points[c] - points[a]);
-  const int d = farthest([&](const Vector3& p) { return std::abs(dot(plane, p - points[a])); });
-  const double volume = dot(plane, points[d] - points[a]);
-  EARPOINT_CHECK(std::abs(volume) > 1e-4);
+  const auto [corners, volume] = wide_tetrahedron(points);
+  EARPOINT_CHECK(std::abs(volume) > kFlat);
+  const auto [a, b, c, d] = corners;
   const int e = volume < 0.0 ? b : c;  // counter-clockwise seen from outside
   const int f = volume < 0.0 ? c : b;
   std::vector<Face> faces = {
@@ -63,7 +74,7 @@ std::vector<DirectionMesh::Face> DirectionMesh::hull(std::span<const Vector3> po
 
   std::vector<Face> kept;
   std::vector<std::pair<int, int>> edges;
-  for (int i = 0; i < count; ++i) {
+  for (int i = 0; i < std::ssize(points); ++i) {
     if (i == a || i == b || i == c || i == d) continue;
     kept.clear();
     edges.clear();
@@ -84,6 +95,10 @@ std::vector<DirectionMesh::Face> DirectionMesh::hull(std::span<const Vector3> po
     faces.swap(kept);
   }
   return faces;
+}
+
+bool DirectionMesh::spans_space(std::span<const Vector3> directions) {
+  return directions.size() >= 4 && std::abs(wide_tetrahedron(directions).volume) > kFlat;
 }
 
 DirectionMesh::DirectionMesh(std::span<const Vector3> directions)

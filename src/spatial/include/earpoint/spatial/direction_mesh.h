@@ -27,6 +27,9 @@ class DirectionMesh {
   /// @throws std::logic_error if there are too few or all lie in one plane
   explicit DirectionMesh(std::span<const Vector3> directions);
 
+  /// @return whether a mesh can be made of these: at least 4, not all in one plane
+  [[nodiscard]] static bool spans_space(std::span<const Vector3> directions);
+
   /// The triangle around a direction. If none is (the directions leave a hemisphere empty), the
   /// nearest corner alone, with weight one.
   /// @param direction  not zero; need not be of unit length

@@ -1,0 +1,260 @@
+#include "hrtf_preparation.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <complex>
+#include <numeric>
+
+#include <earpoint/audio/fft.h>
+#include <earpoint/core/error.h>
+#include <earpoint/core/pose.h>
+
+namespace earpoint {
+namespace {
+
+using Complex = std::complex<double>;
+
+double largest_delay(const SofaFile& file) {
+  double largest = 0.0;
+  for (const auto& delays : file.delays_samples) {
+    largest = std::max({largest, delays[0], delays[1]});
+  }
+  return largest;
+}
+
+// Delays by a fraction of samples: a phase ramp, exact for what lies below Nyquist.
+void delay_response(std::span<const float> in, double delay_samples, RealFft<double>& fft,
+                    std::span<float> out) {
+  std::vector<double> padded(fft.size(), 0.0);
+  std::vector<Complex> spectrum(fft.bins());
+  std::copy(in.begin(), in.end(), padded.begin());
+  fft.forward(padded, spectrum);
+  for (int bin = 0; bin < fft.bins(); ++bin) {
+    spectrum[bin] *= std::polar(1.0, -2.0 * kPi * bin * delay_samples / fft.size());
+  }
+  fft.inverse(spectrum, padded);
+  std::transform(padded.begin(), padded.begin() + std::ssize(out), out.begin(),
+                 [](double value) { return static_cast<float>(value); });
+}
+
+// Power average over directions and ears, third-octave smoothed, as dB per bin.
+std::vector<double> diffuse_field_db(HrtfResponses& set, RealFft<double>& fft) {
+  const std::vector<double> shares = sphere_shares(set.directions);
+  std::vector<double> power(fft.bins(), 0.0);
+  std::vector<double> padded(fft.size(), 0.0);
+  std::vector<Complex> spectrum(fft.bins());
+  for (std::size_t i = 0; i < set.directions.size(); ++i) {
+    for (int ear = 0; ear < 2; ++ear) {
+      std::ranges::copy(set.response(i, ear), padded.begin());
+      fft.forward(padded, spectrum);
+      for (int bin = 0; bin < fft.bins(); ++bin) {
+        power[bin] += 0.5 * shares[i] * std::norm(spectrum[bin]);
+      }
+    }
+  }
+  std::vector<double> running(fft.bins() + 1, 0.0);
+  std::partial_sum(power.begin(), power.end(), running.begin() + 1);
+  std::vector<double> level_db(fft.bins());
+  const double sixth = std::exp2(1.0 / 6.0);
+  for (int bin = 0; bin < fft.bins(); ++bin) {
+    const int low = static_cast<int>(bin / sixth);
+    const int high = std::min(static_cast<int>(std::ceil(bin * sixth)) + 1, fft.bins());
+    level_db[bin] = 10.0 * std::log10((running[high] - running[low]) / (high - low) + 1e-30);
+  }
+  return level_db;
+}
+
+// The minimum-phase spectrum of a magnitude in nepers, by folding its cepstrum.
+std::vector<Complex> minimum_phase(std::span<const double> log_magnitude, RealFft<double>& fft) {
+  std::vector<Complex> spectrum(log_magnitude.begin(), log_magnitude.end());
+  std::vector<double> cepstrum(fft.size());
+  fft.inverse(spectrum, cepstrum);
+  const int half = fft.size() / 2;
+  std::transform(cepstrum.begin() + 1, cepstrum.begin() + half, cepstrum.begin() + 1,
+                 [](double value) { return 2.0 * value; });
+  std::fill(cepstrum.begin() + half + 1, cepstrum.end(), 0.0);
+  fft.forward(cepstrum, spectrum);
+  for (Complex& value : spectrum) value = std::exp(value);
+  return spectrum;
+}
+
+}  // namespace
+
+double onset_of(std::span<const float> response) {
+  constexpr int kReach = 16;
+  constexpr int kSteps = 16;
+  double peak = 0.0;
+  for (const float value : response) peak = std::max(peak, static_cast<double>(std::abs(value)));
+  const double threshold = 0.1 * peak;
+  if (peak == 0.0) return 0.0;
+  const auto first =
+      std::ranges::find_if(response, [&](float value) { return std::abs(value) >= threshold; });
+  const auto coarse = static_cast<int>(first - response.begin());
+
+  // Between samples: a sinc under a Hann window, stepped over the two samples before.
+  const auto value_at = [&](double time) {
+    double sum = 0.0;
+    const int middle = static_cast<int>(std::floor(time));
+    for (int n = std::max(0, middle - kReach + 1);
+         n <= std::min(static_cast<int>(response.size()) - 1, middle + kReach); ++n) {
+      const double x = time - n;
+      const double sinc = std::abs(x) < 1e-9 ? 1.0 : std::sin(kPi * x) / (kPi * x);
+      sum += response[n] * sinc * 0.5 * (1.0 + std::cos(kPi * x / (kReach + 1)));
+    }
+    return std::abs(sum);
+  };
+  double before = value_at(coarse - 2.0);
+  for (int step = 1; step <= 2 * kSteps; ++step) {
+    const double time = coarse - 2.0 + static_cast<double>(step) / kSteps;
+    const double now = value_at(time);
+    if (now >= threshold && before < threshold) {
+      return time - (now - threshold) / (now - before) / kSteps;
+    }
+    before = now;
+  }
+  return coarse;
+}
+
+HrtfResponses farthest_shell(const SofaFile& file) {
+  double farthest_m = 0.0;
+  for (const Vector3& position : file.positions_m)
+    farthest_m = std::max(farthest_m, norm(position));
+
+  HrtfResponses set;
+  set.sample_rate_hz = file.sample_rate_hz;
+  const double delay = largest_delay(file);
+  set.taps = file.taps + static_cast<int>(std::ceil(delay));
+  RealFft<double> fft(fast_fft_size(2 * set.taps));
+  const double same_direction = std::cos(radians_from_degrees(0.02));
+  for (std::size_t i = 0; i < file.positions_m.size(); ++i) {
+    const double distance_m = norm(file.positions_m[i]);
+    if (distance_m < 0.9 * farthest_m) continue;
+    const Vector3 direction = file.positions_m[i] / distance_m;
+    const bool seen = std::ranges::any_of(set.directions, [&](const Vector3& other) {
+      return dot(other, direction) > same_direction;
+    });
+    if (seen) continue;
+    set.directions.push_back(direction);
+    set.responses.resize(set.directions.size() * 2 * set.taps, 0.0F);
+    set.onsets.emplace_back();
+    for (int ear = 0; ear < 2; ++ear) {
+      const std::span<float> out = set.response(set.directions.size() - 1, ear);
+      if (file.delays_samples[i][ear] > 0.0) {
+        delay_response(file.response(i, ear), file.delays_samples[i][ear], fft, out);
+      } else {
+        std::ranges::copy(file.response(i, ear), out.begin());
+      }
+      set.onsets.back()[ear] = onset_of(out);
+    }
+  }
+  return set;
+}
+
+std::vector<double> sphere_shares(std::span<const Vector3> directions) {
+  // An even spread of points by the golden angle, each given to the direction nearest to it.
+  constexpr int kPoints = 4000;
+  const double golden = kPi * (3.0 - std::sqrt(5.0));
+  std::vector<double> shares(directions.size(), 0.0);
+  for (int i = 0; i < kPoints; ++i) {
+    const double z = 1.0 - (2.0 * i + 1.0) / kPoints;
+    const double radius = std::sqrt(1.0 - z * z);
+    const Vector3 point{radius * std::cos(golden * i), radius * std::sin(golden * i), z};
+    const auto nearest = std::ranges::max_element(
+        directions, {}, [&](const Vector3& direction) { return dot(direction, point); });
+    shares[nearest - directions.begin()] += 1.0 / kPoints;
+  }
+  return shares;
+}
+
+void equalize_diffuse_field(HrtfResponses& set) {
+  constexpr double kLength_s = 512.0 / 44100.0;
+  constexpr double kMost_db = 18.0;
+  const int taps = set.taps + static_cast<int>(kLength_s * set.sample_rate_hz);
+  RealFft<double> fft(fast_fft_size(4 * taps));
+
+  // The level that counts as the set's own is its mean from 500 to 4000 Hz.
+  std::vector<double> filter_nepers = diffuse_field_db(set, fft);
+  const int low = static_cast<int>(500.0 * fft.size() / set.sample_rate_hz);
+  const int high = static_cast<int>(std::min(4000.0, 0.45 * set.sample_rate_hz) * fft.size() /
+                                    set.sample_rate_hz);
+  const double level_db =
+      std::reduce(filter_nepers.begin() + low, filter_nepers.begin() + high) / (high - low);
+  for (double& value : filter_nepers) {
+    const double gain_db = std::clamp(level_db - value, -kMost_db, kMost_db) - level_db;
+    value = gain_db * std::log(10.0) / 20.0;
+  }
+  const std::vector<Complex> filter = minimum_phase(filter_nepers, fft);
+
+  // Filter, and fade the last eighth out: the low end would ring on.
+  HrtfResponses equalized{set.sample_rate_hz, taps, set.directions, {}, set.onsets};
+  equalized.responses.resize(set.directions.size() * 2 * taps);
+  const int fade = taps / 8;
+  std::vector<double> padded(fft.size());
+  std::vector<Complex> spectrum(fft.bins());
+  for (std::size_t i = 0; i < set.directions.size(); ++i) {
+    for (int ear = 0; ear < 2; ++ear) {
+      std::ranges::fill(padded, 0.0);
+      std::ranges::copy(set.response(i, ear), padded.begin());
+      fft.forward(padded, spectrum);
+      for (int bin = 0; bin < fft.bins(); ++bin) spectrum[bin] *= filter[bin];
+      fft.inverse(spectrum, padded);
+      const std::span<float> out = equalized.response(i, ear);
+      for (int tap = 0; tap < taps; ++tap) {
+        const double into = std::max(0.0, static_cast<double>(tap - (taps - fade)) / fade);
+        out[tap] = static_cast<float>(padded[tap] * 0.5 * (1.0 + std::cos(kPi * into)));
+      }
+    }
+  }
+  set = std::move(equalized);
+}
+
+void change_rate(HrtfResponses& set, int sample_rate_hz) {
+  if (set.sample_rate_hz == sample_rate_hz) return;
+  // The low-pass falls over the top 8 % below the lower Nyquist frequency; the lead-in and as much
+  // behind the response hold its ringing.
+  constexpr double kRoom_s = 0.002;
+  constexpr double kFallFrom = 0.92;
+  const int lead_in = static_cast<int>(kRoom_s * set.sample_rate_hz);
+  const int used = set.taps + 2 * lead_in;
+  // Transform sizes that last equally long at both rates.
+  const int divisor = std::gcd(set.sample_rate_hz, sample_rate_hz);
+  const int size_in = set.sample_rate_hz / divisor;
+  const int repeats = 2 * ((used + 2 * size_in - 1) / (2 * size_in));
+  RealFft<double> fft_in(size_in * repeats);
+  RealFft<double> fft_out(sample_rate_hz / divisor * repeats);
+  const int bins = std::min(fft_in.bins(), fft_out.bins());
+
+  HrtfResponses resampled{sample_rate_hz, 0, set.directions, {}, set.onsets};
+  const double ratio = static_cast<double>(sample_rate_hz) / set.sample_rate_hz;
+  for (auto& onsets : resampled.onsets) {
+    for (double& onset : onsets) onset = (onset + lead_in) * ratio;
+  }
+  resampled.taps =
+      static_cast<int>(std::ceil(static_cast<double>(used) * sample_rate_hz / set.sample_rate_hz));
+  resampled.taps = std::min(resampled.taps, fft_out.size());
+  resampled.responses.resize(set.directions.size() * 2 * resampled.taps);
+  std::vector<double> wave_in(fft_in.size(), 0.0);
+  std::vector<double> wave_out(fft_out.size());
+  std::vector<Complex> spectrum(std::max(fft_in.bins(), fft_out.bins()), 0.0);
+  for (std::size_t i = 0; i < set.directions.size(); ++i) {
+    for (int ear = 0; ear < 2; ++ear) {
+      std::ranges::copy(set.response(i, ear), wave_in.begin() + lead_in);
+      fft_in.forward(wave_in, std::span(spectrum).first(fft_in.bins()));
+      for (int bin = 0; bin < bins; ++bin) {
+        const double place = static_cast<double>(bin) / (bins - 1);
+        const double fall = std::max(0.0, (place - kFallFrom) / (1.0 - kFallFrom));
+        spectrum[bin] *= 0.5 * (1.0 + std::cos(kPi * fall));
+      }
+      std::fill(spectrum.begin() + bins, spectrum.end(), 0.0);
+      fft_out.inverse(std::span(spectrum).first(fft_out.bins()), wave_out);
+      // A response is not a sound: its spectrum is kept, so its samples are not scaled by size.
+      std::transform(wave_out.begin(), wave_out.begin() + resampled.taps,
+                     resampled.response(i, ear).begin(),
+                     [](double value) { return static_cast<float>(value); });
+    }
+  }
+  set = std::move(resampled);
+}
+
+}  // namespace earpoint

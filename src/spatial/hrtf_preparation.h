@@ -1,0 +1,42 @@
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include <earpoint/core/vector3.h>
+#include <earpoint/spatial/sofa_file.h>
+
+namespace earpoint {
+
+/// Responses on their way from a file to a set.
+struct HrtfResponses {
+  int sample_rate_hz = 0;
+  int taps = 0;
+  std::vector<Vector3> directions;  // unit
+  std::vector<float> responses;     // [direction][ear][tap]
+  // [direction][ear], samples; found in the response as measured, where it rises most steeply.
+  std::vector<std::array<double, 2>> onsets;
+
+  [[nodiscard]] std::span<float> response(std::size_t direction, int ear) {
+    return std::span(responses).subspan((direction * 2 + ear) * taps, taps);
+  }
+};
+
+/// The file's farthest sources, each direction once, with Data.Delay put into the responses.
+HrtfResponses farthest_shell(const SofaFile& file);
+
+/// The share of the sphere that is nearest to each direction; sums to one.
+std::vector<double> sphere_shares(std::span<const Vector3> directions);
+
+/// See HrtfEqualization::diffuse_field.
+void equalize_diffuse_field(HrtfResponses& set);
+
+/// Resamples; the responses begin earlier by a lead-in, the same for all, in which the steeper
+/// low-pass rings. Gains stay what they are at every frequency below the lower Nyquist.
+void change_rate(HrtfResponses& set, int sample_rate_hz);
+
+/// Where |response| first exceeds a tenth of its peak, between samples.
+double onset_of(std::span<const float> response);
+
+}  // namespace earpoint

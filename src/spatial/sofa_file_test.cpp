@@ -1,0 +1,116 @@
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include <earpoint/core/error.h>
+#include <earpoint/core/file.h>
+#include <earpoint/core/pose.h>
+#include <earpoint/spatial/sofa_file.h>
+
+namespace earpoint {
+namespace {
+
+// Made by testdata/make_sofa.py: eight directions of a sphere at 48 kHz, one impulse per ear.
+std::filesystem::path test_file(const std::string& name) {
+  return std::filesystem::path(EARPOINT_SOURCE_DIR) / "src/spatial/testdata" / name;
+}
+
+std::string refusal(const std::filesystem::path& path) {
+  try {
+    static_cast<void>(read_sofa(path));
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+// Where the impulse lies, with the file's delay.
+double delay_of(const SofaFile& file, std::size_t measurement, int ear) {
+  const auto response = file.response(measurement, ear);
+  for (int tap = 0; tap < file.taps; ++tap) {
+    if (response[tap] > 0.1F) return tap + file.delays_samples[measurement][ear];
+  }
+  return -1.0;
+}
+
+void expect_the_sphere(const SofaFile& file) {
+  EXPECT_EQ(file.sample_rate_hz, 48000);
+  EXPECT_EQ(file.taps, 64);
+  ASSERT_EQ(file.positions_m.size(), 8U);
+  for (std::size_t i = 0; i < 8; ++i) {
+    // Eight directions counter-clockwise from the front at 1.5 m; file coordinates are float32.
+    const Spherical expected{radians_from_degrees(45.0 * static_cast<double>(i)), 0.0, 1.5};
+    EXPECT_NEAR(norm(file.positions_m[i] - cartesian_from_spherical(expected)), 0.0, 1e-6);
+  }
+  // Direction 2 is left: a/c before the middle of the head at the left ear, (pi/2) a/c after it
+  // at the right one, in whole samples: 24 - 12.2 and 24 + 19.2.
+  EXPECT_EQ(delay_of(file, 2, 0), 12.0);
+  EXPECT_EQ(delay_of(file, 2, 1), 43.0);
+  EXPECT_EQ(delay_of(file, 6, 0), 43.0);
+  EXPECT_EQ(delay_of(file, 6, 1), 12.0);
+  EXPECT_EQ(delay_of(file, 0, 0), 24.0);
+}
+
+TEST(SofaFile, ReadsSphericalCoordinates) {
+  expect_the_sphere(read_sofa(test_file("sphere.sofa")));
+}
+
+TEST(SofaFile, ReadsCartesianCoordinatesSwappedReceiversAndDelays) {
+  const SofaFile file = read_sofa(test_file("sphere_cartesian_swapped_delays.sofa"));
+  expect_the_sphere(file);
+  EXPECT_EQ(file.delays_samples[2][0], 12.0);
+}
+
+TEST(SofaFile, ReadsAListenerWhoStandsElsewhereAndLooksAside) {
+  expect_the_sphere(read_sofa(test_file("sphere_turned.sofa")));
+}
+
+TEST(SofaFile, TheDefaultSetIsKemar) {
+  const SofaFile file = read_sofa(default_hrtf_path());
+  EXPECT_EQ(file.sample_rate_hz, 44100);
+  EXPECT_EQ(file.taps, 512);
+  EXPECT_EQ(file.positions_m.size(), 710U);
+}
+
+TEST(SofaFile, RefusesEachDefectByName) {
+  EXPECT_NE(refusal(test_file("wrong_ears.sofa")).find("swapped"), std::string::npos);
+  EXPECT_NE(refusal(test_file("wrong_convention.sofa")).find("GeneralFIR"), std::string::npos);
+  EXPECT_NE(refusal(test_file("wrong_value.sofa")).find("Data.IR"), std::string::npos);
+  EXPECT_NE(refusal(test_file("wrong_rate.sofa")).find("Data.SamplingRate"), std::string::npos);
+  EXPECT_NE(refusal(test_file("nowhere.sofa")).find("nowhere.sofa"), std::string::npos);
+  EXPECT_NE(refusal(test_file("make_sofa.py")).find("expected a SOFA file"), std::string::npos);
+}
+
+TEST(SofaFile, RefusesTruncatedFilesWithOneLine) {
+  const std::vector<std::byte> whole = read_file(test_file("sphere.sofa"));
+  const std::filesystem::path path = std::filesystem::path(testing::TempDir()) / "truncated.sofa";
+  for (const double share : {0.0, 0.0005, 0.01, 0.1, 0.5, 0.9, 0.99}) {
+    const auto bytes = static_cast<std::size_t>(share * static_cast<double>(whole.size()));
+    write_file(path, std::span(whole).first(bytes));
+    const std::string message = refusal(path);
+    EXPECT_NE(message.find("truncated.sofa"), std::string::npos) << share << ": " << message;
+    EXPECT_EQ(message.find('\n'), std::string::npos);
+  }
+  std::filesystem::remove(path);
+}
+
+TEST(SofaFile, ClassicNetcdfIsNamed) {
+  const std::filesystem::path path = std::filesystem::path(testing::TempDir()) / "classic.sofa";
+  write_file(path, std::string_view("CDF\x01 and so on"));
+  EXPECT_NE(refusal(path).find("nccopy"), std::string::npos);
+  std::filesystem::remove(path);
+}
+
+TEST(DefaultHrtf, FollowsTheEnvironment) {
+  ASSERT_EQ(setenv("EARPOINT_HRTF", "/of/my/own.sofa", 1), 0);
+  EXPECT_EQ(default_hrtf_path(), "/of/my/own.sofa");
+  ASSERT_EQ(unsetenv("EARPOINT_HRTF"), 0);
+  EXPECT_EQ(default_hrtf_path().filename(), "MIT_KEMAR_normal_pinna.sofa");
+}
+
+}  // namespace
+}  // namespace earpoint
