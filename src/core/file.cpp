@@ -55,8 +55,8 @@ AtomicFile::AtomicFile(fs::path path) : path_(std::move(path)) {
     throw InputError(path_.string(), "its folder does not exist", "make " + folder.string());
   }
   if (fs::is_directory(path_)) throw InputError(path_.string(), "is a folder, not a file");
-  temporary_path_ = folder / ("." + path_.stem().string() + "." + std::to_string(::getpid()) +
-                              ".partial" + path_.extension().string());
+  temporary_path_ = folder / (std::string(".").append(path_.stem().string()) + "." +
+                              std::to_string(::getpid()) + ".partial" + path_.extension().string());
 
   // Finds out now, not after an hour of work, that nothing can be written here.
   const int descriptor =
