@@ -13,6 +13,10 @@ endif()
 if(EARPOINT_DCHECK)
   target_compile_definitions(earpoint_flags INTERFACE EARPOINT_DCHECK_ENABLED=1)
 endif()
+if(EARPOINT_FUZZ)
+  # Counts the branches taken, in every module, for the fuzzer to aim at new ones.
+  target_compile_options(earpoint_flags INTERFACE -fsanitize=fuzzer-no-link)
+endif()
 if(EARPOINT_SANITIZE)
   target_compile_options(earpoint_flags INTERFACE -fsanitize=${EARPOINT_SANITIZE}
                          -fno-omit-frame-pointer -fno-sanitize-recover=all)
@@ -53,5 +57,37 @@ function(earpoint_add_module name)
       EARPOINT_SOURCE_DIR="${PROJECT_SOURCE_DIR}" EARPOINT_BINARY_DIR="${PROJECT_BINARY_DIR}")
     gtest_discover_tests(${name}_test DISCOVERY_MODE PRE_TEST
       PROPERTIES TIMEOUT 600 LABELS ${name})
+  endif()
+endfunction()
+
+# earpoint_add_fuzz(<name> SOURCES <file>... DEPENDS <module>...)
+#
+# A fuzz target: SOURCES define LLVMFuzzerTestOneInput, and fuzz_seeds/<name>/ holds inputs to start
+# from, among them every input that once broke it. With EARPOINT_FUZZ this makes the libFuzzer
+# program <name> (./dev fuzz runs it); otherwise a test that replays the seeds.
+function(earpoint_add_fuzz name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "DEPENDS;SOURCES")
+  list(TRANSFORM arg_DEPENDS PREPEND earpoint::)
+  set(program ${name})
+  if(NOT EARPOINT_FUZZ)
+    set(program ${name}_replay)
+    list(APPEND arg_SOURCES ${PROJECT_SOURCE_DIR}/cmake/fuzz_replay.cpp)
+  endif()
+  add_executable(${program} ${arg_SOURCES})
+  target_include_directories(${program} PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
+  target_link_libraries(${program} PRIVATE ${arg_DEPENDS} earpoint_flags fmt::fmt
+                        nlohmann_json::nlohmann_json)
+  if(EARPOINT_FUZZ)
+    target_link_options(${program} PRIVATE -fsanitize=fuzzer)
+    set_target_properties(${program} PROPERTIES
+      RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/fuzz_targets)
+    if(NOT TARGET fuzz_targets)
+      add_custom_target(fuzz_targets)
+    endif()
+    add_dependencies(fuzz_targets ${program})
+  else()
+    add_test(NAME ${name}.SeedsDoNotBreakIt
+             COMMAND ${program} ${CMAKE_CURRENT_SOURCE_DIR}/fuzz_seeds/${name})
+    set_tests_properties(${name}.SeedsDoNotBreakIt PROPERTIES TIMEOUT 600 LABELS fuzz)
   endif()
 endfunction()

@@ -128,7 +128,7 @@ Tensor to_float32(const Tensor& tensor) {
       convert_elements<std::uint16_t>(tensor, result, float_from_bf16);
       break;
     default:
-      EARPOINT_CHECK(!"a floating-point tensor");
+      throw std::logic_error("to_float32: not a floating-point tensor");
   }
   return result;
 }

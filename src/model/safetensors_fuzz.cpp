@@ -1,0 +1,27 @@
+#include <cstdint>
+#include <cstdlib>
+#include <span>
+
+#include <earpoint/core/error.h>
+#include <earpoint/model/safetensors.h>
+#include <earpoint/model/weights.h>
+
+/// Any bytes as a weight file: refused with InputError, or read, and then what is written back must
+/// read the same.
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace earpoint;  // NOLINT(google-build-using-namespace): one function
+  try {
+    const auto bytes = std::as_bytes(std::span(data, size));
+    SafetensorsFile file = parse_safetensors(bytes, "input");
+    const SafetensorsFile again = parse_safetensors(serialize_safetensors(file, "copy"), "copy");
+    if (again.tensors != file.tensors || again.metadata != file.metadata) std::abort();
+    if (network_kind(file, "input") == NetworkKind::vigas) {
+      (void)vigas_weights(std::move(file), "input");
+    } else {
+      (void)rt60_estimator_weights(std::move(file), "input");
+    }
+  } catch (const InputError&) {
+    return 0;
+  }
+  return 0;
+}
