@@ -121,14 +121,16 @@ class ProbeOptions {
   std::vector<AVDictionary*> options_;
 };
 
-void describe_picture(const AVStream& stream, StreamInfo& info) {
-  const AVCodecParameters& codec = *stream.codecpar;
-  Orientation orientation;
+Orientation orientation_of(const AVStream& stream) {
   std::size_t bytes = 0;
   const std::uint8_t* matrix = av_stream_get_side_data(&stream, AV_PKT_DATA_DISPLAYMATRIX, &bytes);
-  if (matrix != nullptr && bytes >= 9 * sizeof(std::int32_t)) {
-    orientation = orientation_from_display_matrix(reinterpret_cast<const std::int32_t*>(matrix));
-  }
+  if (matrix == nullptr || bytes < 9 * sizeof(std::int32_t)) return {};
+  return orientation_from_display_matrix(reinterpret_cast<const std::int32_t*>(matrix));
+}
+
+void describe_picture(const AVStream& stream, StreamInfo& info) {
+  const AVCodecParameters& codec = *stream.codecpar;
+  const Orientation orientation = orientation_of(stream);
   info.rotation_deg = rotation_deg(orientation);
   info.width = codec.width;
   info.height = codec.height;
@@ -249,6 +251,8 @@ MediaInfo InputContainer::describe() const {
   return info;
 }
 
+Orientation InputContainer::orientation(int index) const { return orientation_of(stream(index)); }
+
 std::optional<double> InputContainer::time_s(int index, std::int64_t timestamp) const {
   if (timestamp == AV_NOPTS_VALUE) return std::nullopt;
   return static_cast<double>(timestamp) * av_q2d(stream(index).time_base) - origin_s_;
@@ -281,8 +285,10 @@ void InputContainer::throw_damaged(int error) const {
 }
 
 void InputContainer::check_whole(int error) {
-  // At the end of a file that was cut short some demuxers only complain.
-  if (error != AVERROR_EOF || io_->error < 0 || !first_complaint().empty()) throw_damaged(error);
+  // These two know from their index that a file was cut short, but only complain.
+  const bool knows_its_end =
+      av_match_list(format_->iformat->name, "mov,matroska", ',') != 0 && !first_complaint().empty();
+  if (error != AVERROR_EOF || io_->error < 0 || knows_its_end) throw_damaged(error);
 }
 
 bool InputContainer::read(AVPacket& packet) {

@@ -3,6 +3,7 @@
 // An opened movie or sound file and a decoder for one of its streams. Private to the module.
 
 #include "ffmpeg.h"
+#include "frame_image.h"
 
 #include <cstdint>
 #include <cstdio>
@@ -41,6 +42,8 @@ class InputContainer {
   [[nodiscard]] int preferred_stream(StreamKind kind) const;
   [[nodiscard]] MediaInfo describe() const;
   [[nodiscard]] StreamInfo describe(int index) const;
+  /// What the display matrix asks for.
+  [[nodiscard]] Orientation orientation(int index) const;
 
   /// The container's start: what t = 0 means, in the container's own time.
   [[nodiscard]] double origin_s() const { return origin_s_; }

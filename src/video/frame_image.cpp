@@ -143,14 +143,17 @@ FramePtr make_picture_frame(AVPixelFormat format, int width, int height) {
 
 /// The image's pixels in a frame of the same kind, its edges repeated to the right and below.
 FramePtr frame_of_pixels(const Image& image, int width, int height) {
-  FramePtr frame = make_picture_frame(image.channels() == 1 ? AV_PIX_FMT_GRAY8 : AV_PIX_FMT_RGB24,
-                                      width, height);
+  const bool is_grey = image.channels() == 1;
+  FramePtr frame = make_picture_frame(is_grey ? AV_PIX_FMT_GRAY8 : AV_PIX_FMT_RGB24, width, height);
+  const auto pixel_bytes = static_cast<std::size_t>(image.channels());
+  const std::size_t row_bytes = static_cast<std::size_t>(image.width()) * pixel_bytes;
   for (int y = 0; y < height; ++y) {
+    const auto source_y = static_cast<std::size_t>(std::min(y, image.height() - 1));
     std::uint8_t* row = frame->data[0] + std::ptrdiff_t{y} * frame->linesize[0];
-    for (int x = 0; x < width; ++x) {
-      for (int c = 0; c < image.channels(); ++c) {
-        *row++ = image.at(std::min(x, image.width() - 1), std::min(y, image.height() - 1), c);
-      }
+    std::memcpy(row, image.pixels().data() + source_y * row_bytes, row_bytes);
+    for (int x = image.width(); x < width; ++x) {
+      std::uint8_t* pixel = row + static_cast<std::size_t>(x) * pixel_bytes;
+      std::memcpy(pixel, pixel - pixel_bytes, pixel_bytes);
     }
   }
   return frame;
