@@ -14,7 +14,7 @@ namespace earpoint {
 namespace {
 
 /// Timestamps are rounded, to a millisecond in some containers; only a larger step is a gap.
-constexpr double kGap_s = 0.02;
+constexpr double kGapSeconds = 0.02;
 
 template <typename T>
 float sample_as_float(T value) {
@@ -154,7 +154,7 @@ struct AudioReader::State {
     std::int64_t overlap = 0;
     if (const auto start_s = frame_start_s()) {
       const double late_s = *start_s - queued_s();
-      if (queued == 0 || std::abs(late_s) > kGap_s) {
+      if (queued == 0 || std::abs(late_s) > kGapSeconds) {
         const auto late = std::llround(late_s * info.sample_rate_hz);
         overlap = std::clamp<std::int64_t>(-late, 0, frame->nb_samples);
         if (late > 0) owe_silence(late);
@@ -192,9 +192,9 @@ struct AudioReader::State {
 
   void owe_silence(std::int64_t samples) {
     const std::optional<double> end_s = container.describe().duration_s;
-    constexpr double slack_s = 1.0;
+    constexpr double kSlackSeconds = 1.0;
     const double until_s = queued_s() + static_cast<double>(samples) / info.sample_rate_hz;
-    if (end_s && until_s > *end_s + slack_s) {
+    if (end_s && until_s > *end_s + kSlackSeconds) {
       throw InputError(container.where(stream, queued_s()),
                        fmt::format("the next timestamp is {:.3f} s, past the end", until_s),
                        ffmpeg::kDamagedMend);

@@ -179,13 +179,13 @@ void InputContainer::open() {
   format->pb = io_.get();
   format->io_open = refuse_to_open;
 
-  constexpr const char* problem = "cannot be opened as a movie or sound file";
+  constexpr const char* kProblem = "cannot be opened as a movie or sound file";
   // Frees the context itself if it fails.
-  check(avformat_open_input(&format, path_.c_str(), kind, nullptr), path_.string(), problem,
+  check(avformat_open_input(&format, path_.c_str(), kind, nullptr), path_.string(), kProblem,
         kDamagedMend);
   format_.reset(format);
   ProbeOptions options(format_->nb_streams);
-  check(avformat_find_stream_info(format_.get(), options.get()), path_.string(), problem,
+  check(avformat_find_stream_info(format_.get(), options.get()), path_.string(), kProblem,
         kDamagedMend);
   find_origin();
 }
@@ -328,9 +328,9 @@ StreamDecoder::StreamDecoder(InputContainer& container, int stream)
   codec_->pkt_timebase = source.time_base;
   codec_->max_pixels = kMaxPixels;
   // More threads than this only hold more frames in memory.
-  constexpr int max_threads = 4;
+  constexpr int kMaxThreads = 4;
   codec_->thread_count = source.codecpar->codec_type == AVMEDIA_TYPE_VIDEO
-                             ? std::min(available_cores(), max_threads)
+                             ? std::min(available_cores(), kMaxThreads)
                              : 1;
   listen_to_log();
   check(avcodec_open2(codec_.get(), codec, nullptr), where, "cannot be decoded");
@@ -363,9 +363,9 @@ bool StreamDecoder::next(AVFrame& frame) {
     feed();
   }
   // Decoders patch over errors. A missing reference alone is no error: a recording may begin so.
-  constexpr int patched = FF_DECODE_ERROR_INVALID_BITSTREAM | FF_DECODE_ERROR_DECODE_SLICES |
-                          FF_DECODE_ERROR_CONCEALMENT_ACTIVE;
-  if ((frame.decode_error_flags & patched) || (frame.flags & AV_FRAME_FLAG_CORRUPT)) {
+  constexpr int kPatched = FF_DECODE_ERROR_INVALID_BITSTREAM | FF_DECODE_ERROR_DECODE_SLICES |
+                           FF_DECODE_ERROR_CONCEALMENT_ACTIVE;
+  if ((frame.decode_error_flags & kPatched) || (frame.flags & AV_FRAME_FLAG_CORRUPT)) {
     throw_damaged(AVERROR_INVALIDDATA, container_.time_s(stream_, frame.best_effort_timestamp));
   }
   return true;

@@ -12,7 +12,7 @@ namespace {
 using ffmpeg::TimedFrame;
 
 /// Beyond this a key frame further on is worth a seek instead of decoding all that lies between.
-constexpr double kSeekForwardAfter_s = 2.0;
+constexpr double kSeekForwardAfterSeconds = 2.0;
 
 }  // namespace
 
@@ -61,7 +61,7 @@ struct FrameReader::State {
   }
 
   [[nodiscard]] bool seeking_forward_pays(double time_s) const {
-    if (!upcoming.frame || time_s - upcoming.time_s <= kSeekForwardAfter_s) return false;
+    if (!upcoming.frame || time_s - upcoming.time_s <= kSeekForwardAfterSeconds) return false;
     // Matroska reads its index when first sought in; until then there is nothing to look up.
     if (!has_sought) return true;
     const auto key_s = frames.key_frame_before(time_s);
@@ -103,9 +103,10 @@ Image FrameReader::frame_nearest(double time_s) {
     state.forget_position();
     throw;
   }
-  constexpr double tie_s = 1e-6;  // finer than any container's clock
-  const bool is_later_nearer = state.upcoming.frame && state.upcoming.time_s - time_s <
-                                                           time_s - state.current.time_s - tie_s;
+  constexpr double kTieSeconds = 1e-6;  // finer than any container's clock
+  const bool is_later_nearer =
+      state.upcoming.frame &&
+      state.upcoming.time_s - time_s < time_s - state.current.time_s - kTieSeconds;
   const TimedFrame& nearest = is_later_nearer ? state.upcoming : state.current;
   state.returned_time_s = nearest.time_s;
   return state.frames.image(nearest);

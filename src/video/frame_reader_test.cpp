@@ -38,8 +38,8 @@ int nearest_of(const std::vector<double>& times_s, double time_s) {
 }
 
 std::vector<double> regular_times(int count, double rate_hz, double start_s = 0.0) {
-  std::vector<double> times_s;
-  for (int i = 0; i < count; ++i) times_s.push_back(start_s + i / rate_hz);
+  std::vector<double> times_s(static_cast<std::size_t>(count));
+  for (int i = 0; i < count; ++i) times_s[static_cast<std::size_t>(i)] = start_s + i / rate_hz;
   return times_s;
 }
 
@@ -120,8 +120,8 @@ TEST_F(FrameReaderTest, TimesCountFromTheContainersStart) {
 }
 
 TEST_F(FrameReaderTest, FollowsAVariableFrameRate) {
-  std::vector<double> times_s;
-  for (int n = 0; n < 20; ++n) times_s.push_back(n * n * 0.01);
+  std::vector<double> times_s(20);
+  for (std::size_t n = 0; n < 20; ++n) times_s[n] = static_cast<double>(n * n) * 0.01;
   for (const char* name : {"a.mp4", "a.mkv"}) {
     run_ffmpeg(
         fmt::format("-f lavfi -i \"nullsrc=s=64x48:r=10:d=2,geq=lum='16+4*N':cb=128:cr=128,"

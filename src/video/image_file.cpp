@@ -69,15 +69,15 @@ FramePtr decode_picture(std::span<const std::byte> bytes, AVCodecID id, const st
   check(avcodec_open2(codec.get(), codec->codec, nullptr), where, "cannot be decoded");
 
   const PacketPtr packet = packet_of(bytes);
-  constexpr const char* problem = "is damaged, cut short or too large";
+  constexpr const char* kProblem = "is damaged, cut short or too large";
   FramePtr frame = make_frame();
-  check(avcodec_send_packet(codec.get(), packet.get()), where, problem, kDamagedMend);
-  check(avcodec_send_packet(codec.get(), nullptr), where, problem, kDamagedMend);
-  check(avcodec_receive_frame(codec.get(), frame.get()), where, problem, kDamagedMend);
+  check(avcodec_send_packet(codec.get(), packet.get()), where, kProblem, kDamagedMend);
+  check(avcodec_send_packet(codec.get(), nullptr), where, kProblem, kDamagedMend);
+  check(avcodec_receive_frame(codec.get(), frame.get()), where, kProblem, kDamagedMend);
   // Decoders return half a picture with a complaint; half a picture is none.
   if (!first_complaint().empty() || frame->decode_error_flags != 0 ||
       (frame->flags & AV_FRAME_FLAG_CORRUPT)) {
-    check(AVERROR_INVALIDDATA, where, problem, kDamagedMend);
+    check(AVERROR_INVALIDDATA, where, kProblem, kDamagedMend);
   }
   return frame;
 }
@@ -96,10 +96,10 @@ PacketPtr encode_picture(const Image& image, AVCodecID id) {
   codec->thread_count = 1;
   codec->flags |= AV_CODEC_FLAG_BITEXACT;
   if (is_jpeg) {
-    constexpr int jpeg_quantiser = 2;  // FFmpeg's scale, 1 (best) to 31
+    constexpr int kJpegQuantiser = 2;  // FFmpeg's scale, 1 (best) to 31
     codec->color_range = AVCOL_RANGE_JPEG;
     codec->flags |= AV_CODEC_FLAG_QSCALE;
-    codec->global_quality = FF_QP2LAMBDA * jpeg_quantiser;
+    codec->global_quality = FF_QP2LAMBDA * kJpegQuantiser;
   } else {
     av_opt_set(codec->priv_data, "pred", "mixed", 0);
   }

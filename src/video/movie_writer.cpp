@@ -90,9 +90,9 @@ MovieWriter::MovieWriter(const fs::path& path, int width, int height, double fra
                          int sample_rate_hz) {
   EARPOINT_CHECK(width > 0 && height > 0 && frame_rate_hz > 0.0);
   state_ = std::make_unique<State>(path, sample_rate_hz);
-  constexpr int largest_denominator = 1001;  // holds 30000/1001
+  constexpr int kLargestDenominator = 1001;  // holds 30000/1001
   auto pictures = std::make_unique<GivenPictures>(state_->output, width, height,
-                                                  av_d2q(frame_rate_hz, largest_denominator * 60));
+                                                  av_d2q(frame_rate_hz, kLargestDenominator * 60));
   state_->given = pictures.get();
   state_->begin(std::move(pictures));
 }

@@ -16,17 +16,17 @@
 namespace earpoint {
 namespace {
 
-constexpr double kFrameRate_hz = 25.0;
+constexpr double kFrameRateHz = 25.0;
 constexpr int kFrames = 50;
 
 bool is_flash(int frame) { return frame == 10 || frame == 31; }
 
 /// Two seconds of black with white frames, and a click in both ears as each of them begins.
 Waveform clicks(int rate, int channel_delay = 0) {
-  Waveform sound(2, 2 * rate, rate);
+  Waveform sound(2, std::ptrdiff_t{2} * rate, rate);
   for (int frame = 0; frame < kFrames; ++frame) {
     if (!is_flash(frame)) continue;
-    const auto at = static_cast<std::size_t>(std::lround(frame * rate / kFrameRate_hz));
+    const auto at = static_cast<std::size_t>(std::lround(frame * rate / kFrameRateHz));
     for (std::size_t i = 0; i < 8; ++i) {
       sound.channel(0)[at + i] = 0.7F;
       sound.channel(1)[at + i + static_cast<std::size_t>(channel_delay)] = 0.5F;
@@ -55,7 +55,7 @@ void write_in_blocks(MovieWriter& writer, const Waveform& sound, std::ptrdiff_t 
 std::vector<double> flash_times(const std::filesystem::path& path) {
   FrameReader reader(path);
   std::vector<double> times_s;
-  for (double t = 0.0; t < reader.duration_s(); t += 0.25 / kFrameRate_hz) {
+  for (double t = 0.0; t < reader.duration_s(); t += 0.25 / kFrameRateHz) {
     if (reader.frame_nearest(t).at(32, 24, 1) < 128) continue;
     if (times_s.empty() || reader.frame_time_s() > times_s.back()) {
       times_s.push_back(reader.frame_time_s());
@@ -79,25 +79,25 @@ std::vector<double> click_times(const std::filesystem::path& path, int ear) {
 }
 
 // AAC smears a click's edge by part of a millisecond; a picture's clock ticks in fractions of one.
-constexpr double kTolerance_s = 0.002;
+constexpr double kToleranceSeconds = 0.002;
 
 void expect_together(const std::filesystem::path& path, double offset_s = 0.0) {
   const std::vector<double> flashes = flash_times(path);
   ASSERT_EQ(flashes.size(), 2U);
-  EXPECT_NEAR(flashes[0], 0.4 + offset_s, kTolerance_s);
-  EXPECT_NEAR(flashes[1], 1.24 + offset_s, kTolerance_s);
+  EXPECT_NEAR(flashes[0], 0.4 + offset_s, kToleranceSeconds);
+  EXPECT_NEAR(flashes[1], 1.24 + offset_s, kToleranceSeconds);
   for (const int ear : {0, 1}) {
     const std::vector<double> times_s = click_times(path, ear);
     ASSERT_EQ(times_s.size(), 2U) << ear;
-    EXPECT_NEAR(times_s[0], flashes[0], kTolerance_s) << ear;
-    EXPECT_NEAR(times_s[1], flashes[1], kTolerance_s) << ear;
+    EXPECT_NEAR(times_s[0], flashes[0], kToleranceSeconds) << ear;
+    EXPECT_NEAR(times_s[1], flashes[1], kToleranceSeconds) << ear;
   }
 }
 
 class MovieWriterTest : public MediaTest {
  protected:
   void write_flashes(const std::string& name, int rate) const {
-    MovieWriter writer(file(name), 64, 48, kFrameRate_hz, rate);
+    MovieWriter writer(file(name), 64, 48, kFrameRateHz, rate);
     for (int frame = 0; frame < kFrames; ++frame)
       writer.write_picture(flat(is_flash(frame) ? 255 : 0));
     write_in_blocks(writer, clicks(rate), 1000);
@@ -112,19 +112,19 @@ TEST_F(MovieWriterTest, FlashesAndClicksCoincide) {
     expect_together(file("a.mp4"));
     AudioReader reader(file("a.mp4"));
     EXPECT_EQ(reader.sample_rate_hz(), rate);
-    EXPECT_EQ(reader.read(10 * rate).samples(), 2 * rate) << "no delay, no filling";
+    EXPECT_EQ(reader.read(std::ptrdiff_t{10} * rate).samples(), 2 * rate) << "no delay, no filling";
 
     // Another program hears it at the same time.
     run_ffmpeg("-i a.mp4 -c:a pcm_s16le a.wav");
     const std::vector<double> heard = click_times(file("a.wav"), 0);
     ASSERT_EQ(heard.size(), 2U);
-    EXPECT_NEAR(heard[0], 0.4, kTolerance_s);
+    EXPECT_NEAR(heard[0], 0.4, kToleranceSeconds);
   }
   EXPECT_EQ(entries(), 3) << "a.mp4, a.wav, ffmpeg.log";
 }
 
 TEST_F(MovieWriterTest, EarsStayApart) {
-  MovieWriter writer(file("a.mp4"), 64, 48, kFrameRate_hz, 48000);
+  MovieWriter writer(file("a.mp4"), 64, 48, kFrameRateHz, 48000);
   writer.write_picture(flat(0));
   Waveform sound(2, 48000, 48000);
   for (std::size_t i = 0; i < 48000; ++i) {
@@ -259,7 +259,7 @@ TEST_F(MovieWriterTest, SameInputGivesTheSameBytes) {
 TEST_F(MovieWriterTest, WithoutCloseNothingIsLeft) {
   write_file(file("a.mp4"), "what was here before");
   {
-    MovieWriter writer(file("a.mp4"), 64, 48, kFrameRate_hz, 44100);
+    MovieWriter writer(file("a.mp4"), 64, 48, kFrameRateHz, 44100);
     writer.write_picture(flat(9));
     writer.write_sound(clicks(44100));
   }
@@ -290,7 +290,7 @@ TEST_F(MovieWriterTest, BadInputIsOneLineAndLeavesNothing) {
 
 TEST_F(MovieWriterTest, DamageInTheSourceNamesTheSource) {
   RandomStream random(5);
-  MovieWriter long_movie(file("a.mp4"), 64, 48, kFrameRate_hz, 44100);
+  MovieWriter long_movie(file("a.mp4"), 64, 48, kFrameRateHz, 44100);
   Image image = flat(0);
   for (int i = 0; i < 200; ++i) {
     for (auto& value : image.pixels()) value = static_cast<std::uint8_t>(random.index(256));

@@ -31,8 +31,8 @@ constexpr int kIoBufferBytes = 1 << 18;
 
 const fs::path& checked_extension(const fs::path& path) {
   const std::string extension = path.extension().string();
-  constexpr std::array known = {".mp4", ".m4v", ".mov", ".MP4", ".M4V", ".MOV"};
-  if (std::find(known.begin(), known.end(), extension) != known.end()) return path;
+  constexpr std::array kKnown = {".mp4", ".m4v", ".mov", ".MP4", ".M4V", ".MOV"};
+  if (std::find(kKnown.begin(), kKnown.end(), extension) != kKnown.end()) return path;
   throw InputError(path.string(),
                    fmt::format("movies are written as .mp4, .m4v or .mov, not '{}'", extension));
 }

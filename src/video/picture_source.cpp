@@ -120,8 +120,8 @@ class EncodedPictures : public PictureSource {
   static constexpr AVRational kTick = {1, 90'000};  // the clock of broadcast video
 
   static AVRational frame_rate(const StreamInfo& info) {
-    constexpr double fallback_hz = 25.0;  // steers the encoder's rate control only
-    return av_d2q(info.frame_rate_hz > 0.0 ? info.frame_rate_hz : fallback_hz, 100'000);
+    constexpr double kFallbackHz = 25.0;  // steers the encoder's rate control only
+    return av_d2q(info.frame_rate_hz > 0.0 ? info.frame_rate_hz : kFallbackHz, 100'000);
   }
 
   void put(AVPacket& packet) { output_.write(packet, stream_, kTick); }
