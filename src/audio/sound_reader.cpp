@@ -84,7 +84,8 @@ SoundReader::SoundReader(const fs::path& path) : state_(std::make_unique<State>(
   }
   const bool unknown_length = info.frames == SF_COUNT_MAX;
   state_->info = {info.channels, info.samplerate,
-                  unknown_length ? count_frames(path) : std::int64_t{info.frames}};
+                  unknown_length ? count_frames(path) : std::int64_t{info.frames},
+                  (info.format & SF_FORMAT_SUBMASK) == SF_FORMAT_PCM_16};
 }
 SoundReader::~SoundReader() = default;
 SoundReader::SoundReader(SoundReader&&) noexcept = default;

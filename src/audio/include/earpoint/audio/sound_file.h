@@ -14,6 +14,7 @@ struct SoundInfo {
   int channels = 0;
   int sample_rate_hz = 0;
   std::int64_t frames = 0;  ///< samples per channel
+  bool is_pcm16 = false;    ///< stored as 16-bit integers
 };
 
 /// Opens a sound file just far enough to describe it. WAV, W64, FLAC, OGG and whatever else the

@@ -1,0 +1,83 @@
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <string>
+
+#include <earpoint/core/csv.h>
+#include <earpoint/core/error.h>
+
+namespace earpoint {
+namespace {
+
+std::string_view trimmed(std::string_view text) {
+  const auto first = text.find_first_not_of(" \t\r");
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
+}
+
+std::vector<std::string_view> split(std::string_view line) {
+  std::vector<std::string_view> cells;
+  while (true) {
+    const auto comma = line.find(',');
+    cells.push_back(trimmed(line.substr(0, comma)));
+    if (comma == std::string_view::npos) return cells;
+    line.remove_prefix(comma + 1);
+  }
+}
+
+std::string join(std::span<const std::string_view> columns) {
+  std::string text;
+  for (const std::string_view column : columns) {
+    if (!text.empty()) text += ',';
+    text += column;
+  }
+  return text;
+}
+
+double parse_number(std::string_view cell, const std::string& where, std::string_view column) {
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
+  const std::string field = where + ", " + std::string(column);
+  if (cell.empty()) throw InputError(field, "the cell is empty", "give a number");
+  if (error != std::errc() || end != cell.data() + cell.size() || !std::isfinite(value)) {
+    throw InputError(field, "expected a finite number, found '" + std::string(cell) + "'");
+  }
+  return value;
+}
+
+}  // namespace
+
+std::vector<NumberRow> parse_number_csv(std::string_view text, const std::string& name,
+                                        std::span<const std::string_view> columns) {
+  std::vector<NumberRow> rows;
+  bool header_seen = false;
+  for (int line = 1; !text.empty(); ++line) {
+    const auto end = text.find('\n');
+    const std::string_view content = trimmed(text.substr(0, end));
+    text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+    if (content.empty() || content.front() == '#') continue;
+
+    const std::string where = name + ": line " + std::to_string(line);
+    const std::vector<std::string_view> cells = split(content);
+    if (!header_seen) {
+      if (!std::equal(cells.begin(), cells.end(), columns.begin(), columns.end())) {
+        throw InputError(where, "expected the header " + join(columns));
+      }
+      header_seen = true;
+      continue;
+    }
+    if (cells.size() != columns.size()) {
+      throw InputError(where, "expected " + std::to_string(columns.size()) + " cells, found " +
+                                  std::to_string(cells.size()));
+    }
+    NumberRow& row = rows.emplace_back(NumberRow{line, {}});
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      row.values.push_back(parse_number(cells[i], where, columns[i]));
+    }
+  }
+  if (!header_seen) throw InputError(name, "is empty", "its first line must be " + join(columns));
+  if (rows.empty()) throw InputError(name, "has no rows after its header");
+  return rows;
+}
+
+}  // namespace earpoint
