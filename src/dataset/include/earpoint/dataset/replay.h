@@ -1,0 +1,84 @@
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include <earpoint/core/vector3.h>
+#include <earpoint/dataset/numpy_random.h>
+#include <earpoint/dataset/sample.h>
+
+namespace earpoint {
+
+/// Where a camera of the Replay recordings stands and looks.
+struct ReplayCamera {
+  Vector3 centre;     ///< their frame and unit: z up, centimetres
+  Vector3 direction;  ///< where it looks, unit length
+};
+
+/// One clip of the Replay-NVAS data set: several cameras' view of the same second.
+struct ReplayClip {
+  std::string folder;               ///< relative to the root
+  std::string scene;                ///< e.g. "SC-1027"
+  std::vector<std::string> images;  ///< e.g. "1.png"; the camera's number is the name
+};
+
+/// Which sample is made of a clip: two of its images, by index.
+struct ReplayChoice {
+  int source = 0;
+  int target = 0;
+};
+
+/// A split of the Replay-NVAS data set (v3 layout).
+class ReplayDataset {
+ public:
+  struct Options {
+    std::filesystem::path root;
+    std::filesystem::path folder = "data/appen_dataset/v3";  ///< under root
+    std::string split = "test";                              ///< train, val or test
+    std::string metadata_file = "metadata_v2.json";
+    std::string camera_file = "camera_positions_fixed_rotation.json";  ///< beside the folder
+    /// As the released loader: a view that cannot be read becomes a black picture and six seconds
+    /// of silence. Without it such a view is an error, since a data set with holes should be
+    /// mended.
+    bool blank_unreadable = false;
+  };
+
+  /// @throws InputError naming file and field if one is malformed, or the split is empty
+  explicit ReplayDataset(Options options);
+
+  [[nodiscard]] const std::vector<ReplayClip>& clips() const { return clips_; }
+
+  /// Draws what the released loader draws for an item.
+  [[nodiscard]] ReplayChoice draw(const ReplayClip& clip, NumpyRandom& random) const;
+
+  /// Makes the sample as the released loader does, the source moved by the delay that it finds
+  /// against the target included (`align`); a fair evaluation leaves that out.
+  /// @throws InputError naming what is missing or malformed
+  [[nodiscard]] NvasSample sample(const ReplayClip& clip, const ReplayChoice& choice,
+                                  bool align) const;
+
+  /// @throws InputError if the camera file does not know that scene and camera
+  [[nodiscard]] ReplayCamera camera(const std::string& scene, const std::string& image) const;
+
+ private:
+  struct View {
+    ImagePlanes rgb;
+    Waveform sound;
+  };
+  [[nodiscard]] View read_view(const std::filesystem::path& image) const;
+
+  Options options_;
+  std::vector<ReplayClip> clips_;
+  std::map<std::string, std::map<std::string, ReplayCamera>> cameras_;  // [scene]["DSLR-n"]
+};
+
+/// The loader's `rotate-rel-pose` form: horizontal distance turned by 90 (taken as radians) minus
+/// the angle between view and target, and the height difference; centimetres.
+std::array<double, 3> replay_pose(const ReplayCamera& source, const ReplayCamera& target);
+/// Sine and cosine of the differences of atan2(y, x), atan2(z, y), atan2(z, x).
+std::array<double, 6> replay_rotation(const ReplayCamera& source, const ReplayCamera& target);
+
+}  // namespace earpoint

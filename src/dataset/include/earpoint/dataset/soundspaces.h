@@ -1,0 +1,97 @@
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <earpoint/core/image.h>
+#include <earpoint/core/pose.h>
+#include <earpoint/dataset/numpy_random.h>
+#include <earpoint/dataset/sample.h>
+
+namespace earpoint {
+
+/// One viewpoint of a clip in the SoundSpaces-NVAS layout: numbers as the file has them.
+struct SoundSpacesViewpoint {
+  Vector3 location;                ///< their frame: metres, y up
+  double rotation_rad = 0.0;       ///< about y, to the left; 0 looks along -z
+  std::map<int, std::string> rir;  ///< speaker id -> path of a 2-channel sound
+  std::string image;               ///< path of a PNG
+  std::map<int, std::array<int, 4>>
+      bboxes;  ///< speaker id -> y_min, y_max, x_min, x_max; pixels of 256
+};
+
+/// One speaker of a clip.
+struct SoundSpacesSpeaker {
+  int id = 0;
+  std::optional<std::string> speech;  ///< "book-chapter-section", or none
+  Vector3 location;
+};
+
+/// One conversation in a scene: an item of the data set.
+struct SoundSpacesClip {
+  std::string scene;
+  int index = 0;  ///< within the scene's file
+  std::vector<SoundSpacesViewpoint> viewpoints;
+  std::vector<SoundSpacesSpeaker> speakers;
+};
+
+/// Which sample is made of a clip.
+struct SoundSpacesChoice {
+  int source = 0;                   ///< index of the source viewpoint
+  int target = 0;                   ///< index of the target viewpoint
+  int speaker = 0;                  ///< index of the one who speaks
+  std::ptrdiff_t window_start = 0;  ///< samples at 16 kHz
+};
+
+/// A split of the SoundSpaces-NVAS data set (v16 layout), or of one written in its form.
+class SoundSpacesDataset {
+ public:
+  struct Options {
+    std::filesystem::path root;  ///< the folder that the paths in the files start from
+    std::filesystem::path folder = "data/synthetic_dataset/v16";  ///< under root
+    std::string split = "test";
+    std::string metadata_file = "cleaned_metadata_v3.json";
+    std::filesystem::path speech_folder = "data/LibriSpeech-wav";  ///< under root
+  };
+
+  /// Reads every scene's metadata, scenes in the order of their names. Scenes without the metadata
+  /// file are passed over, as the released loader does.
+  /// @throws InputError naming file and field if one is malformed or no scene is found
+  explicit SoundSpacesDataset(Options options);
+
+  [[nodiscard]] const std::vector<SoundSpacesClip>& clips() const { return clips_; }
+
+  /// Draws what the released loader draws for an item: permutation of the viewpoints, one of the
+  /// speakers who have speech, and in training a window of longer speech.
+  [[nodiscard]] SoundSpacesChoice draw(const SoundSpacesClip& clip, NumpyRandom& random) const;
+
+  /// Makes the sample as the released loader does.
+  /// @throws InputError naming the file that is missing or malformed
+  [[nodiscard]] NvasSample sample(const SoundSpacesClip& clip,
+                                  const SoundSpacesChoice& choice) const;
+
+  /// Where a speaker's speech lies.
+  [[nodiscard]] std::filesystem::path speech_path(const std::string& speech) const;
+
+ private:
+  [[nodiscard]] Waveform speech(const std::string& name) const;
+
+  Options options_;
+  std::vector<SoundSpacesClip> clips_;
+};
+
+/// [d, sin a, cos a] and the turn [sin r, cos r] from one viewpoint to another: see
+/// PoseEncoding::soundspaces, but from the file's numbers, coincident points included.
+std::array<double, 3> soundspaces_pose(const SoundSpacesViewpoint& from, const Vector3& to);
+std::array<double, 2> soundspaces_rotation(const SoundSpacesViewpoint& from,
+                                           const SoundSpacesViewpoint& to);
+
+/// Their frame (y up, -z ahead at rotation 0) as ours (x front, y left, z up).
+Vector3 from_soundspaces(const Vector3& location);
+Vector3 to_soundspaces(const Vector3& position_m);
+
+}  // namespace earpoint

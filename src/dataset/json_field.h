@@ -1,0 +1,45 @@
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include <earpoint/core/vector3.h>
+
+namespace earpoint {
+
+/// A value in a JSON document that knows where it stands, so that errors can say so.
+class JsonField {
+ public:
+  JsonField(const nlohmann::json& value, std::string where)
+      : value_(value), where_(std::move(where)) {}
+
+  /// @throws InputError if this is no object or has no such field
+  [[nodiscard]] JsonField field(const std::string& key) const;
+  /// @throws InputError if this is no object
+  [[nodiscard]] bool has(const std::string& key) const;
+  [[nodiscard]] bool is_null() const { return value_.is_null(); }
+  [[nodiscard]] bool is_text() const { return value_.is_string(); }
+  /// @throws InputError if this is no list
+  [[nodiscard]] std::vector<JsonField> items() const;
+  /// The fields of an object with their names.
+  [[nodiscard]] std::vector<std::pair<std::string, JsonField>> fields() const;
+
+  [[nodiscard]] std::string text() const;
+  [[nodiscard]] double number() const;
+  [[nodiscard]] int integer() const;
+  /// A list of exactly three numbers.
+  [[nodiscard]] Vector3 vector3() const;
+
+  [[nodiscard]] const std::string& where() const { return where_; }
+
+ private:
+  [[noreturn]] void fail(const std::string& expected) const;
+
+  const nlohmann::json& value_;
+  std::string where_;
+};
+
+}  // namespace earpoint

@@ -1,0 +1,64 @@
+#include "npy.h"
+
+#include <bit>
+#include <cstdint>
+#include <cstring>
+#include <regex>
+#include <string>
+
+#include <earpoint/core/error.h>
+#include <earpoint/core/file.h>
+
+namespace earpoint {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "files are little-endian, as we are");
+
+template <typename T>
+std::vector<double> widen(const std::byte* data, std::size_t count) {
+  std::vector<double> values(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    T value{};
+    std::memcpy(&value, data + i * sizeof(T), sizeof(T));
+    values[i] = static_cast<double>(value);
+  }
+  return values;
+}
+
+}  // namespace
+
+NumberTable read_npy(const std::filesystem::path& path) {
+  const std::vector<std::byte> bytes = read_file(path);
+  const std::string name = path.string();
+  static constexpr char kMagic[] = "\x93NUMPY";
+  constexpr std::size_t kMagicSize = 6;
+  if (bytes.size() < 12 || std::memcmp(bytes.data(), kMagic, kMagicSize) != 0) {
+    throw InputError(name, "is no .npy file");
+  }
+  const bool short_header = static_cast<int>(bytes[6]) == 1;
+  const std::size_t start = short_header ? 10 : 12;
+  std::uint32_t header_size = 0;
+  std::memcpy(&header_size, bytes.data() + 8, short_header ? 2 : 4);
+  if (bytes.size() - start < header_size) throw InputError(name, "its header is cut short");
+  const std::string header(reinterpret_cast<const char*>(bytes.data()) + start, header_size);
+
+  static const std::regex pattern(
+      R"(\{'descr': '<f([48])', 'fortran_order': False, 'shape': \((\d{1,9}), (\d{1,9})\), \}\s*)");
+  std::smatch match;
+  if (!std::regex_match(header, match, pattern)) {
+    throw InputError(name, "expected a 2-D array of floats in C order, found " +
+                               header.substr(0, header.find_last_not_of(" \n") + 1));
+  }
+  NumberTable table;
+  const std::size_t width = std::stoul(match[1]);
+  table.rows = std::stoul(match[2]);
+  table.columns = std::stoul(match[3]);
+  const std::size_t count = table.rows * table.columns;
+  const std::size_t held = bytes.size() - start - header_size;
+  if (held != count * width) throw InputError(name, "its data do not fill the stated shape");
+  const std::byte* data = bytes.data() + start + header_size;
+  table.values = width == 4 ? widen<float>(data, count) : widen<double>(data, count);
+  return table;
+}
+
+}  // namespace earpoint

@@ -1,0 +1,247 @@
+#include "json_field.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <earpoint/audio/convolution.h>
+#include <earpoint/audio/resample.h>
+#include <earpoint/audio/sound_file.h>
+#include <earpoint/core/error.h>
+#include <earpoint/core/file.h>
+#include <earpoint/dataset/soundspaces.h>
+#include <earpoint/video/image_file.h>
+
+namespace earpoint {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kRate_hz = 16000;
+constexpr std::ptrdiff_t kSamples = 16000;
+constexpr int kImageSize = 256;
+constexpr double kCutoff_hz = 80.0;
+// Below this a response counts as silence and keeps its delay, as in the released loader.
+constexpr float kSilence = 1e-8F;
+
+int parse_id(const std::string& key, const std::string& where) {
+  int id = 0;
+  const auto [end, error] = std::from_chars(key.data(), key.data() + key.size(), id);
+  if (error != std::errc() || end != key.data() + key.size()) {
+    throw InputError(where, "expected a speaker's number as key, found '" + key + "'");
+  }
+  return id;
+}
+
+SoundSpacesViewpoint parse_viewpoint(const JsonField& json) {
+  SoundSpacesViewpoint viewpoint;
+  viewpoint.location = json.field("location").vector3();
+  viewpoint.rotation_rad = json.field("rotation").number();
+  viewpoint.image = json.field("image").text();
+  for (const auto& [key, value] : json.field("rir").fields()) {
+    viewpoint.rir[parse_id(key, json.where())] = value.text();
+  }
+  for (const auto& [key, value] : json.field("bboxes").fields()) {
+    const std::vector<JsonField> edges = value.items();
+    if (edges.size() != 4) {
+      throw InputError(value.where(), fmt::format("expected 4 numbers, found {}", edges.size()));
+    }
+    auto& box = viewpoint.bboxes[parse_id(key, json.where())];
+    std::transform(edges.begin(), edges.end(), box.begin(),
+                   [](const JsonField& edge) { return edge.integer(); });
+  }
+  return viewpoint;
+}
+
+SoundSpacesSpeaker parse_speaker(const JsonField& json) {
+  SoundSpacesSpeaker speaker;
+  speaker.id = json.field("id").integer();
+  speaker.location = json.field("location").vector3();
+  const JsonField speech = json.field("speech");
+  if (!speech.is_null()) speaker.speech = speech.text();
+  return speaker;
+}
+
+SoundSpacesClip parse_clip(const JsonField& json, const std::string& scene, int index) {
+  SoundSpacesClip clip{scene, index, {}, {}};
+  for (const JsonField& item : json.field("viewpoints").items()) {
+    clip.viewpoints.push_back(parse_viewpoint(item));
+  }
+  for (const JsonField& item : json.field("speakers").items()) {
+    clip.speakers.push_back(parse_speaker(item));
+  }
+  if (clip.viewpoints.size() < 2) throw InputError(json.where(), "fewer than two viewpoints");
+  return clip;
+}
+
+/// Drops what lies before the earlier ear's first sample that is not zero.
+Waveform without_delay(const Waveform& response, const std::string& where) {
+  const auto samples = response.planar();
+  if (std::all_of(samples.begin(), samples.end(),
+                  [](float sample) { return std::abs(sample) <= kSilence; })) {
+    return response;
+  }
+  std::ptrdiff_t first = response.samples();
+  for (int ear = 0; ear < response.channels(); ++ear) {
+    const auto channel = response.channel(ear);
+    const auto onset =
+        std::find_if(channel.begin(), channel.end(), [](float sample) { return sample != 0.0F; });
+    if (onset == channel.end()) {
+      throw InputError(where, fmt::format("channel {} is silent, the other is not", ear));
+    }
+    first = std::min(first, onset - channel.begin());
+  }
+  return window_of(response, first, response.samples() - first);
+}
+
+Waveform heard(const Waveform& speech, const fs::path& response_path) {
+  Waveform response = read_sound(response_path);
+  if (response.channels() != 2) {
+    throw InputError(response_path.string(),
+                     fmt::format("expected 2 channels, found {}", response.channels()));
+  }
+  response = without_delay(resample_sinc(response, kRate_hz), response_path.string());
+  Waveform sound(2, speech.samples() + response.samples() - 1, kRate_hz);
+  for (int ear = 0; ear < 2; ++ear) {
+    const std::vector<float> convolved = convolve(speech.channel(0), response.channel(ear));
+    std::copy(convolved.begin(), convolved.end(), sound.channel(ear).begin());
+  }
+  return sound;
+}
+
+ImagePlanes read_rgb(const fs::path& path) {
+  ImagePlanes planes = planes_of(read_image(path));
+  for (float& value : planes.values) value /= 255.0F;
+  return resize_bilinear(planes, kImageSize, kImageSize);
+}
+
+double wrapped(double angle_rad) {
+  const double turn = 2.0 * kPi;
+  const double rest = std::fmod(angle_rad, turn);
+  return rest < 0.0 ? rest + turn : rest;
+}
+
+}  // namespace
+
+SoundSpacesDataset::SoundSpacesDataset(Options options) : options_(std::move(options)) {
+  const fs::path folder = options_.root / options_.folder / options_.split;
+  if (!fs::is_directory(folder)) throw InputError(folder.string(), "no such folder");
+  std::vector<fs::path> scenes;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    if (fs::exists(entry.path() / options_.metadata_file)) scenes.push_back(entry.path());
+  }
+  std::sort(scenes.begin(), scenes.end());
+  if (scenes.empty()) {
+    throw InputError(folder.string(), "holds no scene with a " + options_.metadata_file);
+  }
+  for (const fs::path& scene : scenes) {
+    const fs::path path = scene / options_.metadata_file;
+    const nlohmann::json document = nlohmann::json::parse(read_text_file(path), nullptr, false);
+    if (document.is_discarded()) throw InputError(path.string(), "is not valid JSON");
+    int index = 0;
+    for (const JsonField& item : JsonField(document, path.string()).items()) {
+      clips_.push_back(parse_clip(item, scene.filename().string(), index++));
+    }
+  }
+}
+
+SoundSpacesChoice SoundSpacesDataset::draw(const SoundSpacesClip& clip, NumpyRandom& random) const {
+  SoundSpacesChoice choice;
+  const std::vector<int> order = random.permutation(static_cast<int>(clip.viewpoints.size()));
+  choice.source = order[0];
+  choice.target = order[1];
+  std::vector<int> speaking;
+  for (std::size_t i = 0; i < clip.speakers.size(); ++i) {
+    if (clip.speakers[i].speech) speaking.push_back(static_cast<int>(i));
+  }
+  if (speaking.empty()) {
+    throw InputError(fmt::format("{}, clip {}", clip.scene, clip.index), "nobody has speech");
+  }
+  choice.speaker = speaking[random.index(static_cast<std::uint32_t>(speaking.size()))];
+  if (options_.split == "train") {
+    const std::ptrdiff_t length = speech(*clip.speakers[choice.speaker].speech).samples();
+    if (length > kSamples) {
+      choice.window_start = random.index(static_cast<std::uint32_t>(length - kSamples));
+    }
+  }
+  return choice;
+}
+
+fs::path SoundSpacesDataset::speech_path(const std::string& speech) const {
+  const std::string part = options_.split == "train"           ? "train-clean-360"
+                           : options_.split.starts_with("val") ? "dev-clean"
+                                                               : "test-clean";
+  const auto first = speech.find('-');
+  const auto second = speech.find('-', first == std::string::npos ? first : first + 1);
+  if (second == std::string::npos) {
+    throw InputError("speech '" + speech + "'", "expected a name like book-chapter-section");
+  }
+  return options_.root / options_.speech_folder / part / speech.substr(0, first) /
+         speech.substr(first + 1, second - first - 1) / (speech + ".flac");
+}
+
+Waveform SoundSpacesDataset::speech(const std::string& name) const {
+  const fs::path path = speech_path(name);
+  Waveform sound = read_sound(path);
+  if (sound.channels() != 1) {
+    throw InputError(path.string(), fmt::format("expected 1 channel, found {}", sound.channels()));
+  }
+  if (probe_sound(path).is_pcm16) {
+    // The released loader takes integers as they are stored.
+    for (float& sample : sound.planar()) sample *= 32768.0F;
+  }
+  return resample_sinc(highpass(sound, kCutoff_hz), kRate_hz);
+}
+
+NvasSample SoundSpacesDataset::sample(const SoundSpacesClip& clip,
+                                      const SoundSpacesChoice& choice) const {
+  const SoundSpacesViewpoint& source = clip.viewpoints.at(choice.source);
+  const SoundSpacesViewpoint& target = clip.viewpoints.at(choice.target);
+  const SoundSpacesSpeaker& speaker = clip.speakers.at(choice.speaker);
+  const std::string where = fmt::format("{}, clip {}", clip.scene, clip.index);
+  EARPOINT_CHECK(speaker.speech.has_value());
+  if (!source.rir.contains(speaker.id) || !target.rir.contains(speaker.id) ||
+      !source.bboxes.contains(speaker.id)) {
+    throw InputError(where, fmt::format("speaker {} has no response or box", speaker.id));
+  }
+
+  NvasSample sample;
+  const Waveform speech = this->speech(*speaker.speech);
+  sample.source = window_of(heard(speech, options_.root / source.rir.at(speaker.id)),
+                            choice.window_start, kSamples);
+  sample.target = window_of(heard(speech, options_.root / target.rir.at(speaker.id)),
+                            choice.window_start, kSamples);
+  sample.source_rgb = read_rgb(options_.root / source.image);
+  sample.target_rgb = read_rgb(options_.root / target.image);
+  for (const int edge : source.bboxes.at(speaker.id)) sample.bboxes.push_back(edge / 255.0);
+  const auto pose = soundspaces_pose(source, target.location);
+  const auto rotation = soundspaces_rotation(source, target);
+  sample.tgt_pose.assign(pose.begin(), pose.end());
+  sample.tgt_rotation.assign(rotation.begin(), rotation.end());
+  return sample;
+}
+
+std::array<double, 3> soundspaces_pose(const SoundSpacesViewpoint& from, const Vector3& to) {
+  const double dx = to.x - from.location.x;
+  const double dz = to.z - from.location.z;
+  const double theta_rad = std::atan2(dz, dx);
+  const double azimuth_rad = wrapped(1.5 * kPi - theta_rad - from.rotation_rad);
+  return {std::hypot(dx, dz), std::sin(azimuth_rad), std::cos(azimuth_rad)};
+}
+
+std::array<double, 2> soundspaces_rotation(const SoundSpacesViewpoint& from,
+                                           const SoundSpacesViewpoint& to) {
+  const double turn_rad = wrapped(to.rotation_rad - from.rotation_rad);
+  return {std::sin(turn_rad), std::cos(turn_rad)};
+}
+
+Vector3 from_soundspaces(const Vector3& location) { return {-location.z, -location.x, location.y}; }
+
+Vector3 to_soundspaces(const Vector3& position_m) {
+  return {-position_m.y, position_m.z, -position_m.x};
+}
+
+}  // namespace earpoint
