@@ -1,5 +1,7 @@
 #include "complex_fft.h"
 
+#include "roots_of_unity.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -14,6 +16,10 @@ namespace {
 
 constexpr double kTurn = 6.283185307179586476925286766559;
 constexpr int kLargestRadix = 13;
+/// Between real and imaginary parts: at a power of two they would compete for the same lines of the
+/// cache.
+template <typename T>
+constexpr std::size_t kGap = 1088 / sizeof(T);
 
 template <typename T>
 struct Complex {
@@ -196,13 +202,13 @@ struct ComplexFft<T>::Chirp {
     kernel_im.resize(padded);
     work_re.resize(padded);
     work_im.resize(padded);
-    for (int n = 0; n < size; ++n) {
-      // n^2 mod 2 size, exactly, so that the angle keeps its precision.
-      const std::int64_t square = static_cast<std::int64_t>(n) * n % (2 * std::int64_t{size});
-      const double angle = kTurn / 2 * static_cast<double>(square) / size;
-      cosine[n] = static_cast<T>(std::cos(angle));
-      sine[n] = static_cast<T>(-std::sin(angle));
-      for (const std::size_t at : {static_cast<std::size_t>(n), (padded - n) % padded}) {
+    const RootsOfUnity roots(2 * std::int64_t{size});
+    for (std::int64_t n = 0; n < size; ++n) {
+      const std::complex<double> root = roots.at(n * n);
+      cosine[n] = static_cast<T>(root.real());
+      sine[n] = static_cast<T>(-root.imag());
+      for (const auto at :
+           {static_cast<std::size_t>(n), (padded - static_cast<std::size_t>(n)) % padded}) {
         kernel_re[at] = cosine[n] / static_cast<T>(padded);
         kernel_im[at] = -sine[n] / static_cast<T>(padded);
       }
@@ -249,7 +255,7 @@ ComplexFft<T>::ComplexFft(int size) : size_(size) {
   if (passes_.empty()) {
     chirp_ = std::make_unique<Chirp>(size);
   } else {
-    scratch_.resize(2 * static_cast<std::size_t>(size));
+    scratch_.resize(2 * static_cast<std::size_t>(size) + kGap<T>);
   }
 }
 
@@ -262,6 +268,7 @@ ComplexFft<T>& ComplexFft<T>::operator=(ComplexFft&&) noexcept = default;
 
 template <typename T>
 void ComplexFft<T>::plan_passes() {
+  const RootsOfUnity roots(size_);
   int left = size_;
   int stride = 1;
   for (const int radix : radices_of(size_)) {
@@ -269,9 +276,9 @@ void ComplexFft<T>::plan_passes() {
     Pass pass{radix, blocks, stride, {}, {}};
     for (int k = 1; k < radix; ++k) {
       for (int p = 0; p < blocks; ++p) {
-        const double angle = kTurn * static_cast<double>(std::int64_t{p} * k % left) / left;
-        pass.cosines.push_back(static_cast<T>(std::cos(angle)));
-        pass.sines.push_back(static_cast<T>(-std::sin(angle)));
+        const std::complex<double> root = roots.at(std::int64_t{p} * k * stride);
+        pass.cosines.push_back(static_cast<T>(root.real()));
+        pass.sines.push_back(static_cast<T>(-root.imag()));
       }
     }
     passes_.push_back(std::move(pass));
@@ -284,7 +291,7 @@ template <typename T>
 void ComplexFft<T>::forward(T* real, T* imaginary) {
   if (chirp_) return chirp_->forward(real, imaginary);
   std::pair<T*, T*> from{real, imaginary};
-  std::pair<T*, T*> to{scratch_.data(), scratch_.data() + size_};
+  std::pair<T*, T*> to{scratch_.data(), scratch_.data() + size_ + kGap<T>};
   for (const Pass& pass : passes_) {
     run_pass_of_radix<T>(
         pass.radix, pass.blocks, pass.stride,

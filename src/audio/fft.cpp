@@ -1,4 +1,5 @@
 #include "complex_fft.h"
+#include "roots_of_unity.h"
 
 #include <cmath>
 #include <cstdint>
@@ -18,10 +19,10 @@ struct RealFft<T>::State {
     real.resize(fft.size());
     imaginary.resize(fft.size());
     if (!half) return;
+    const RootsOfUnity roots(size);
     for (int k = 0; k <= size / 4; ++k) {
-      const double angle = 6.283185307179586476925286766559 * k / size;
-      cosine.push_back(static_cast<T>(std::cos(angle)));
-      sine.push_back(static_cast<T>(std::sin(angle)));
+      cosine.push_back(static_cast<T>(roots.at(k).real()));
+      sine.push_back(static_cast<T>(roots.at(k).imag()));
     }
   }
 
