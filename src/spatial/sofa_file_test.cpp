@@ -9,6 +9,7 @@
 #include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
 #include <earpoint/core/pose.h>
+#include <earpoint/core/random.h>
 #include <earpoint/spatial/sofa_file.h>
 
 namespace earpoint {
@@ -94,6 +95,25 @@ TEST(SofaFile, RefusesTruncatedFilesWithOneLine) {
     const std::string message = refusal(path);
     EXPECT_NE(message.find("truncated.sofa"), std::string::npos) << share << ": " << message;
     EXPECT_EQ(message.find('\n'), std::string::npos);
+  }
+  std::filesystem::remove(path);
+}
+
+TEST(SofaFile, RefusesDamageThatCrashesTheReadingLibrary) {
+  const std::vector<std::byte> whole = read_file(test_file("sphere.sofa"));
+  const std::filesystem::path path = std::filesystem::path(testing::TempDir()) / "damaged.sofa";
+  // Seeds whose bytes make libmysofa 1.3.1 fall over: invalid reads, and a smashed stack.
+  for (const std::uint64_t seed : {77U, 131U, 167U, 387U}) {
+    std::vector<std::byte> bytes = whole;
+    RandomStream random(seed);
+    const std::uint64_t changes = 1 + random.index(8);
+    for (std::uint64_t i = 0; i < changes; ++i) {
+      const auto value = static_cast<std::byte>(random.index(256));
+      bytes[random.index(seed % 2 == 0 ? bytes.size() : 20000)] = value;
+    }
+    write_file(path, bytes);
+    EXPECT_NE(refusal(path).find("damaged.sofa: the SOFA file is damaged"), std::string::npos)
+        << seed;
   }
   std::filesystem::remove(path);
 }
