@@ -18,7 +18,6 @@ namespace {
 
 constexpr int kEars = 2;
 constexpr int kLongestDelayWindowS = 60;
-constexpr int kRwavsRateHz = 22050;
 constexpr StftShape kRwavsShape{512, 512, 128, Window::hann};
 
 double energy(std::span<const float> samples) {

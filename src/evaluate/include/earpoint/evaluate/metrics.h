@@ -54,7 +54,10 @@ class MetricEvaluator {
 /// The same for one pair.
 [[nodiscard]] BinauralMetrics binaural_metrics(const Waveform& reference, const Waveform& estimate);
 
-/// The metrics of the RWAVS benchmark, at 22.05 kHz (both sounds are resampled to it).
+/// The rate of the RWAVS benchmark.
+inline constexpr int kRwavsRateHz = 22050;
+
+/// The metrics of the RWAVS benchmark, at kRwavsRateHz (both sounds are resampled to it).
 struct RwavsMetrics {
   /// Sum over the ears of mean (|S| - |S'|)^2, S with 512 points, hop 128, periodic Hann window,
   /// zeros outside.
