@@ -124,8 +124,9 @@ std::optional<PictureFormat> picture_format(std::span<const std::byte> bytes) {
   return std::nullopt;
 }
 
-Image decode_image(std::span<const std::byte> bytes, std::string_view name) {
-  const std::string where(name);
+Image read_image(const std::filesystem::path& path) {
+  const std::vector<std::byte> bytes = read_file(path);
+  const std::string where = path.string();
   if (bytes.empty()) throw InputError(where, "is empty");
   const auto format = picture_format(bytes);
   if (!format) throw InputError(where, "is neither a PNG nor a JPEG picture");
@@ -138,10 +139,6 @@ Image decode_image(std::span<const std::byte> bytes, std::string_view name) {
       decode_picture(bytes, is_jpeg ? AV_CODEC_ID_MJPEG : AV_CODEC_ID_PNG, where);
   ImageMaker maker;
   return oriented(maker.image(*frame, where), orientation_of(*frame));
-}
-
-Image read_image(const std::filesystem::path& path) {
-  return decode_image(read_file(path), path.string());
 }
 
 void write_image(const std::filesystem::path& path, const Image& image) {

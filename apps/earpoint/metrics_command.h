@@ -1,8 +1,0 @@
-#pragma once
-
-namespace CLI {
-class App;
-}
-
-/// Adds `earpoint metrics`: compares an estimate with its reference.
-void add_metrics_command(CLI::App& app);

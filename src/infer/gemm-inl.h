@@ -1,0 +1,80 @@
+// The inner product of packed weights and a panel. Included once per instruction set.
+
+#if defined(EARPOINT_INFER_GEMM_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef EARPOINT_INFER_GEMM_INL_H_
+#undef EARPOINT_INFER_GEMM_INL_H_
+#else
+#define EARPOINT_INFER_GEMM_INL_H_
+#endif
+
+#include "tile_shape.h"
+
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace earpoint::infer::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using Lanes = hn::ScalableTag<float>;
+using Vector = hn::Vec<Lanes>;
+inline constexpr int kLanes = static_cast<int>(hn::MaxLanes(Lanes()));
+inline constexpr int kTileVectors = kTileColumns / kLanes;
+static_assert(kTileColumns % kLanes == 0);
+
+// As many sums as registers hold beside the operands: 16 of 32, or 8 of 16.
+inline constexpr bool kManyRegisters = HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_NEON;
+inline constexpr int kSumRows = kManyRegisters ? kGroupRows : kGroupRows / 2;
+inline constexpr int kSumVectors = kLanes == 1 ? 1 : 2;
+static_assert(kGroupRows % kSumRows == 0 && kTileVectors % kSumVectors == 0);
+
+/// kSumRows rows and kSumVectors vectors of multiply_group(), their sums kept in registers.
+HWY_INLINE void multiply_block(const float* HWY_RESTRICT weights, const float* HWY_RESTRICT panel,
+                               int depth, float* HWY_RESTRICT products) {
+  const Lanes d;
+  Vector sums[kSumRows * kSumVectors];
+  HWY_UNROLL(16)
+  for (int i = 0; i < kSumRows * kSumVectors; ++i) sums[i] = hn::Zero(d);
+
+  for (int k = 0; k < depth; ++k) {
+    Vector columns[kSumVectors];
+    HWY_UNROLL(2)
+    for (int v = 0; v < kSumVectors; ++v) columns[v] = hn::Load(d, panel + v * kLanes);
+    HWY_UNROLL(8)
+    for (int r = 0; r < kSumRows; ++r) {
+      const Vector weight = hn::Set(d, weights[r]);
+      HWY_UNROLL(2)
+      for (int v = 0; v < kSumVectors; ++v) {
+        sums[r * kSumVectors + v] = hn::MulAdd(weight, columns[v], sums[r * kSumVectors + v]);
+      }
+    }
+    weights += kGroupRows;
+    panel += kTileColumns;
+  }
+
+  HWY_UNROLL(8)
+  for (int r = 0; r < kSumRows; ++r) {
+    HWY_UNROLL(2)
+    for (int v = 0; v < kSumVectors; ++v) {
+      hn::Store(sums[r * kSumVectors + v], d, products + r * kTileColumns + v * kLanes);
+    }
+  }
+}
+
+/// products[row][column] = sum over k of weights[k][row] * panel[k][column].
+///
+/// @param weights   packed, shape [depth][kGroupRows]
+/// @param panel     shape [depth][kTileColumns], aligned
+/// @param products  shape [kGroupRows][kTileColumns], aligned
+HWY_INLINE void multiply_group(const float* HWY_RESTRICT weights, const float* HWY_RESTRICT panel,
+                               int depth, float* HWY_RESTRICT products) {
+  for (int column = 0; column < kTileColumns; column += kSumVectors * kLanes) {
+    for (int row = 0; row < kGroupRows; row += kSumRows) {
+      multiply_block(weights + row, panel + column, depth, products + row * kTileColumns + column);
+    }
+  }
+}
+
+}  // namespace earpoint::infer::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

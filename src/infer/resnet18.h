@@ -1,0 +1,56 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+
+#include <earpoint/model/tensor.h>
+
+namespace earpoint::infer {
+
+/// A convolution with the batch normalisation behind it folded in.
+struct FoldedConvolution {
+  std::vector<float> weight;  ///< [out][in][height][width]
+  std::vector<float> bias;    ///< [out]
+};
+
+/// Tensor of a name in the state dict.
+using TensorByName = std::function<const Tensor&(const std::string&)>;
+
+/// Folds `<norm>.weight`, `.bias`, `.running_mean` and `.running_var` (eps 1e-5) into
+/// `<convolution>.weight` and, if it has one, `<convolution>.bias`.
+[[nodiscard]] FoldedConvolution fold_batch_norm(const TensorByName& tensor,
+                                                const std::string& convolution,
+                                                const std::string& norm, bool has_bias);
+
+/// ResNet-18 without pooling and classifier, for inference; oneDNN does the work.
+/// Source: He et al., Deep Residual Learning (2015); names and layout as in the oracle notes on the
+/// released code, section 2.1.
+class ResNet18 {
+ public:
+  static constexpr int kChannels = 512;
+
+  /// @param tensor   of the state dict; the network's names start with `prefix`
+  /// @param channels of the picture, height and width in pixels
+  /// @param threads  > 0
+  ResNet18(const TensorByName& tensor, const std::string& prefix, int channels, int height,
+           int width, int threads);
+  ~ResNet18();
+  ResNet18(ResNet18&&) noexcept;
+  ResNet18& operator=(ResNet18&&) noexcept;
+
+  /// Size of the map: a 32nd of the picture's, rounded up.
+  [[nodiscard]] int map_height() const;
+  [[nodiscard]] int map_width() const;
+
+  /// @param picture  [channels][height][width]
+  /// @param map      [kChannels][map_height][map_width]
+  void run(std::span<const float> picture, std::span<float> map);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace earpoint::infer

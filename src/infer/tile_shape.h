@@ -1,0 +1,27 @@
+#pragma once
+
+namespace earpoint::infer {
+
+/// Columns of a panel: what one tile computes at a time. A multiple of the lanes of every
+/// instruction set; with the columns of two panels, weights and sums it fits the second-level
+/// cache.
+inline constexpr int kTileColumns = 32;
+
+/// Rows of packed weights that lie together: channels of the 1x1 convolutions, or the filter and
+/// gate rows of half as many channels: f0 f1 g0 g1 f2 f3 g2 g3.
+inline constexpr int kGroupRows = 8;
+inline constexpr int kGateChannels = kGroupRows / 2;
+
+/// Place of a channel's filter row in its group; its gate row follows two places later.
+constexpr int filter_row(int channel_in_group) {
+  return channel_in_group / 2 * 4 + channel_in_group % 2;
+}
+inline constexpr int kGateRowAfter = 2;
+
+/// In segmented order a plane is cut into this many equal segments, and samples at the same place
+/// in each of them lie side by side. A multiple of the lanes of every instruction set.
+inline constexpr int kSegments = 16;
+
+constexpr int round_up(int value, int step) { return (value + step - 1) / step * step; }
+
+}  // namespace earpoint::infer
