@@ -1,3 +1,4 @@
+#include "metrics_command.h"
 #include "model_command.h"
 
 #include <cstdio>
@@ -11,6 +12,7 @@ int main(int argc, char** argv) {
   CLI::App app("Earpoint: hear a recorded moment from another place.", "earpoint");
   app.require_subcommand(1);
   app.set_version_flag("--version", EARPOINT_VERSION);
+  add_metrics_command(app);
   add_model_command(app);
   try {
     app.parse(argc, argv);

@@ -27,6 +27,7 @@ ProgramOutcome run_earpoint(const std::vector<std::string>& arguments) {
   std::vector<std::string> words{EARPOINT_PROGRAM};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> pointers;
+  pointers.reserve(words.size() + 1);
   for (std::string& word : words) pointers.push_back(word.data());
   pointers.push_back(nullptr);
 

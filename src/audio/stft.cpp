@@ -20,9 +20,10 @@ std::span<const std::complex<float>> Spectrogram::frame(int index) const {
 struct Stft::State {
   explicit State(const StftShape& shape_in)
       : shape(shape_in), fft(shape_in.fft_size), frame(shape_in.fft_size) {
+    const double mean = shape.window == Window::hamming ? 0.54 : 0.5;
     for (int n = 0; n < shape.window_size; ++n) {
       const double turn = 6.283185307179586476925286766559 * n / shape.window_size;
-      window.push_back(static_cast<float>(0.54 - 0.46 * std::cos(turn)));
+      window.push_back(static_cast<float>(mean - (1.0 - mean) * std::cos(turn)));
     }
   }
 

@@ -27,7 +27,8 @@ std::complex<double> value_of(const std::vector<float>& signal, const StftShape&
     const int in_frame = (shape.fft_size - shape.window_size) / 2 + n;
     const std::ptrdiff_t at = std::ptrdiff_t{frame} * shape.hop - shape.fft_size / 2 + in_frame;
     if (at < 0 || at >= std::ssize(signal)) continue;
-    const double window = 0.54 - 0.46 * std::cos(kTurn * n / shape.window_size);
+    const double cosine = std::cos(kTurn * n / shape.window_size);
+    const double window = shape.window == Window::hann ? 0.5 - 0.5 * cosine : 0.54 - 0.46 * cosine;
     sum += double{signal[at]} * window *
            std::polar(1.0, -kTurn * std::fmod(double{1} * bin * in_frame, shape.fft_size) /
                                shape.fft_size);
@@ -37,7 +38,7 @@ std::complex<double> value_of(const std::vector<float>& signal, const StftShape&
 
 TEST(Stft, EqualsTheDefinition) {
   for (const StftShape shape : {StftShape{}, StftShape{256, 128, 64}, StftShape{1024, 600, 256},
-                                StftShape{512, 512, 128}}) {
+                                StftShape{512, 512, 128, Window::hann}}) {
     for (const std::ptrdiff_t samples : {0, 1, 159, 160, 1000}) {
       const std::vector<float> signal = noise(samples, 1);
       Stft stft(shape);
@@ -57,7 +58,8 @@ TEST(Stft, EqualsTheDefinition) {
 }
 
 TEST(Stft, InverseGivesTheSignalBackToItsEnds) {
-  for (const StftShape shape : {StftShape{}, StftShape{512, 512, 128}, StftShape{256, 128, 64}}) {
+  for (const StftShape shape :
+       {StftShape{}, StftShape{512, 512, 128, Window::hann}, StftShape{256, 128, 64}}) {
     for (const std::ptrdiff_t samples : {1, 160, 1000, 16000, 16159}) {
       const std::vector<float> signal = noise(samples, 2);
       Stft stft(shape);

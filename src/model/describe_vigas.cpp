@@ -13,7 +13,7 @@ namespace {
 /// Options of the released code that change what the network computes or is fed, and the value
 /// that the supported networks have. Where a checkpoint does not mention one, it had its default.
 const std::map<std::string, HyperParameter>& supported_options() {
-  static const std::map<std::string, HyperParameter> kOptions{
+  static const std::map<std::string, HyperParameter> options{
       {"model", std::string("vigas")},
       {"wavenet_encoder", std::string("hyperconv")},
       {"num_channel", std::int64_t{2}},
@@ -52,7 +52,7 @@ const std::map<std::string, HyperParameter>& supported_options() {
       {"use_tgt_rgb_pano", false},
       {"use_warper", false},
   };
-  return kOptions;
+  return options;
 }
 
 std::string text_of(const HyperParameter& value) {

@@ -124,9 +124,8 @@ std::optional<PictureFormat> picture_format(std::span<const std::byte> bytes) {
   return std::nullopt;
 }
 
-Image read_image(const std::filesystem::path& path) {
-  const std::vector<std::byte> bytes = read_file(path);
-  const std::string where = path.string();
+Image decode_image(std::span<const std::byte> bytes, std::string_view name) {
+  const std::string where(name);
   if (bytes.empty()) throw InputError(where, "is empty");
   const auto format = picture_format(bytes);
   if (!format) throw InputError(where, "is neither a PNG nor a JPEG picture");
@@ -139,6 +138,10 @@ Image read_image(const std::filesystem::path& path) {
       decode_picture(bytes, is_jpeg ? AV_CODEC_ID_MJPEG : AV_CODEC_ID_PNG, where);
   ImageMaker maker;
   return oriented(maker.image(*frame, where), orientation_of(*frame));
+}
+
+Image read_image(const std::filesystem::path& path) {
+  return decode_image(read_file(path), path.string());
 }
 
 void write_image(const std::filesystem::path& path, const Image& image) {

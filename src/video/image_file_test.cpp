@@ -70,6 +70,12 @@ TEST_F(ImageFile, PngGivesEveryPixelBack) {
   EXPECT_EQ(entries(), 1);
 }
 
+TEST_F(ImageFile, DecodesFromMemoryWhatItReadsFromAFile) {
+  const Image image = noise(37, 21, 3);
+  write_image(file("a.png"), image);
+  EXPECT_EQ(largest_difference(decode_image(read_file(file("a.png")), "a texture"), image), 0);
+}
+
 TEST_F(ImageFile, GreyComesBackAsEqualRedGreenAndBlue) {
   const Image grey = noise(31, 9, 1);
   write_image(file("a.png"), grey);

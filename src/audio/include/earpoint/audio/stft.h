@@ -8,12 +8,16 @@
 
 namespace earpoint {
 
+/// Periodic windows: 0.54 - 0.46 cos(2 pi n / size), and 0.5 - 0.5 cos(2 pi n / size).
+enum class Window { hamming, hann };
+
 /// How a short-time Fourier transform cuts its signal. The defaults are those of the published
 /// metrics and losses.
 struct StftShape {
   int fft_size = 512;
-  int window_size = 400;  ///< periodic Hamming, in the middle of the fft_size samples
+  int window_size = 400;  ///< lies in the middle of the fft_size samples
   int hop = 160;
+  Window window = Window::hamming;
 
   friend bool operator==(const StftShape&, const StftShape&) = default;
 };
@@ -44,7 +48,7 @@ class Stft {
   [[nodiscard]] int bins() const;
   /// 1 + floor(samples / hop)
   [[nodiscard]] int frames(std::ptrdiff_t samples) const;
-  /// The window, shape [window_size]: 0.54 - 0.46 cos(2 pi n / window_size).
+  /// shape [window_size]
   [[nodiscard]] std::span<const float> window() const;
 
   /// @param signal  shape [samples]

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
+#include <span>
+#include <string_view>
 
 #include <earpoint/core/image.h>
 
@@ -16,6 +19,11 @@ namespace earpoint {
 /// @throws  InputError if the file is missing, neither PNG nor JPEG, damaged, cut short, or larger
 ///          than 100 megapixels
 [[nodiscard]] Image read_image(const std::filesystem::path& path);
+
+/// Decodes a PNG or JPEG file that lies in memory, as read_image does.
+/// @param where  what errors call it
+/// @throws  InputError as read_image
+[[nodiscard]] Image decode_image(std::span<const std::byte> bytes, std::string_view where);
 
 /// Writes a picture, whole or not at all. The extension chooses the format: .png is lossless;
 /// .jpg and .jpeg have full colour resolution (4:4:4) and high quality.

@@ -1,0 +1,220 @@
+#include "metrics_command.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <earpoint/audio/resample.h>
+#include <earpoint/audio/sound_file.h>
+#include <earpoint/core/error.h>
+#include <earpoint/evaluate/decay_metrics.h>
+#include <earpoint/evaluate/metrics.h>
+
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+using earpoint::Waveform;
+
+struct MetricsOptions {
+  fs::path reference;
+  fs::path estimate;
+  std::string variant = "vigas";
+  bool impulse_responses = false;
+  bool trim = false;
+  bool sign_fix = false;
+  bool json = false;
+};
+
+constexpr const char* kExamples = R"(
+Examples:
+  earpoint metrics there.wav rendered.wav
+  earpoint metrics there.wav rendered.wav --json
+  earpoint metrics there.wav rendered.wav --variant rwavs
+  earpoint metrics measured_brir.wav traced_brir.wav --impulse-responses
+
+Zero is best throughout. Both sounds are binaural (left, right) and of one length.
+  mag             sum over the ears of the mean difference of STFT magnitudes
+  lre_db          difference of the left-right energy ratios, dB; none if a left ear is silent
+  stft_distance   sum over the ears of the Euclidean distance of the STFTs
+  l2              mean squared difference of the samples
+  delay_samples   mean delay of the ears at 16 kHz, at most 50 (also for a silent ear)
+--variant rwavs:
+  mag             sum over the ears of the mean squared difference of STFT magnitudes, 22.05 kHz
+  env             sum over the ears of the RMS difference of the Hilbert envelopes
+--impulse-responses (any number of channels; means of absolute differences):
+  t60_error_s, t60_error_percent, edt_error_s, c50_error_db
+)";
+
+/// One line of the result: its JSON key, its value and what a table says about it.
+struct Row {
+  std::string key;
+  Json value;
+  std::string unit;
+};
+
+struct Report {
+  std::vector<Row> rows;
+  std::vector<std::string> notes;
+  Json extra = Json::object();
+};
+
+void trim_to(Waveform& wave, std::ptrdiff_t samples) {
+  if (wave.samples() <= samples) return;
+  Waveform shorter(wave.channels(), samples, wave.sample_rate_hz());
+  for (int c = 0; c < wave.channels(); ++c) {
+    std::ranges::copy(wave.channel(c).first(static_cast<std::size_t>(samples)),
+                      shorter.channel(c).begin());
+  }
+  wave = std::move(shorter);
+}
+
+/// Brings a sound to the rate that its metrics are published at.
+void to_rate(Waveform& wave, int rate_hz, const fs::path& path, Report& report) {
+  if (wave.sample_rate_hz() == rate_hz) return;
+  report.notes.push_back(
+      fmt::format("{} resampled from {} to {} Hz", path.string(), wave.sample_rate_hz(), rate_hz));
+  wave = earpoint::resample(wave, rate_hz);
+}
+
+/// Both sounds, comparable.
+struct Pair {
+  Waveform reference;
+  Waveform estimate;
+};
+
+Pair read_pair(const MetricsOptions& options, Report& report) {
+  Pair pair{earpoint::read_sound(options.reference), earpoint::read_sound(options.estimate)};
+  const int rate_hz = options.variant == "rwavs" ? earpoint::kRwavsRateHz : earpoint::kMetricRateHz;
+  to_rate(pair.reference, rate_hz, options.reference, report);
+  to_rate(pair.estimate, rate_hz, options.estimate, report);
+  const std::ptrdiff_t shorter = std::min(pair.reference.samples(), pair.estimate.samples());
+  const std::ptrdiff_t longer = std::max(pair.reference.samples(), pair.estimate.samples());
+  if (shorter != longer) {
+    if (!options.trim) {
+      throw earpoint::InputError(options.estimate.string(),
+                                 fmt::format("has {} samples, {} has {}", pair.estimate.samples(),
+                                             options.reference.string(), pair.reference.samples()),
+                                 "--trim compares what both have");
+    }
+    report.notes.push_back(fmt::format("{} samples at the end left out", longer - shorter));
+    trim_to(pair.reference, shorter);
+    trim_to(pair.estimate, shorter);
+  }
+  earpoint::check_comparable(pair.reference, options.reference.string(), pair.estimate,
+                             options.estimate.string());
+  return pair;
+}
+
+Report compare_sounds(const MetricsOptions& options) {
+  Report report;
+  Pair pair = read_pair(options, report);
+  if (options.sign_fix) {
+    const earpoint::SignFix fix =
+        earpoint::fix_sign(std::span(&pair.estimate, 1), std::span(&pair.reference, 1));
+    report.notes.emplace_back(fix == earpoint::SignFix::none ? "the sign fix changed nothing"
+                              : fix == earpoint::SignFix::negated_left
+                                  ? "the sign fix negated the left ear"
+                                  : "the sign fix negated the right ear");
+  }
+  report.extra["samples"] = pair.reference.samples();
+  report.extra["sample_rate_hz"] = pair.reference.sample_rate_hz();
+  if (options.variant == "rwavs") {
+    const earpoint::RwavsMetrics m = earpoint::rwavs_metrics(pair.reference, pair.estimate);
+    report.rows = {{"mag", m.mag, ""}, {"env", m.env, ""}};
+    return report;
+  }
+  const earpoint::BinauralMetrics m = earpoint::binaural_metrics(pair.reference, pair.estimate);
+  if (!m.lre_db) report.notes.emplace_back("a left ear is silent, so lre_db has no value");
+  report.rows = {{"mag", m.mag, ""},
+                 {"lre_db", m.lre_db ? Json(*m.lre_db) : Json(nullptr), "dB"},
+                 {"stft_distance", m.stft_distance, ""},
+                 {"l2", m.l2, ""},
+                 {"delay_samples", m.delay_samples, "samples"}};
+  return report;
+}
+
+Json json_of(const std::vector<earpoint::ChannelDecay>& channels) {
+  Json list = Json::array();
+  for (const earpoint::ChannelDecay& channel : channels) {
+    list.push_back(
+        {{"t60_s", channel.t60_s}, {"edt_s", channel.edt_s}, {"c50_db", channel.c50_db}});
+  }
+  return list;
+}
+
+Report compare_impulse_responses(const MetricsOptions& options) {
+  const earpoint::DecayComparison found =
+      earpoint::compare_decays(earpoint::read_sound(options.reference), options.reference.string(),
+                               earpoint::read_sound(options.estimate), options.estimate.string());
+  const bool t30 = found.range == earpoint::DecayRange::t30;
+  Report report;
+  report.rows = {{"t60_error_s", found.t60_error_s, "s"},
+                 {"t60_error_percent", found.t60_error_percent, "%"},
+                 {"edt_error_s", found.edt_error_s, "s"},
+                 {"c50_error_db", found.c50_error_db, "dB"}};
+  report.notes.emplace_back(t30 ? "T60 is T30, read from -5 to -35 dB"
+                                : "T60 is T20, read from -5 to -25 dB: not all decay to -35 dB");
+  report.extra["t60_range"] = t30 ? "t30" : "t20";
+  report.extra["reference"] = json_of(found.reference);
+  report.extra["estimate"] = json_of(found.estimate);
+  return report;
+}
+
+void print(const Report& report, bool as_json) {
+  if (as_json) {
+    Json json = Json::object();
+    for (const Row& row : report.rows) json[row.key] = row.value;
+    json.update(report.extra);
+    json["notes"] = report.notes;
+    fmt::print("{}\n", json.dump(2));
+    return;
+  }
+  for (const Row& row : report.rows) {
+    const std::string value =
+        row.value.is_null() ? "-" : fmt::format("{:.6g}", row.value.get<double>());
+    fmt::print("{:<18}{:>14}{}{}\n", row.key, value, row.unit.empty() ? "" : " ", row.unit);
+  }
+  for (const std::string& note : report.notes) fmt::print("note: {}\n", note);
+}
+
+}  // namespace
+
+void add_metrics_command(CLI::App& app) {
+  auto options = std::make_shared<MetricsOptions>();
+  CLI::App* command =
+      app.add_subcommand("metrics", "Measure how far an estimated sound is from its reference.");
+  command->add_option("reference", options->reference, "What was to be heard (WAV, FLAC, ...)")
+      ->required();
+  command->add_option("estimate", options->estimate, "What was rendered")->required();
+  command->add_flag("--json", options->json, "Print JSON");
+  auto* variant = command
+                      ->add_option("--variant", options->variant,
+                                   "Whose definitions: vigas (16 kHz) or rwavs (22.05 kHz)")
+                      ->check(CLI::IsMember({"vigas", "rwavs"}))
+                      ->capture_default_str();
+  auto* decays = command->add_flag("--impulse-responses", options->impulse_responses,
+                                   "The sounds are impulse responses: compare T60, EDT and C50");
+  decays->excludes(variant);
+  auto* trim = command->add_flag("--trim", options->trim,
+                                 "Compare sounds of different lengths as far as both go");
+  auto* sign_fix = command->add_flag(
+      "--sign-fix", options->sign_fix,
+      "First negate one ear of an estimate in opposite phase, as the published evaluation does");
+  trim->excludes(decays);
+  sign_fix->excludes(decays);
+  command->footer(kExamples);
+  command->callback([options] {
+    print(
+        options->impulse_responses ? compare_impulse_responses(*options) : compare_sounds(*options),
+        options->json);
+  });
+}

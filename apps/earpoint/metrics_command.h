@@ -1,0 +1,8 @@
+#pragma once
+
+namespace CLI {
+class App;
+}
+
+/// Adds `earpoint metrics`: compares an estimate with its reference.
+void add_metrics_command(CLI::App& app);

@@ -1,0 +1,171 @@
+#include "run_program.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <earpoint/audio/sound_file.h>
+#include <earpoint/core/file.h>
+#include <earpoint/core/random.h>
+
+namespace {
+
+namespace fs = std::filesystem;
+using earpoint::Waveform;
+
+class MetricsCommand : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const std::string name = testing::UnitTest::GetInstance()->current_test_info()->name();
+    folder_ = fs::path(testing::TempDir()) / ("metrics_command_" + name);
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  std::string write(const std::string& name, const Waveform& wave) {
+    earpoint::write_sound(folder_ / name, wave, earpoint::SampleFormat::float32);
+    return (folder_ / name).string();
+  }
+
+  nlohmann::json json_of(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), "metrics");
+    arguments.emplace_back("--json");
+    const ProgramOutcome outcome = run_earpoint(arguments);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
+    return nlohmann::json::parse(outcome.output);
+  }
+
+  void expect_refused(std::vector<std::string> arguments, const std::string& part) {
+    arguments.insert(arguments.begin(), "metrics");
+    const ProgramOutcome outcome = run_earpoint(arguments);
+    EXPECT_EQ(outcome.exit_code, 2);
+    EXPECT_EQ(outcome.output, "");
+    EXPECT_EQ(std::count(outcome.errors.begin(), outcome.errors.end(), '\n'), 1) << outcome.errors;
+    EXPECT_NE(outcome.errors.find(part), std::string::npos) << outcome.errors;
+  }
+
+  fs::path folder_;
+};
+
+Waveform noise(std::ptrdiff_t samples, int rate_hz = 16000, int channels = 2) {
+  earpoint::RandomStream random(1);
+  Waveform wave(channels, samples, rate_hz);
+  for (float& x : wave.planar()) x = static_cast<float>(0.1 * random.normal());
+  return wave;
+}
+
+Waveform with_ear_scaled(Waveform wave, int ear, float factor) {
+  for (float& x : wave.channel(ear)) x *= factor;
+  return wave;
+}
+
+TEST_F(MetricsCommand, PrintsTheAgreedKeys) {
+  const std::string reference = write("a.wav", noise(16000));
+  const std::string estimate = write("b.wav", with_ear_scaled(noise(16000), 0, 0.5F));
+  const nlohmann::json json = json_of({reference, estimate});
+  for (const char* key : {"mag", "lre_db", "stft_distance", "l2", "delay_samples"}) {
+    EXPECT_TRUE(json.at(key).is_number()) << key;
+  }
+  EXPECT_NEAR(json.at("lre_db").get<double>(), 20.0 * std::log10(2.0), 1e-6);
+  EXPECT_EQ(json.at("delay_samples"), 0.0);
+
+  const ProgramOutcome table = run_earpoint({"metrics", reference, estimate});
+  EXPECT_EQ(table.exit_code, 0);
+  EXPECT_NE(table.output.find("6.0206 dB\n"), std::string::npos) << table.output;
+}
+
+TEST_F(MetricsCommand, SilenceGivesNullAndANote) {
+  const std::string reference = write("a.wav", noise(16000));
+  const std::string estimate = write("b.wav", with_ear_scaled(noise(16000), 0, 0.0F));
+  const nlohmann::json json = json_of({reference, estimate});
+  EXPECT_TRUE(json.at("lre_db").is_null());
+  EXPECT_EQ(json.at("notes").at(0), "a left ear is silent, so lre_db has no value");
+  EXPECT_EQ(json.at("delay_samples"), 25.0);
+}
+
+TEST_F(MetricsCommand, OtherRatesAreResampledAndSaidSo) {
+  const std::string reference = write("a.wav", noise(48000, 48000));
+  const nlohmann::json json = json_of({reference, reference});
+  EXPECT_EQ(json.at("mag"), 0.0);
+  EXPECT_EQ(json.at("sample_rate_hz"), 16000);
+  EXPECT_EQ(json.at("samples"), 16000);
+  EXPECT_EQ(json.at("notes").size(), 2U);
+}
+
+TEST_F(MetricsCommand, TrimComparesWhatBothHave) {
+  const std::string longer = write("a.wav", noise(16000));
+  Waveform cut(2, 15000, 16000);
+  for (int c = 0; c < 2; ++c) {
+    const Waveform whole = noise(16000);
+    std::copy_n(whole.channel(c).begin(), 15000, cut.channel(c).begin());
+  }
+  const std::string shorter = write("b.wav", cut);
+  expect_refused({longer, shorter}, "b.wav: has 15000 samples");
+  EXPECT_EQ(json_of({longer, shorter, "--trim"}).at("l2"), 0.0);
+  EXPECT_EQ(json_of({shorter, longer, "--trim"}).at("samples"), 15000);
+}
+
+TEST_F(MetricsCommand, SignFixNegatesTheWrongEar) {
+  Waveform wave = noise(16000);
+  std::ranges::copy(std::as_const(wave).channel(0), wave.channel(1).begin());
+  const std::string reference = write("a.wav", wave);
+  const std::string estimate = write("b.wav", with_ear_scaled(wave, 1, -1.0F));
+  EXPECT_GT(json_of({reference, estimate}).at("l2").get<double>(), 0.01);
+  EXPECT_EQ(json_of({reference, estimate, "--sign-fix"}).at("l2"), 0.0);
+}
+
+TEST_F(MetricsCommand, RwavsVariantHasItsOwnKeys) {
+  const std::string reference = write("a.wav", noise(22050, 22050));
+  const std::string estimate = write("b.wav", with_ear_scaled(noise(22050, 22050), 0, 0.5F));
+  const nlohmann::json json = json_of({reference, estimate, "--variant", "rwavs"});
+  EXPECT_GT(json.at("mag").get<double>(), 0.0);
+  EXPECT_GT(json.at("env").get<double>(), 0.0);
+  EXPECT_FALSE(json.contains("lre_db"));
+  EXPECT_EQ(json.at("sample_rate_hz"), 22050);
+}
+
+TEST_F(MetricsCommand, ImpulseResponsesAreComparedByTheirDecays) {
+  const auto decay = [](double t60_s) {
+    Waveform wave(2, 16000, 16000);
+    for (int c = 0; c < 2; ++c) {
+      for (int n = 0; n < 16000; ++n) {
+        wave.channel(c)[n] = static_cast<float>((n % 2 == 0 ? 1.0 : -1.0) *
+                                                std::pow(10.0, -3.0 * n / 16000.0 / t60_s));
+      }
+    }
+    return wave;
+  };
+  const std::string reference = write("a.wav", decay(0.4));
+  const std::string estimate = write("b.wav", decay(0.5));
+  const nlohmann::json json = json_of({reference, estimate, "--impulse-responses"});
+  EXPECT_NEAR(json.at("t60_error_s").get<double>(), 0.1, 1e-3);
+  EXPECT_NEAR(json.at("t60_error_percent").get<double>(), 25.0, 0.3);
+  EXPECT_EQ(json.at("t60_range"), "t30");
+  EXPECT_EQ(json.at("reference").size(), 2U);
+  expect_refused({reference, write("c.wav", noise(16000)), "--impulse-responses"},
+                 "c.wav: channel 0: impulse response: does not decay");
+  EXPECT_EQ(
+      run_earpoint({"metrics", reference, estimate, "--impulse-responses", "--trim"}).exit_code, 2);
+}
+
+TEST_F(MetricsCommand, BadInputGivesOneLine) {
+  const std::string good = write("a.wav", noise(16000));
+  expect_refused({good, (folder_ / "missing.wav").string()}, "missing.wav: no such file");
+  earpoint::write_file(folder_ / "text.wav", "not a sound");
+  expect_refused({(folder_ / "text.wav").string(), good}, "text.wav: is not a sound file");
+  expect_refused({good, write("mono.wav", noise(16000, 16000, 1))}, "mono.wav: has 1 channel");
+}
+
+TEST_F(MetricsCommand, HelpTeachesByExample) {
+  const ProgramOutcome help = run_earpoint({"metrics", "--help"});
+  EXPECT_EQ(help.exit_code, 0);
+  EXPECT_NE(help.output.find("earpoint metrics there.wav rendered.wav --json"), std::string::npos);
+  EXPECT_EQ(run_earpoint({"metrics"}).exit_code, 2);
+}
+
+}  // namespace

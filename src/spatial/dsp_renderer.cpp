@@ -1,0 +1,144 @@
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <cstddef>
+
+#include <earpoint/audio/convolution.h>
+#include <earpoint/audio/fft.h>
+#include <earpoint/core/error.h>
+#include <earpoint/spatial/dsp_renderer.h>
+
+namespace earpoint {
+namespace {
+
+using Complex = std::complex<double>;
+using EarSpectra = std::array<std::vector<Complex>, 2>;
+
+constexpr double kFilterLength_s = 0.08;
+
+// Designs filters in the frequency domain at twice their length, then cuts and fades them.
+class FilterDesign {
+ public:
+  explicit FilterDesign(const HrtfSet& hrtf)
+      : rate_hz_(hrtf.sample_rate_hz()),
+        taps_(2 * static_cast<int>(0.5 * kFilterLength_s * rate_hz_)),
+        fft_(fast_fft_size(2 * std::max(taps_, hrtf.taps()))) {}
+
+  [[nodiscard]] int bins() const { return fft_.bins(); }
+  [[nodiscard]] int delay_samples() const { return taps_ / 2; }
+
+  EarSpectra spectra(const Hrir& hrir) {
+    EarSpectra spectra;
+    std::vector<double> padded(fft_.size());
+    for (int ear = 0; ear < 2; ++ear) {
+      std::ranges::fill(padded, 0.0);
+      std::ranges::copy(hrir.taps[ear], padded.begin());
+      spectra[ear].resize(fft_.bins());
+      fft_.forward(padded, spectra[ear]);
+    }
+    return spectra;
+  }
+
+  // conj(H_e) / (sum |H|^2 + w), in place of H.
+  void invert(EarSpectra& ears) const {
+    double mean = 0.0;
+    for (int bin = 0; bin < bins(); ++bin) {
+      mean += (std::norm(ears[0][bin]) + std::norm(ears[1][bin])) / bins();
+    }
+    for (int bin = 0; bin < bins(); ++bin) {
+      const double frequency_hz = static_cast<double>(rate_hz_) * bin / fft_.size();
+      const double power = std::norm(ears[0][bin]) + std::norm(ears[1][bin]);
+      const double denominator = power + regularisation(frequency_hz) * mean;
+      for (int ear = 0; ear < 2; ++ear) {
+        ears[ear][bin] = denominator > 0.0 ? std::conj(ears[ear][bin]) / denominator : 0.0;
+      }
+    }
+  }
+
+  // The filter of a spectrum, made causal by the delay, its ends faded over an eighth each.
+  std::vector<float> taps(std::span<const Complex> spectrum) {
+    std::vector<double> circular(fft_.size());
+    fft_.inverse(spectrum, circular);
+    std::vector<float> taps(taps_);
+    const int fade = taps_ / 8;
+    for (int tap = 0; tap < taps_; ++tap) {
+      const int time = tap - delay_samples();
+      const double inside = std::min(1.0, (std::min(tap, taps_ - 1 - tap) + 0.5) / fade);
+      taps[tap] = static_cast<float>(circular[time < 0 ? time + fft_.size() : time] * 0.5 *
+                                     (1.0 - std::cos(kPi * inside)));
+    }
+    return taps;
+  }
+
+ private:
+  static double regularisation(double frequency_hz) {
+    const auto rise = [&](double from_hz, double to_hz) {
+      return std::clamp((frequency_hz - from_hz) / (to_hz - from_hz), 0.0, 1.0);
+    };
+    return std::pow(10.0, -3.0 + rise(5000.0, 10000.0) + 2.0 * rise(14000.0, 19000.0));
+  }
+
+  int rate_hz_;
+  int taps_;
+  RealFft<double> fft_;
+};
+
+}  // namespace
+
+double distance_gain(double distance_m) { return 0.2 / std::max(0.2, distance_m); }
+
+SourceFilter source_filter(const HrtfSet& hrtf, const Vector3& direction) {
+  FilterDesign design(hrtf);
+  EarSpectra inverse = design.spectra(hrtf.interpolated(direction));
+  design.invert(inverse);
+  // The responses begin before sound passes the head's middle; undoing them brings that forward.
+  SourceFilter filter;
+  filter.delay_samples =
+      design.delay_samples() - static_cast<int>(std::lround(hrtf.centre_delay_samples()));
+  for (int ear = 0; ear < 2; ++ear) filter.taps[ear] = design.taps(inverse[ear]);
+  return filter;
+}
+
+EarFilterMatrix dsp_filters(const HrtfSet& hrtf, const Spherical& speaker_from_source,
+                            const Spherical& speaker_from_target) {
+  EARPOINT_CHECK(speaker_from_source.distance_m > 0.0 && speaker_from_target.distance_m > 0.0);
+  FilterDesign design(hrtf);
+  const auto unit = [](Spherical s) {
+    s.distance_m = 1.0;
+    return cartesian_from_spherical(s);
+  };
+  EarSpectra inverse = design.spectra(hrtf.interpolated(unit(speaker_from_source)));
+  design.invert(inverse);
+  const EarSpectra forward = design.spectra(hrtf.interpolated(unit(speaker_from_target)));
+  const double gain =
+      distance_gain(speaker_from_target.distance_m) / distance_gain(speaker_from_source.distance_m);
+
+  EarFilterMatrix matrix;
+  matrix.delay_samples = design.delay_samples();
+  std::vector<Complex> product(design.bins());
+  for (int target = 0; target < 2; ++target) {
+    for (int source = 0; source < 2; ++source) {
+      for (int bin = 0; bin < design.bins(); ++bin) {
+        product[bin] = gain * forward[target][bin] * inverse[source][bin];
+      }
+      matrix.taps[target][source] = design.taps(product);
+    }
+  }
+  return matrix;
+}
+
+Waveform apply_filters(const EarFilterMatrix& filters, const Waveform& binaural) {
+  EARPOINT_CHECK(binaural.channels() == 2);
+  Waveform out(2, binaural.samples(), binaural.sample_rate_hz());
+  for (int target = 0; target < 2; ++target) {
+    for (int source = 0; source < 2; ++source) {
+      const std::vector<float> part =
+          convolve(filters.taps[target][source], binaural.channel(source));
+      const std::span<float> sum = out.channel(target);
+      for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += part[i + filters.delay_samples];
+    }
+  }
+  return out;
+}
+
+}  // namespace earpoint
