@@ -1,4 +1,5 @@
 #include "model_command.h"
+#include "model_run_command.h"
 
 #include <cstdint>
 #include <filesystem>
@@ -144,4 +145,5 @@ void add_model_command(CLI::App& app) {
   model->require_subcommand(1);
   add_import(*model);
   add_info(*model);
+  add_model_run_command(*model);
 }

@@ -4,5 +4,5 @@ namespace CLI {
 class App;
 }
 
-/// Adds `earpoint model`: import, info.
+/// Adds `earpoint model`: import, info, run.
 void add_model_command(CLI::App& app);

@@ -1,0 +1,8 @@
+#pragma once
+
+namespace CLI {
+class App;
+}
+
+/// Adds `run` to `earpoint model`: raw tensors in, raw tensors out.
+void add_model_run_command(CLI::App& model);
