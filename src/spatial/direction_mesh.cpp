@@ -134,6 +134,7 @@ DirectionMesh::DirectionMesh(std::span<const Vector3> directions)
       triangle.neighbours[corner] = found == triangle_of_edge.end() ? -1 : found->second;
     }
   }
+  join();
   starts_.assign(static_cast<std::size_t>(kAzimuthCells) * kHeightCells, 0);
   for (std::size_t i = 0; i < triangles_.size(); ++i) {
     Vector3 middle;
@@ -154,30 +155,8 @@ std::array<double, 3> DirectionMesh::weights(const Triangle& triangle, const Vec
   return {dot(triangle.inverse[0], v), dot(triangle.inverse[1], v), dot(triangle.inverse[2], v)};
 }
 
-int DirectionMesh::nearest(const Vector3& direction) const {
-  int best = 0;
-  double best_cosine = -2.0 * norm(direction);
-  EARPOINT_CHECK(best_cosine < 0.0);
-  for (std::size_t i = 0; i < directions_.size(); ++i) {
-    const double cosine = dot(directions_[i], direction);
-    if (cosine > best_cosine) {
-      best_cosine = cosine;
-      best = static_cast<int>(i);
-    }
-  }
-  return best;
-}
-
-DirectionMesh::Place DirectionMesh::locate(const Vector3& direction) const {
-  EARPOINT_CHECK(norm(direction) > 0.0);
-  const Vector3 unit = normalized(direction);
-  const auto place = [&](const Triangle& triangle) {
-    std::array<double, 3> found = weights(triangle, unit);
-    double sum = 0.0;
-    for (double& weight : found) sum += weight = std::max(weight, 0.0);
-    for (double& weight : found) weight /= sum;
-    return Place{triangle.corners, found};
-  };
+// The triangle around a unit vector, or -1.
+int DirectionMesh::find(const Vector3& unit) const {
   const auto contains = [&](const std::array<double, 3>& w) {
     return *std::min_element(w.begin(), w.end()) >= -kEdgeTolerance;
   };
@@ -186,15 +165,72 @@ DirectionMesh::Place DirectionMesh::locate(const Vector3& direction) const {
   for (std::size_t step = 0; step < triangles_.size() && current >= 0; ++step) {
     const Triangle& triangle = triangles_[current];
     const std::array<double, 3> found = weights(triangle, unit);
-    if (contains(found)) return place(triangle);
+    if (contains(found)) return current;
     current = triangle.neighbours[std::min_element(found.begin(), found.end()) - found.begin()];
   }
   // A walk that met the rim of an open mesh, or went round in a circle: look everywhere.
-  for (const Triangle& triangle : triangles_) {
-    if (contains(weights(triangle, unit))) return place(triangle);
+  for (std::size_t i = 0; i < triangles_.size(); ++i) {
+    if (contains(weights(triangles_[i], unit))) return static_cast<int>(i);
   }
-  const int corner = nearest(unit);
-  return {{corner, corner, corner}, {1.0, 0.0, 0.0}};
+  return -1;
+}
+
+int DirectionMesh::nearest(const Vector3& direction) const {
+  EARPOINT_CHECK(norm(direction) > 0.0);
+  const Vector3 unit = normalized(direction);
+  const int triangle = find(unit);
+  if (triangle < 0) {
+    const auto best = std::ranges::max_element(
+        directions_, {}, [&](const Vector3& other) { return dot(other, unit); });
+    return static_cast<int>(best - directions_.begin());
+  }
+  // From the triangle go to whatever joined direction is nearer: in a Delaunay triangulation
+  // that ends at the nearest of all.
+  int best = triangles_[triangle].corners[0];
+  for (bool moved = true; moved;) {
+    moved = false;
+    const int here = best;
+    for (int k = joined_begin_[here]; k < joined_begin_[here + 1]; ++k) {
+      if (dot(directions_[joined_[k]], unit) > dot(directions_[best], unit)) {
+        best = joined_[k];
+        moved = true;
+      }
+    }
+  }
+  return best;
+}
+
+// Which directions share an edge with each.
+void DirectionMesh::join() {
+  std::vector<std::vector<int>> joined(directions_.size());
+  for (const Triangle& triangle : triangles_) {
+    for (int k = 0; k < 3; ++k) {
+      joined[triangle.corners[k]].push_back(triangle.corners[(k + 1) % 3]);
+      joined[triangle.corners[k]].push_back(triangle.corners[(k + 2) % 3]);
+    }
+  }
+  joined_begin_.push_back(0);
+  for (std::vector<int>& row : joined) {
+    std::ranges::sort(row);
+    row.erase(std::unique(row.begin(), row.end()), row.end());
+    joined_.insert(joined_.end(), row.begin(), row.end());
+    joined_begin_.push_back(static_cast<int>(joined_.size()));
+  }
+}
+
+DirectionMesh::Place DirectionMesh::locate(const Vector3& direction) const {
+  EARPOINT_CHECK(norm(direction) > 0.0);
+  const Vector3 unit = normalized(direction);
+  const int index = find(unit);
+  if (index < 0) {
+    const int corner = nearest(unit);
+    return {{corner, corner, corner}, {1.0, 0.0, 0.0}};
+  }
+  Place place{triangles_[index].corners, weights(triangles_[index], unit)};
+  double sum = 0.0;
+  for (double& weight : place.weights) sum += weight = std::max(weight, 0.0);
+  for (double& weight : place.weights) weight /= sum;
+  return place;
 }
 
 }  // namespace earpoint

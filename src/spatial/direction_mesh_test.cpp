@@ -96,6 +96,19 @@ TEST(DirectionMesh, NearestGoesRoundTheBack) {
   EXPECT_EQ(mesh.nearest(direction(-176.0, 0.0)), 39);  // azimuth 185
 }
 
+TEST(DirectionMesh, NearestIsTheNearestOfAll) {
+  RandomStream random(4);
+  std::vector<Vector3> directions;
+  for (int i = 0; i < 300; ++i) directions.push_back(random_direction(random));
+  const DirectionMesh mesh(directions);
+  for (int i = 0; i < 5000; ++i) {
+    const Vector3 wanted = random_direction(random);
+    const auto best = std::ranges::max_element(
+        directions, {}, [&](const Vector3& other) { return dot(other, wanted); });
+    EXPECT_EQ(mesh.nearest(wanted), static_cast<int>(best - directions.begin()));
+  }
+}
+
 TEST(DirectionMesh, AnEmptyHemisphereFallsBackToTheNearest) {
   std::vector<Vector3> directions;
   for (int elevation = 30; elevation <= 90; elevation += 20) {

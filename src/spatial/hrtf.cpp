@@ -189,7 +189,9 @@ double HrtfSet::onset_samples(std::size_t measurement, int ear) const {
 }
 
 std::size_t HrtfSet::nearest(const Vector3& direction) const {
-  EARPOINT_CHECK(norm(direction) > 0.0);
+  const auto found = static_cast<std::size_t>(state_->mesh.nearest(direction));
+  if (found < size()) return found;
+  // A stand-in for a pole: look through all that was measured.
   const auto best = std::ranges::max_element(
       state_->set.directions, {}, [&](const Vector3& other) { return dot(other, direction); });
   return static_cast<std::size_t>(best - state_->set.directions.begin());

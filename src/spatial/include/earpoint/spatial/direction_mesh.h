@@ -36,7 +36,7 @@ class DirectionMesh {
   /// Cost: a short walk over the triangles. Allocates nothing; safe from several threads.
   [[nodiscard]] Place locate(const Vector3& direction) const;
 
-  /// @return the index of the nearest direction by angle
+  /// @return the index of the nearest direction by angle. Cost: as locate.
   [[nodiscard]] int nearest(const Vector3& direction) const;
 
   [[nodiscard]] std::size_t triangles() const { return triangles_.size(); }
@@ -52,10 +52,14 @@ class DirectionMesh {
   static std::vector<Face> hull(std::span<const Vector3> points);
   [[nodiscard]] std::array<double, 3> weights(const Triangle& triangle, const Vector3& v) const;
   [[nodiscard]] int start(const Vector3& unit) const;
+  [[nodiscard]] int find(const Vector3& unit) const;
+  void join();
 
   std::vector<Vector3> directions_;
   std::vector<Triangle> triangles_;
-  std::vector<int> starts_;  // a triangle near each cell of a coarse grid
+  std::vector<int> starts_;        // a triangle near each cell of a coarse grid
+  std::vector<int> joined_;        // directions that share an edge, one list after the other
+  std::vector<int> joined_begin_;  // where each direction's list begins in joined_
 };
 
 }  // namespace earpoint

@@ -67,7 +67,7 @@ class HrtfSet {
   /// start of every response: take it off to place an arrival at its travel time.
   [[nodiscard]] double centre_delay_samples() const;
 
-  /// The measurement nearest by angle. Cost: one pass over all directions.
+  /// The measurement nearest by angle. Allocates nothing.
   [[nodiscard]] std::size_t nearest(const Vector3& direction) const;
   [[nodiscard]] Hrir measured(std::size_t measurement) const;
 
