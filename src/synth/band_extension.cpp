@@ -1,0 +1,75 @@
+#include <algorithm>
+#include <cmath>
+
+#include <earpoint/core/error.h>
+#include <earpoint/core/pose.h>
+#include <earpoint/synth/band_extension.h>
+
+namespace earpoint {
+namespace {
+
+constexpr double kMaxGain = 4.0;  // 12 dB: past that, noise in a near-empty octave would speak
+// The last tenth below Nyquist belongs to the resamplers' slopes.
+constexpr double kBandLow = 0.5;
+constexpr double kBandHigh = 0.9;
+// -120 dB re full scale per sample: less than that is no signal.
+constexpr double kSilence = 1e-12;
+
+}  // namespace
+
+BandExtension::BandExtension(std::ptrdiff_t window, std::ptrdiff_t overlap)
+    : window_(window),
+      overlap_(overlap),
+      fft_(static_cast<int>(window)),
+      taper_(static_cast<std::size_t>(window)),
+      tapered_(taper_.size()),
+      spectrum_(taper_.size() / 2 + 1) {
+  EARPOINT_CHECK(window > 0 && window % 2 == 0 && 0 <= overlap && 2 * overlap <= window);
+  // Without a taper the strong low bands would leak into the weak top octave.
+  for (std::size_t i = 0; i < taper_.size(); ++i) {
+    const double sine =
+        std::sin(kPi * (static_cast<double>(i) + 0.5) / static_cast<double>(window));
+    taper_[i] = static_cast<float>(sine * sine);
+  }
+}
+
+double BandExtension::top_octave_energy(std::span<const float> samples) {
+  std::transform(samples.begin(), samples.end(), taper_.begin(), tapered_.begin(),
+                 std::multiplies<>());
+  fft_.forward(tapered_, spectrum_);
+  const auto bins = static_cast<double>(spectrum_.size() - 1);
+  double energy = 0.0;
+  for (auto k = static_cast<std::size_t>(kBandLow * bins);
+       k < static_cast<std::size_t>(kBandHigh * bins); ++k) {
+    energy += std::norm(std::complex<double>(spectrum_[k]));
+  }
+  return energy;
+}
+
+void BandExtension::add_window(const Waveform& input, const Waveform& output) {
+  EARPOINT_CHECK(input.samples() == window_ && output.samples() == window_);
+  std::array<float, 2> gains{};
+  for (int ear = 0; ear < 2; ++ear) {
+    const double before = top_octave_energy(input.channel(ear));
+    const double after = top_octave_energy(output.channel(ear));
+    const double floor = kSilence * static_cast<double>(window_) * static_cast<double>(window_);
+    gains[ear] =
+        before <= floor ? 1.0F : static_cast<float>(std::min(kMaxGain, std::sqrt(after / before)));
+  }
+  gains_.push_back(gains);
+}
+
+float BandExtension::gain(int ear, double model_samples) const {
+  EARPOINT_DCHECK(!gains_.empty() && model_samples >= 0.0);
+  const auto hop = static_cast<double>(window_ - overlap_);
+  const auto last = static_cast<std::ptrdiff_t>(gains_.size()) - 1;
+  const auto index = std::min(static_cast<std::ptrdiff_t>(model_samples / hop), last);
+  const float present = gains_[index][ear];
+  const double into = model_samples - static_cast<double>(index) * hop;
+  if (index == 0 || into >= static_cast<double>(overlap_)) return present;
+  const double sine = std::sin(kPi / 2 * into / static_cast<double>(overlap_));
+  const auto rising = static_cast<float>(sine * sine);
+  return gains_[index - 1][ear] * (1.0F - rising) + present * rising;
+}
+
+}  // namespace earpoint

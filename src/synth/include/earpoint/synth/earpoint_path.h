@@ -1,0 +1,54 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <earpoint/core/pose.h>
+
+namespace earpoint {
+
+/// Where an earpoint is over time, in the source view's frame: standing still, or moving from row
+/// to row of a CSV file.
+class EarpointPath {
+ public:
+  /// Stands still.
+  explicit EarpointPath(const Pose& source_from_target);
+
+  /// Reads `time_s,x,y,z,yaw_deg,pitch_deg,roll_deg` (that header first; metres; x front, y left,
+  /// z up; lines that start with # are skipped). Positions are interpolated linearly, orientations
+  /// along the great arc.
+  /// @throws InputError naming the line if a cell is missing or no number, a time does not grow,
+  ///         or there is no row
+  static EarpointPath from_csv(const std::filesystem::path& path);
+  /// The same from text; `name` stands for the file in messages.
+  static EarpointPath parse_csv(const std::string& text, const std::string& name);
+
+  /// @throws InputError if the path does not cover [0, duration_s]; half a second may be missing at
+  ///         the end, where the last row holds
+  void check_covers(double duration_s) const;
+
+  /// @return source_from_target at that time; before the first and after the last row, that row
+  [[nodiscard]] Pose at(double time_s) const;
+  [[nodiscard]] bool is_moving() const { return rows_.size() > 1; }
+
+ private:
+  struct Row {
+    double time_s = 0.0;
+    Pose pose;
+  };
+  EarpointPath() = default;
+
+  std::string name_;
+  std::vector<Row> rows_;
+};
+
+/// Reads one target pose or a list of them: an object, or an array of objects, like
+/// `{"position_m": [1, -0.5, 0], "yaw_deg": 90, "pitch_deg": 0, "roll_deg": 0}`; angles left out
+/// are 0, and `"quaternion_wxyz": [w, x, y, z]` may stand in their place.
+/// @throws InputError naming the field
+std::vector<Pose> read_poses_json(const std::filesystem::path& path);
+/// The same from text; `name` stands for the file in messages.
+std::vector<Pose> parse_poses_json(const std::string& text, const std::string& name);
+
+}  // namespace earpoint

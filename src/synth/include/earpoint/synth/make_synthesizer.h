@@ -1,0 +1,24 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <earpoint/core/pose.h>
+#include <earpoint/synth/synthesizer.h>
+
+namespace earpoint {
+
+struct SynthesizerOptions {
+  std::optional<std::filesystem::path> hrtf;               ///< a SOFA file; default: the KEMAR set
+  double horizontal_fov_rad = radians_from_degrees(90.0);  ///< of the source camera
+  int threads = 1;
+};
+
+/// @param model  `input`, `dsp`, or the path of a weight file
+/// @throws InputError if it is neither, or the file is no network that this build can run
+std::unique_ptr<AcousticSynthesizer> make_synthesizer(const std::string& model,
+                                                      const SynthesizerOptions& options);
+
+}  // namespace earpoint

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include <earpoint/core/pose.h>
+#include <earpoint/core/progress.h>
+#include <earpoint/synth/earpoint_path.h>
+#include <earpoint/synth/source_stream.h>
+#include <earpoint/synth/speaker_track.h>
+#include <earpoint/synth/synthesizer.h>
+#include <earpoint/video/plot.h>
+
+namespace earpoint {
+
+/// What is rendered: the sound, and the picture that goes with it.
+struct RenderSource {
+  SoundSource sound;
+  /// A still picture, or a movie. Without it the picture is the sound's own movie, if it is one.
+  std::optional<std::filesystem::path> picture;
+  /// Who speaks, as seen in the picture or as known in the source view's frame.
+  std::optional<SpeakerTrack> speaker_track;
+  std::optional<Vector3> speaker_m;
+};
+
+/// One earpoint and where its sound goes: .wav, .flac, .ogg or .w64, or .mp4 with the picture.
+struct RenderTarget {
+  EarpointPath path;
+  std::filesystem::path output;
+};
+
+struct ClipRenderOptions {
+  /// Carry the band above the model's Nyquist frequency along (BandExtension). Without it the
+  /// output has the model's band only, at the recording's rate.
+  bool extend_band = true;
+  /// In place of the synthesizer's own.
+  std::optional<double> ambient_cutoff_hz;
+  double gain_db = 0.0;
+};
+
+struct RenderReport {
+  SoundSurvey survey;
+  WaveformOutline source;  ///< what was recorded
+  std::vector<WaveformOutline> targets;
+  int windows = 0;
+};
+
+/// Renders a whole clip for every target in one pass over the recording: windows, cross-fades,
+/// ambient sound and the band above the model's. Outputs appear only when all are whole.
+///
+/// Memory is bounded by a few windows, whatever the clip's length.
+/// @throws InputError for a bad recording, picture, path or output, with nothing written
+RenderReport render(const RenderSource& source, AcousticSynthesizer& synthesizer,
+                    std::span<const RenderTarget> targets, const ClipRenderOptions& options,
+                    ProgressSink& progress);
+
+}  // namespace earpoint

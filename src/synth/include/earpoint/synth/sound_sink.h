@@ -1,0 +1,29 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+
+#include <earpoint/core/waveform.h>
+
+namespace earpoint {
+
+/// Where rendered sound goes.
+class SoundSink {
+ public:
+  virtual ~SoundSink() = default;
+  virtual void write(const Waveform& block) = 0;
+  /// Makes the file whole and lets it appear under its name; without it nothing is left.
+  virtual void commit() = 0;
+  [[nodiscard]] virtual int sample_rate_hz() const = 0;
+};
+
+/// Opens the sink that fits the output's extension: .wav (32-bit float), .flac (24 bit), .ogg,
+/// .w64 (32-bit float), or .mp4 with the picture of `movie`.
+///
+/// @param movie  the source movie; empty if the source has no moving picture
+/// @throws InputError if the extension is not known, the file cannot be written, or .mp4 is asked
+///         for without a movie
+std::unique_ptr<SoundSink> open_sound_sink(const std::filesystem::path& output, int sample_rate_hz,
+                                           const std::filesystem::path& movie);
+
+}  // namespace earpoint

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include <earpoint/audio/butterworth.h>
+#include <earpoint/audio/resample.h>
+#include <earpoint/core/waveform.h>
+#include <earpoint/synth/stream_buffer.h>
+#include <earpoint/video/media.h>
+#include <earpoint/video/plot.h>
+
+namespace earpoint {
+
+/// Which sound of which file.
+struct SoundSource {
+  std::filesystem::path path;                           ///< a sound file or a movie
+  std::optional<std::array<int, 2>> binaural_channels;  ///< left, right; needed beyond two channels
+};
+
+/// What a first reading of the whole recording finds.
+struct SoundSurvey {
+  int sample_rate_hz = 0;
+  std::ptrdiff_t samples = 0;
+  std::array<double, 2> level_db{};  ///< root mean square per ear re full scale
+
+  [[nodiscard]] double duration_s() const { return static_cast<double>(samples) / sample_rate_hz; }
+};
+
+/// Reads the recording once from end to end, so that nothing is written for a bad one.
+/// @throws InputError if it has no sound, is shorter than 0.1 s, is sampled below 16 kHz, is silent
+///         throughout (below -100 dB), or holds a sample that is no number (naming its time)
+SoundSurvey survey_sound(const SoundSource& source);
+
+/// The recording as windows at a synthesizer's rate, read once, front to back, with bounded memory.
+class SourceStream {
+ public:
+  /// @param model_rate_hz      at most the recording's rate
+  /// @param ambient_cutoff_hz  what lies below is ambient; 0: none
+  SourceStream(const SoundSource& source, const SoundSurvey& survey, int model_rate_hz,
+               double ambient_cutoff_hz);
+
+  struct Window {
+    Waveform primary;  ///< 2 ears, [context + samples + context]
+    Waveform ambient;  ///< 2 ears, [samples]; what the primary sound leaves of the recording
+  };
+  /// Windows must be asked for in ascending order. Beyond the recording there is silence.
+  [[nodiscard]] Window window(std::ptrdiff_t start, std::ptrdiff_t samples, std::ptrdiff_t context);
+
+  /// What the model's rate cannot carry, at the recording's rate: 2 ears, [count] from `start`.
+  /// Zeros if the rates are equal.
+  [[nodiscard]] Waveform high_band(std::ptrdiff_t start, std::ptrdiff_t count);
+  /// Forgets the high band before that sample.
+  void drop_high_band_before(std::ptrdiff_t start) { high_.drop_before(start); }
+
+  /// The recording drawn small, as far as it has been read.
+  [[nodiscard]] const WaveformOutline& outline() const { return outline_; }
+
+  /// The recording's length at the model's rate.
+  [[nodiscard]] std::ptrdiff_t model_samples() const { return model_samples_; }
+
+ private:
+  void read_block();
+
+  SoundSurvey survey_;
+  AudioReader reader_;
+  std::unique_ptr<StreamResampler> down_;  // null if the rates are equal
+  std::unique_ptr<StreamResampler> up_;
+  std::vector<SecondOrderSection> primary_band_;
+  std::ptrdiff_t model_samples_;
+  std::ptrdiff_t filter_margin_ = 0;
+  StreamBuffer model_;   // the recording at the model's rate
+  StreamBuffer native_;  // the recording, until its low band has come back from down_ and up_
+  StreamBuffer high_;    // native minus low band
+  WaveformOutline outline_;
+  bool ended_ = false;
+};
+
+}  // namespace earpoint

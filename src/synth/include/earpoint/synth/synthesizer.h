@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+
+#include <earpoint/core/image.h>
+#include <earpoint/core/pose.h>
+#include <earpoint/core/waveform.h>
+
+namespace earpoint {
+
+/// How a synthesizer wants a clip cut up. Windows start every `samples - overlap` samples.
+struct WindowShape {
+  int sample_rate_hz = 0;
+  std::ptrdiff_t samples = 0;  ///< length of one window
+  std::ptrdiff_t overlap = 0;  ///< shared with the next window and cross-faded, < samples
+  std::ptrdiff_t context = 0;  ///< further samples wanted on either side of the window
+};
+
+/// What is known at the source view during one window.
+struct Observation {
+  /// The primary sound at the source view: 2 ears, [context + samples + context].
+  Waveform sound;
+  /// The frame nearest to the window's middle; null where there is no picture.
+  const Image* picture = nullptr;
+  /// Where the speaker is seen in that frame.
+  std::optional<Box> speaker_box;
+  /// Where the speaker's mouth is, in the source view's frame.
+  std::optional<Vector3> speaker_m;
+};
+
+/// When a synthesizer looks at the picture.
+enum class PictureUse {
+  never,
+  with_box,  ///< only where the speaker is known by a box alone
+  always,
+};
+
+/// Turns what was heard at the source view into what is heard at a target view, one window at a
+/// time. A synthesizer first observes a window, then renders it for any number of targets, so that
+/// what depends on the source alone (image features, inverse filters) is computed once.
+///
+/// Target poses are `source_from_target`: where the target's head stands in the source's frame.
+class AcousticSynthesizer {
+ public:
+  virtual ~AcousticSynthesizer() = default;
+
+  /// @param source_rate_hz  the recording's rate; a synthesizer without a rate of its own takes it
+  [[nodiscard]] virtual WindowShape window_shape(int source_rate_hz) const = 0;
+
+  /// Sound below this frequency is ambient: it bypasses the synthesizer and is added back. 0: none.
+  [[nodiscard]] virtual double ambient_cutoff_hz() const { return 0.0; }
+
+  [[nodiscard]] virtual PictureUse picture_use() const { return PictureUse::never; }
+
+  /// @throws InputError if something that this synthesizer needs is missing, naming the flag
+  virtual void observe(const Observation& observation) = 0;
+
+  /// @return 2 ears, [samples] of the window observed last, at the window's rate
+  [[nodiscard]] virtual Waveform synthesize(const Pose& source_from_target) = 0;
+};
+
+}  // namespace earpoint

@@ -1,0 +1,65 @@
+#include <algorithm>
+#include <cctype>
+#include <string>
+
+#include <earpoint/audio/sound_file.h>
+#include <earpoint/core/error.h>
+#include <earpoint/synth/sound_sink.h>
+#include <earpoint/video/movie_writer.h>
+
+namespace earpoint {
+namespace {
+
+class SoundFileSink : public SoundSink {
+ public:
+  SoundFileSink(const std::filesystem::path& output, int sample_rate_hz, SampleFormat format)
+      : writer_(output, 2, sample_rate_hz, format), sample_rate_hz_(sample_rate_hz) {}
+  void write(const Waveform& block) override { writer_.write(block); }
+  void commit() override { writer_.close(); }
+  [[nodiscard]] int sample_rate_hz() const override { return sample_rate_hz_; }
+
+ private:
+  SoundWriter writer_;
+  int sample_rate_hz_;
+};
+
+class MovieSink : public SoundSink {
+ public:
+  MovieSink(const std::filesystem::path& output, int sample_rate_hz,
+            const std::filesystem::path& movie)
+      : writer_(output, movie, sample_rate_hz), sample_rate_hz_(sample_rate_hz) {}
+  void write(const Waveform& block) override { writer_.write_sound(block); }
+  void commit() override { writer_.close(); }
+  [[nodiscard]] int sample_rate_hz() const override { return sample_rate_hz_; }
+
+ private:
+  MovieWriter writer_;
+  int sample_rate_hz_;
+};
+
+}  // namespace
+
+std::unique_ptr<SoundSink> open_sound_sink(const std::filesystem::path& output, int sample_rate_hz,
+                                           const std::filesystem::path& movie) {
+  std::string extension = output.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (extension == ".mp4") {
+    if (movie.empty()) {
+      throw InputError(output.string(), "the source has no moving picture to go into an mp4",
+                       "write .wav or .flac");
+    }
+    return std::make_unique<MovieSink>(output, sample_rate_hz, movie);
+  }
+  if (extension == ".wav" || extension == ".w64") {
+    // An earpoint near the mouth can exceed full scale; float keeps that.
+    return std::make_unique<SoundFileSink>(output, sample_rate_hz, SampleFormat::float32);
+  }
+  if (extension == ".flac" || extension == ".ogg") {
+    return std::make_unique<SoundFileSink>(output, sample_rate_hz, SampleFormat::pcm24);
+  }
+  throw InputError(output.string(), "cannot write '" + extension + "' files",
+                   "use .wav, .flac, .ogg, .w64 or .mp4");
+}
+
+}  // namespace earpoint

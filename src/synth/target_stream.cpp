@@ -1,0 +1,63 @@
+#include <algorithm>
+#include <cmath>
+
+#include <earpoint/core/error.h>
+#include <earpoint/synth/target_stream.h>
+
+namespace earpoint {
+
+TargetStream::TargetStream(std::unique_ptr<SoundSink> sink, const SoundSurvey& survey,
+                           const WindowShape& shape, bool extend_band, double gain_db)
+    : sink_(std::move(sink)),
+      samples_(survey.samples),
+      model_per_native_(static_cast<double>(shape.sample_rate_hz) / survey.sample_rate_hz),
+      gain_(static_cast<float>(std::pow(10.0, gain_db / 20.0))),
+      adder_(shape.samples, shape.overlap),
+      outline_(survey.sample_rate_hz) {
+  if (shape.sample_rate_hz == survey.sample_rate_hz) return;
+  up_ = std::make_unique<StreamResampler>(2, shape.sample_rate_hz, survey.sample_rate_hz);
+  if (extend_band) band_extension_.emplace(shape.samples, shape.overlap);
+}
+
+void TargetStream::add_window(const Waveform& primary, const Waveform& result,
+                              const Waveform& ambient, SourceStream& source) {
+  if (band_extension_) band_extension_->add_window(primary, result);
+  Waveform whole = result;
+  std::transform(whole.planar().begin(), whole.planar().end(), ambient.planar().begin(),
+                 whole.planar().begin(), std::plus<>());
+  write(adder_.add(whole), false, source);
+}
+
+void TargetStream::finish(SourceStream& source) {
+  write(adder_.flush(), true, source);
+  // The windows reach the recording's end, so that at most a sample of rounding is missing.
+  const std::ptrdiff_t missing = samples_ - written_;
+  EARPOINT_CHECK(missing <= 1);
+  if (missing > 0) emit(Waveform(2, missing, sink_->sample_rate_hz()), source);
+}
+
+void TargetStream::write(const Waveform& block, bool last, SourceStream& source) {
+  emit(up_ ? up_->process(block, last) : block, source);
+}
+
+void TargetStream::emit(const Waveform& block, SourceStream& source) {
+  const std::ptrdiff_t count = std::min(block.samples(), samples_ - written_);
+  if (count <= 0) return;
+  Waveform output(2, count, block.sample_rate_hz());
+  const Waveform high =
+      band_extension_ ? source.high_band(written_, count) : Waveform(2, 0, block.sample_rate_hz());
+  for (int ear = 0; ear < 2; ++ear) {
+    const auto samples = output.channel(ear);
+    std::copy_n(block.channel(ear).begin(), count, samples.begin());
+    for (std::ptrdiff_t i = 0; i < high.samples(); ++i) {
+      const double model_time = static_cast<double>(written_ + i) * model_per_native_;
+      samples[i] += band_extension_->gain(ear, model_time) * high.channel(ear)[i];
+    }
+    for (float& sample : samples) sample *= gain_;
+  }
+  outline_.add(output);
+  sink_->write(output);
+  written_ += count;
+}
+
+}  // namespace earpoint
