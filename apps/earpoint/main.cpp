@@ -1,5 +1,6 @@
 #include "metrics_command.h"
 #include "model_command.h"
+#include "render_command.h"
 
 #include <cstdio>
 #include <exception>
@@ -13,13 +14,15 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   app.set_version_flag("--version", EARPOINT_VERSION);
   add_metrics_command(app);
+  earpoint::add_render_command(app);
   add_model_command(app);
   try {
     app.parse(argc, argv);
     return 0;
   } catch (const CLI::ParseError& error) {
-    const int code = app.exit(error);
-    return code == 0 ? 0 : 2;
+    if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
+    std::fprintf(stderr, "earpoint: %s; --help tells more\n", error.what());
+    return 2;
   } catch (const earpoint::InputError& error) {
     std::fprintf(stderr, "earpoint: %s\n", error.what());
     return 2;

@@ -1,0 +1,329 @@
+#include "render_command.h"
+
+#include "arguments.h"
+
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <earpoint/core/error.h>
+#include <earpoint/core/parallel.h>
+#include <earpoint/synth/make_synthesizer.h>
+#include <earpoint/synth/render.h>
+#include <earpoint/video/image_file.h>
+#include <earpoint/video/media.h>
+#include <earpoint/video/plot.h>
+
+namespace earpoint {
+namespace {
+
+constexpr const char* kFooter = R"(
+Frames: x points to the front of the source view, y to its left, z up; metres. A positive yaw turns
+the target's head to the left, a positive pitch looks up.
+
+Examples:
+  # one metre ahead and half a metre to the right, looking left
+  earpoint render clip.mp4 --translate 1.0,-0.5,0 --yaw 90 --speaker 2,0,0 -o there.wav
+
+  # three earpoints in one pass, with a picture of what each ear hears
+  earpoint render clip.mp4 --speaker 2,0,0 --plot ears.png \
+      --translate 1,0,0 -o near.wav --translate -2,0,0 -o far.wav --translate 2,1,0 -o side.wav
+
+  # a moving earpoint, with the clip's picture
+  earpoint render clip.mp4 --path walk.csv --speaker-box 0.4,0.3,0.6,0.9 -o there.mp4
+
+  # a picture and its sound, with a trained network
+  earpoint render frame.png sound.flac --model vigas.safetensors \
+      --speaker-box 0.4,0.3,0.6,0.9 --translate 0,1,0 -o there.wav
+
+A path is CSV with the header time_s,x,y,z,yaw_deg,pitch_deg,roll_deg. A file of boxes is CSV with
+the header time_s,x0,y0,x1,y1. A pose file is JSON: {"position_m": [1, -0.5, 0], "yaw_deg": 90}.)";
+
+struct RenderArguments {
+  std::vector<std::string> inputs;
+  std::vector<std::string> outputs;
+  std::vector<std::string> translations;
+  std::vector<double> yaw_deg;
+  std::vector<double> pitch_deg;
+  std::vector<double> roll_deg;
+  std::vector<std::string> pose_files;
+  std::vector<std::string> path_files;
+  std::string model = "dsp";
+  std::string speaker;
+  std::string speaker_box;
+  std::string speaker_boxes;
+  std::string hrtf;
+  std::string binaural_channels;
+  std::string band = "full";
+  std::string plot;
+  double fov_deg = 90.0;
+  double ambient_cutoff_hz = -1.0;
+  double gain_db = 0.0;
+  int threads = available_cores();
+  bool json = false;
+  bool quiet = false;
+};
+
+/// One angle for all targets, or one each.
+double angle_of(const std::vector<double>& angles, std::size_t index, std::size_t count,
+                const char* flag) {
+  if (angles.empty()) return 0.0;
+  if (angles.size() == 1) return radians_from_degrees(angles.front());
+  if (angles.size() != count) {
+    throw InputError(flag, fmt::format("given {} times for {} earpoints", angles.size(), count),
+                     "give it once, or once for each --translate");
+  }
+  return radians_from_degrees(angles[index]);
+}
+
+std::vector<EarpointPath> parse_targets(const RenderArguments& arguments) {
+  std::vector<EarpointPath> targets;
+  std::vector<std::string> translations = arguments.translations;
+  const bool turned =
+      !arguments.yaw_deg.empty() || !arguments.pitch_deg.empty() || !arguments.roll_deg.empty();
+  // Turning the head on the spot needs no --translate.
+  if (turned && translations.empty()) translations.emplace_back("0,0,0");
+  for (std::size_t i = 0; i < translations.size(); ++i) {
+    const auto xyz = parse_numbers(translations[i], 3, "--translate");
+    const auto count = translations.size();
+    targets.emplace_back(
+        Pose{{xyz[0], xyz[1], xyz[2]},
+             quaternion_from_euler({angle_of(arguments.yaw_deg, i, count, "--yaw"),
+                                    angle_of(arguments.pitch_deg, i, count, "--pitch"),
+                                    angle_of(arguments.roll_deg, i, count, "--roll")})});
+  }
+  for (const std::string& file : arguments.pose_files) {
+    for (const Pose& pose : read_poses_json(file)) targets.emplace_back(pose);
+  }
+  for (const std::string& file : arguments.path_files) {
+    targets.push_back(EarpointPath::from_csv(file));
+  }
+  if (targets.empty()) {
+    throw InputError("render", "no earpoint given", "use --translate, --yaw, --to or --path");
+  }
+  if (targets.size() != arguments.outputs.size()) {
+    throw InputError("-o", fmt::format("{} earpoints need as many outputs, {} given",
+                                       targets.size(), arguments.outputs.size()));
+  }
+  return targets;
+}
+
+bool is_picture(const std::filesystem::path& path) {
+  return probe_media(path).kind == MediaKind::picture;
+}
+
+RenderSource parse_source(const RenderArguments& arguments) {
+  RenderSource source;
+  source.sound.path = arguments.inputs.back();
+  if (arguments.inputs.size() == 2) {
+    source.picture = arguments.inputs.front();
+    if (is_picture(source.sound.path) && !is_picture(*source.picture)) {
+      std::swap(*source.picture, source.sound.path);
+    }
+  }
+  if (is_picture(source.sound.path)) {
+    throw InputError(source.sound.path.string(), "is a picture without sound",
+                     "give its sound too: earpoint render frame.png sound.flac");
+  }
+  if (!arguments.binaural_channels.empty()) {
+    const auto channels = parse_numbers(arguments.binaural_channels, 2, "--binaural-channels");
+    source.sound.binaural_channels = {static_cast<int>(channels[0]), static_cast<int>(channels[1])};
+  }
+  if (!arguments.speaker.empty()) {
+    const auto xyz = parse_numbers(arguments.speaker, 3, "--speaker");
+    source.speaker_m = Vector3{xyz[0], xyz[1], xyz[2]};
+  }
+  if (!arguments.speaker_box.empty()) {
+    const auto box = parse_numbers(arguments.speaker_box, 4, "--speaker-box");
+    source.speaker_track = SpeakerTrack(Box{box[0], box[1], box[2], box[3]});
+  }
+  if (!arguments.speaker_boxes.empty()) {
+    source.speaker_track = SpeakerTrack::from_csv(arguments.speaker_boxes);
+  }
+  return source;
+}
+
+std::string describe(const WaveformOutline& outline) {
+  return fmt::format("left {:.1f} dB, right {:.1f} dB, peak {:.2f}", outline.level_db(0),
+                     outline.level_db(1), outline.peak());
+}
+
+nlohmann::json levels(const WaveformOutline& outline) {
+  return {{"left_db", outline.level_db(0)},
+          {"right_db", outline.level_db(1)},
+          {"peak", outline.peak()}};
+}
+
+void print_json(const RenderArguments& arguments, const RenderReport& report) {
+  nlohmann::json document{{"model", arguments.model},
+                          {"duration_s", report.survey.duration_s()},
+                          {"sample_rate_hz", report.survey.sample_rate_hz},
+                          {"windows", report.windows},
+                          {"source", levels(report.source)},
+                          {"targets", nlohmann::json::array()}};
+  for (std::size_t i = 0; i < report.targets.size(); ++i) {
+    nlohmann::json target = levels(report.targets[i]);
+    target["output"] = arguments.outputs[i];
+    document["targets"].push_back(std::move(target));
+  }
+  fmt::print("{}\n", document.dump(2));
+}
+
+void print_table(const RenderArguments& arguments, const RenderReport& report) {
+  fmt::print("{:<24} {}\n", "source", describe(report.source));
+  for (std::size_t i = 0; i < report.targets.size(); ++i) {
+    fmt::print("{:<24} {}\n", arguments.outputs[i], describe(report.targets[i]));
+  }
+}
+
+void warn_of_peaks(const RenderArguments& arguments, const RenderReport& report) {
+  for (std::size_t i = 0; i < report.targets.size(); ++i) {
+    const double peak = report.targets[i].peak();
+    if (peak <= 1.0) continue;
+    const double excess_db = 20.0 * std::log10(peak);
+    fmt::print(stderr, "earpoint: {}: peaks {:.1f} dB above full scale; --gain {:.0f} avoids it\n",
+               arguments.outputs[i], excess_db, -std::ceil(excess_db));
+  }
+}
+
+void write_plot(const RenderArguments& arguments, const RenderReport& report) {
+  const auto name_of = [](const std::string& path) {
+    return std::filesystem::path(path).filename().string();
+  };
+  std::vector<WaveformPanel> panels = {
+      {"source: " + name_of(arguments.inputs.back()), report.source}};
+  for (std::size_t i = 0; i < report.targets.size(); ++i) {
+    panels.push_back({name_of(arguments.outputs[i]), report.targets[i]});
+  }
+  write_image(arguments.plot, plot_waveforms(panels, "model: " + name_of(arguments.model)));
+}
+
+void run_render(const RenderArguments& arguments) {
+  const std::vector<EarpointPath> paths = parse_targets(arguments);
+  const RenderSource source = parse_source(arguments);
+  std::vector<RenderTarget> targets;
+  for (std::size_t i = 0; i < paths.size(); ++i) {
+    targets.push_back({paths[i], arguments.outputs[i]});
+  }
+
+  SynthesizerOptions synthesizer_options;
+  if (!arguments.hrtf.empty()) synthesizer_options.hrtf = arguments.hrtf;
+  synthesizer_options.horizontal_fov_rad = radians_from_degrees(arguments.fov_deg);
+  synthesizer_options.threads = arguments.threads;
+  const auto synthesizer = make_synthesizer(arguments.model, synthesizer_options);
+
+  ClipRenderOptions options;
+  options.extend_band = arguments.band == "full";
+  options.gain_db = arguments.gain_db;
+  if (arguments.ambient_cutoff_hz >= 0.0) options.ambient_cutoff_hz = arguments.ambient_cutoff_hz;
+
+  SilentProgress silent;
+  StreamProgress stream(stderr);
+  ProgressSink& progress = arguments.quiet ? static_cast<ProgressSink&>(silent) : stream;
+  const RenderReport report = render(source, *synthesizer, targets, options, progress);
+  if (arguments.json) {
+    print_json(arguments, report);
+  } else if (!arguments.quiet) {
+    print_table(arguments, report);
+  }
+  warn_of_peaks(arguments, report);
+  if (!arguments.plot.empty()) write_plot(arguments, report);
+}
+
+void add_target_options(CLI::App& command, RenderArguments& arguments) {
+  command
+      .add_option("-o,--output", arguments.outputs,
+                  "Where an earpoint's sound goes: .wav .flac .ogg .w64, or .mp4 with the "
+                  "picture; once per earpoint")
+      ->required()
+      ->allow_extra_args(false);
+  const char* group = "Earpoints (all relative to the source view; repeat for several)";
+  command.add_option("--translate", arguments.translations, "x,y,z in metres: front, left, up")
+      ->allow_extra_args(false)
+      ->group(group);
+  command.add_option("--yaw", arguments.yaw_deg, "Degrees to the left")
+      ->allow_extra_args(false)
+      ->group(group);
+  command.add_option("--pitch", arguments.pitch_deg, "Degrees up")
+      ->allow_extra_args(false)
+      ->group(group);
+  command.add_option("--roll", arguments.roll_deg, "Degrees to the right shoulder")
+      ->allow_extra_args(false)
+      ->group(group);
+  command.add_option("--to", arguments.pose_files, "JSON file with one pose or a list")
+      ->allow_extra_args(false)
+      ->group(group);
+  command.add_option("--path", arguments.path_files, "CSV file with a moving earpoint")
+      ->allow_extra_args(false)
+      ->group(group);
+}
+
+void add_speaker_options(CLI::App& command, RenderArguments& arguments) {
+  const char* group = "Who speaks";
+  auto* box = command
+                  .add_option("--speaker-box", arguments.speaker_box,
+                              "x0,y0,x1,y1 of the person in the picture, 0 to 1 from top left")
+                  ->group(group);
+  command.add_option("--speaker-boxes", arguments.speaker_boxes, "CSV file with boxes over time")
+      ->group(group)
+      ->excludes(box);
+  command
+      .add_option("--speaker", arguments.speaker,
+                  "x,y,z of the mouth in metres; for dsp, in place of a box")
+      ->group(group);
+  command.add_option("--fov", arguments.fov_deg, "The camera's horizontal field of view, degrees")
+      ->check(CLI::Range(10.0, 170.0))
+      ->capture_default_str()
+      ->group(group);
+}
+
+void add_model_options(CLI::App& command, RenderArguments& arguments) {
+  command
+      .add_option("--model", arguments.model, "input (copy), dsp (head filters), or a weight file")
+      ->capture_default_str();
+  command.add_option("--hrtf", arguments.hrtf, "Head filters for dsp: a SOFA file");
+  command
+      .add_option(
+          "--band", arguments.band,
+          "full: what lies above the model's band follows its top octave; model: leave it out")
+      ->check(CLI::IsMember({"full", "model"}))
+      ->capture_default_str();
+  command
+      .add_option("--ambient-cutoff", arguments.ambient_cutoff_hz,
+                  "Sound below this (Hz) is ambient and passes unchanged; default: the model's")
+      ->check(CLI::Range(0.0, 1000.0));
+  command.add_option("--binaural-channels", arguments.binaural_channels,
+                     "left,right: which channels are the ears, counted from 0");
+  command.add_option("--gain", arguments.gain_db, "Gain of the outputs in dB")
+      ->check(CLI::Range(-60.0, 60.0));
+  command.add_option("--threads", arguments.threads, "Default: all cores")
+      ->check(CLI::Range(1, 256));
+}
+
+}  // namespace
+
+void add_render_command(CLI::App& app) {
+  auto arguments = std::make_shared<RenderArguments>();
+  CLI::App* command = app.add_subcommand("render", "Hear a recorded clip from another earpoint");
+  command->footer(kFooter);
+  command
+      ->add_option("inputs", arguments->inputs,
+                   "A movie, a sound file, or a picture and a sound file")
+      ->required()
+      ->expected(1, 2);
+  add_target_options(*command, *arguments);
+  add_speaker_options(*command, *arguments);
+  add_model_options(*command, *arguments);
+  command->add_option("--plot", arguments->plot, "Draw both ears of every earpoint into a PNG");
+  command->add_flag("--json", arguments->json, "Print levels as JSON");
+  command->add_flag("--quiet", arguments->quiet, "No progress and no table");
+  command->callback([arguments] { run_render(*arguments); });
+}
+
+}  // namespace earpoint

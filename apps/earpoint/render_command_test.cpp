@@ -1,0 +1,173 @@
+#include "run_program.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <earpoint/audio/sound_file.h>
+#include <earpoint/core/file.h>
+#include <earpoint/core/random.h>
+#include <earpoint/video/image_file.h>
+#include <earpoint/video/media.h>
+#include <earpoint/video/movie_writer.h>
+
+namespace earpoint {
+namespace {
+
+namespace fs = std::filesystem;
+
+Waveform noise(double duration_s, int rate_hz) {
+  Waveform sound(2, std::lround(duration_s * rate_hz), rate_hz);
+  RandomStream random(5);
+  for (float& sample : sound.planar()) sample = static_cast<float>(0.05 * random.normal());
+  return sound;
+}
+
+class RenderCommand : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const std::string name = testing::UnitTest::GetInstance()->current_test_info()->name();
+    folder_ = fs::path(testing::TempDir()) / ("render_command_" + name);
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  [[nodiscard]] std::string at(const char* name) const { return (folder_ / name).string(); }
+
+  [[nodiscard]] std::string sound(double duration_s = 1.5) const {
+    write_sound(at("in.wav"), noise(duration_s, 16000), SampleFormat::float32);
+    return at("in.wav");
+  }
+
+  [[nodiscard]] std::string movie() const {
+    MovieWriter writer(at("clip.mp4"), 64, 48, 25.0, 48000);
+    for (int i = 0; i < 50; ++i) writer.write_picture(Image(64, 48, 3, 100));
+    writer.write_sound(noise(2.0, 48000));
+    writer.close();
+    return at("clip.mp4");
+  }
+
+  /// Exit 2, one line on standard error, no output file.
+  void expect_refused(std::vector<std::string> arguments, const std::string& part) const {
+    arguments.insert(arguments.begin(), "render");
+    arguments.insert(arguments.end(), {"-o", at("out.wav"), "--quiet"});
+    const ProgramOutcome outcome = run_earpoint(arguments);
+    EXPECT_EQ(outcome.exit_code, 2) << outcome.errors;
+    EXPECT_EQ(std::count(outcome.errors.begin(), outcome.errors.end(), '\n'), 1) << outcome.errors;
+    EXPECT_NE(outcome.errors.find(part), std::string::npos) << outcome.errors;
+    EXPECT_FALSE(fs::exists(at("out.wav")));
+    for (const auto& entry : fs::directory_iterator(folder_)) {
+      EXPECT_EQ(entry.path().string().find(".partial"), std::string::npos) << entry.path();
+    }
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(RenderCommand, ASpeakerPassedByChangesSides) {
+  const ProgramOutcome outcome = run_earpoint(
+      {"render", sound(), "--speaker", "2,0,0", "--translate", "2,1,0", "-o", at("left.wav"),
+       "--translate", "2,-1,0", "-o", at("right.wav"), "--json", "--quiet"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
+  const auto document = nlohmann::json::parse(outcome.output);
+  ASSERT_EQ(document["targets"].size(), 2U);
+  // To the left of the speaker, facing the same way, the speaker is at the right ear.
+  const auto& left = document["targets"][0];
+  const auto& right = document["targets"][1];
+  EXPECT_LT(left["left_db"].get<double>(), left["right_db"].get<double>() - 3.0);
+  EXPECT_GT(right["left_db"].get<double>(), right["right_db"].get<double>() + 3.0);
+}
+
+TEST_F(RenderCommand, AMovieWithAMovingEarpointKeepsItsPictureAndLength) {
+  write_file(at("walk.csv"),
+             "time_s,x,y,z,yaw_deg,pitch_deg,roll_deg\n0,0,0,0,0,0,0\n2,1,0,0,90,0,0\n");
+  const ProgramOutcome outcome =
+      run_earpoint({"render", movie(), "--speaker-box", "0.4,0.2,0.6,0.9", "--path", at("walk.csv"),
+                    "-o", at("there.mp4"), "--plot", at("ears.png"), "--quiet"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
+  const MediaInfo info = probe_media(at("there.mp4"));
+  EXPECT_EQ(info.kind, MediaKind::movie);
+  ASSERT_NE(info.preferred(StreamKind::audio), nullptr);
+  EXPECT_EQ(info.preferred(StreamKind::audio)->sample_rate_hz, 48000);
+  // An AAC frame at 48 kHz lasts 21 ms.
+  EXPECT_NEAR(info.duration_s.value_or(0.0), 2.0, 0.05);
+  EXPECT_GT(read_image(at("ears.png")).height(), 100);
+}
+
+TEST_F(RenderCommand, APictureAndASoundMayComeInEitherOrder) {
+  write_image(at("frame.png"), Image(64, 64, 3, 50));
+  for (const bool swapped : {false, true}) {
+    std::vector<std::string> arguments = {"render", at("frame.png"), sound()};
+    if (swapped) std::swap(arguments[1], arguments[2]);
+    arguments.insert(arguments.end(), {"--speaker-box", "0.4,0.2,0.6,0.9", "--yaw", "45", "-o",
+                                       at("out.flac"), "--quiet"});
+    const ProgramOutcome outcome = run_earpoint(arguments);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
+    EXPECT_EQ(read_sound(at("out.flac")).samples(), 24000);
+  }
+}
+
+TEST_F(RenderCommand, BadArgumentsGetOneLine) {
+  const std::string input = sound();
+  expect_refused({input}, "no earpoint given");
+  expect_refused({input, "--translate", "1,2"}, "expected 3 numbers");
+  expect_refused({input, "--translate", "1,2,nan"}, "expected 3 numbers");
+  expect_refused({input, "--translate", "1,0,0", "--translate", "2,0,0"}, "2 earpoints need");
+  expect_refused({input, "--yaw", "90"}, "--speaker x,y,z");
+  expect_refused({input, "--yaw", "90", "--speaker-box", "0.5,0.2,1.2,0.9"}, "leaves the picture");
+  expect_refused({input, "--yaw", "90", "--model", "nothing.safetensors"}, "neither a known name");
+  expect_refused({input, "--yaw", "90", "--model", input}, "in.wav");
+  expect_refused({input, "--yaw", "90", "--hrtf", input}, "in.wav");
+  expect_refused({input, "--to", at("missing.json")}, "no such file");
+  expect_refused({input, "--translate", "1,0,0", "--colour", "red"}, "--colour");
+  expect_refused({at("missing.wav"), "--yaw", "90", "--speaker", "2,0,0"}, "missing.wav");
+  write_image(at("frame.png"), Image(64, 64, 3, 50));
+  expect_refused({at("frame.png"), "--yaw", "90"}, "is a picture without sound");
+}
+
+TEST_F(RenderCommand, APathWithAGapIsRefused) {
+  write_file(at("walk.csv"), "time_s,x,y,z,yaw_deg,pitch_deg,roll_deg\n0,0,0,,0,0,0\n");
+  expect_refused({sound(), "--speaker", "2,0,0", "--path", at("walk.csv")},
+                 "line 2, z: the cell is empty");
+}
+
+TEST_F(RenderCommand, SamplesThatAreNoNumbersAreNamed) {
+  const std::string input = sound();
+  std::fstream file(input, std::ios::in | std::ios::out | std::ios::binary);
+  file.seekp(-400, std::ios::end);
+  const float not_a_number = std::nanf("");
+  file.write(reinterpret_cast<const char*>(&not_a_number), sizeof(not_a_number));
+  file.close();
+  expect_refused({input, "--yaw", "90", "--speaker", "2,0,0"}, "is no number at 1.49");
+}
+
+TEST_F(RenderCommand, AFullDiskIsOneLineAndLeavesNothing) {
+  // A memory file system of half a megabyte stands for the disk; making one needs privileges.
+  const fs::path disk = folder_ / "disk";
+  fs::create_directories(disk);
+  const std::string mount = "mount -t tmpfs -o size=512k tmpfs " + disk.string() + " 2>/dev/null";
+  if (std::system(mount.c_str()) != 0) GTEST_SKIP() << "cannot mount a small file system here";
+  const ProgramOutcome outcome = run_earpoint({"render", sound(30.0), "--speaker", "2,0,0", "--yaw",
+                                               "90", "-o", (disk / "out.wav").string(), "--quiet"});
+  const bool empty = fs::is_empty(disk);
+  EXPECT_EQ(std::system(("umount " + disk.string()).c_str()), 0);
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_EQ(std::count(outcome.errors.begin(), outcome.errors.end(), '\n'), 1) << outcome.errors;
+  EXPECT_NE(outcome.errors.find("space"), std::string::npos) << outcome.errors;
+  EXPECT_TRUE(empty);
+}
+
+TEST_F(RenderCommand, HelpTeachesByExample) {
+  const ProgramOutcome outcome = run_earpoint({"render", "--help"});
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_NE(outcome.output.find("earpoint render clip.mp4 --translate"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace earpoint
