@@ -1,4 +1,5 @@
 #include "model_command.h"
+
 #include "model_run_command.h"
 
 #include <cstdint>

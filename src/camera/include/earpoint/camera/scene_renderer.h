@@ -1,0 +1,75 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+
+#include <earpoint/camera/camera.h>
+#include <earpoint/camera/view.h>
+#include <earpoint/core/image.h>
+#include <earpoint/core/parallel.h>
+#include <earpoint/scene/scene.h>
+
+namespace earpoint {
+
+/// What lights a scene besides its own lamps and shining surfaces.
+struct Lighting {
+  /// Radiance of the sky, linear red, green, blue: what rays bring that leave the scene through a
+  /// window or a hole.
+  std::array<float, 3> sky_radiance{1.0F, 1.1F, 1.25F};
+  /// Whether a scene with neither lamps nor shining surfaces gets lamps under its ceilings.
+  bool light_dark_scenes = true;
+};
+
+/// How much work goes into a picture.
+struct RenderQuality {
+  /// Rays per pixel along each side of a grid: 2 is 4 per pixel. In [1, 32].
+  int samples_per_side = 2;
+  /// Smooths the noise of the light (not edges or textures). Off, the picture tends to the exact
+  /// one with more samples.
+  bool denoise = true;
+  /// Multiplies the exposure that a picture finds for itself; > 0.
+  float exposure = 1.0F;
+};
+
+/// Sees a scene by ray tracing. Light is traced in two steps. When a renderer is made, the light
+/// that falls on every patch of surface (about 0.25 m wide) is solved once, for every view: direct
+/// light, and what surfaces pass on to each other diffusely, to any number of bounces. A picture
+/// then samples its direct light (lamps, shining surfaces; soft shadows) and its first bounce
+/// exactly and reads the patches only from the second bounce on, so that patches never show.
+/// Surfaces are diffuse; smooth ones reflect as well (Schlick's Fresnel term, GGX).
+///
+/// Immutable once made: any number of threads may render with one object, each with its own pool.
+/// The same scene, camera, quality and seed give the same bytes with any number of threads, on one
+/// kind of processor.
+class SceneRenderer {
+ public:
+  /// Copies what it needs; the scene may go.
+  /// @param scene  as check_scene leaves it
+  explicit SceneRenderer(const Scene& scene, const Lighting& lighting = {});
+  SceneRenderer(const Scene& scene, const Lighting& lighting, ThreadPool& pool);
+  ~SceneRenderer();
+  SceneRenderer(SceneRenderer&&) noexcept;
+  SceneRenderer& operator=(SceneRenderer&&) noexcept;
+
+  /// @param seed  of the samples: another seed, another noise
+  /// @throws std::logic_error if the camera or the quality is out of range
+  [[nodiscard]] View render(const Camera& camera, const RenderQuality& quality,
+                            std::uint64_t seed) const;
+  [[nodiscard]] View render(const Camera& camera, const RenderQuality& quality, std::uint64_t seed,
+                            ThreadPool& pool) const;
+
+  /// The light itself, before exposure and tone mapping.
+  /// @return radiance, linear red, green, blue; shape [height][width][3]
+  [[nodiscard]] FloatImage radiance(const Camera& camera, const RenderQuality& quality,
+                                    std::uint64_t seed, ThreadPool& pool) const;
+
+  /// How many patches hold the solved light.
+  [[nodiscard]] std::size_t patches() const;
+
+ private:
+  struct Parts;
+  std::unique_ptr<const Parts> parts_;
+};
+
+}  // namespace earpoint

@@ -1,0 +1,169 @@
+#include "patch_light.h"
+
+#include <cmath>
+#include <limits>
+
+namespace earpoint {
+namespace {
+
+constexpr int kGatheringRays = 64;  // per patch
+constexpr int kDirectRays = 16;     // per patch
+constexpr float kBouncesPerDirectRay = static_cast<float>(kGatheringRays) / kDirectRays;
+constexpr std::uint32_t kSeed = 0x85EBCA6BU;
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+// Far below what an eye or 8 bits can tell apart.
+constexpr float kConverged = 1e-4F;
+constexpr int kMostBounces = 400;  // 0.95^400 = 1e-9
+
+// What a gathering ray of a patch met.
+struct Link {
+  static constexpr std::uint32_t kNothing = ~0U;
+  std::uint32_t patch = kNothing;
+  std::uint32_t material = 0;
+};
+
+// The starting light and the links of one patch.
+class PatchGatherer {
+ public:
+  PatchGatherer(const LitScene& scene, std::uint32_t patch)
+      : scene_(scene),
+        patch_(patch),
+        region_(scene.patches.region(patch)),
+        seed_(hash_words(kSeed, patch)) {}
+
+  Rgb direct() {
+    Rgb sum;
+    RayPacket packet;
+    std::array<Rgb, kDirectRays> irradiance;
+    for (int k = 0; k < kDirectRays; ++k) {
+      const PatchSample& sample = scene_.patches.samples(patch_)[k % Patches::kSamples];
+      const auto index = static_cast<std::uint32_t>(k);
+      const Float3 start = scene_.surfaces.ray_start(sample.position, sample.normal);
+      const DirectRay ray = draw_direct_ray(
+          scene_, start, sample.normal, region_, sobol_pair(index, hash_words(seed_, 1)).u,
+          sobol_pair(index, hash_words(seed_, 2)), kBouncesPerDirectRay);
+      if (ray.length_m <= 0.0F) continue;
+      irradiance[k] = ray.irradiance;
+      packet.set(k, start, ray.direction, ray.length_m, index);
+    }
+    const std::array<bool, RayPacket::kRays> reached = scene_.tracer.reaches_end(packet, seed_);
+    for (int k = 0; k < kDirectRays; ++k) {
+      if (reached[k]) sum += irradiance[k];
+    }
+    return sum * (1.0F / kDirectRays);
+  }
+
+  // Fills the links; returns the light that the rays brought from the sky and from what shines.
+  Rgb gather(Link* links) {
+    Rgb sum;
+    for (int first = 0; first < kGatheringRays; first += RayPacket::kRays) {
+      RayPacket packet;
+      std::array<Float3, RayPacket::kRays> directions;
+      std::array<float, RayPacket::kRays> cosines{};
+      for (int lane = 0; lane < RayPacket::kRays; ++lane) {
+        const int k = first + lane;
+        const PatchSample& sample = scene_.patches.samples(patch_)[k % Patches::kSamples];
+        const auto index = static_cast<std::uint32_t>(k);
+        const Float3 local = cosine_direction(sobol_pair(index, hash_words(seed_, 3)));
+        directions[lane] = Frame(sample.normal).to_world(local);
+        cosines[lane] = local.z;
+        packet.set(lane, scene_.surfaces.ray_start(sample.position, sample.normal),
+                   directions[lane], kInfinity, index);
+      }
+      scene_.tracer.trace(packet, RayTracer::Rays::mixed, SeeThrough::by_chance, seed_);
+      for (int lane = 0; lane < RayPacket::kRays; ++lane) {
+        sum += take(packet, lane, directions[lane], cosines[lane], links[first + lane]);
+      }
+    }
+    return sum * (kPiF / kGatheringRays);
+  }
+
+ private:
+  Rgb take(const RayPacket& packet, int lane, const Float3& direction, float cosine, Link& link) {
+    Hit hit;
+    if (!scene_.tracer.hit(packet, lane, hit)) return scene_.sky;
+    const bool front = dot(scene_.surfaces.face_normal(hit.triangle), direction) <= 0.0F;
+    link.patch = scene_.patches.at(hit.triangle, hit.u, hit.v, front);
+    link.material = scene_.surfaces.material_index(hit.triangle);
+    const float share =
+        shining_weight(scene_, region_, cosine, direction, hit, kBouncesPerDirectRay);
+    return scene_.surfaces.material(hit.triangle).mean_emission * share;
+  }
+
+  const LitScene& scene_;
+  std::uint32_t patch_;
+  std::uint32_t region_;
+  std::uint32_t seed_;
+};
+
+}  // namespace
+
+DirectRay draw_direct_ray(const LitScene& scene, const Float3& start, const Float3& normal,
+                          std::uint32_t region, float choice, UnitPair where, float bounces) {
+  DirectRay ray;
+  const LightGuide::Choice chosen = scene.guide.choose(region, choice);
+  if (chosen.probability <= 0.0F) return ray;
+  const LightSample sample = scene.lights.sample(chosen.light, start, chosen.rest, where);
+  const float cosine = dot(sample.direction, normal);
+  if (sample.density <= 0.0F || cosine <= 0.0F) return ray;
+  const float density = chosen.probability * sample.density;
+  // Rays that gather light meet groups of triangles, but never lamps.
+  ray.from_lamp = scene.lights.is_lamp(chosen.light);
+  const float rival = ray.from_lamp ? 0.0F : bounces * cosine / kPiF;
+  ray.direction = sample.direction;
+  ray.length_m = sample.distance_m;
+  ray.irradiance = sample.radiance * (cosine / (density + rival));
+  return ray;
+}
+
+float shining_weight(const LitScene& scene, std::uint32_t region, float cosine,
+                     const Float3& direction, const Hit& hit, float bounces) {
+  const int light = scene.lights.light_of(hit.triangle);
+  if (light < 0) return 0.0F;
+  const float own = bounces * cosine / kPiF;
+  const float facing = std::abs(dot(direction, scene.surfaces.face_normal(hit.triangle)));
+  const float rival =
+      scene.guide.probability(region, light) * scene.lights.density(light, hit.distance_m, facing);
+  return own > 0.0F ? own / (own + rival) : 0.0F;
+}
+
+std::vector<Rgb> solve_patch_light(const LitScene& scene, ThreadPool& pool) {
+  const std::size_t patches = scene.patches.size();
+  std::vector<Link> links(patches * kGatheringRays);
+  std::vector<Rgb> start(patches);
+  constexpr std::size_t kPatchesPerTask = 64;
+  const std::size_t tasks = (patches + kPatchesPerTask - 1) / kPatchesPerTask;
+  const auto each_patch = [&](auto body) {
+    pool.run(static_cast<std::ptrdiff_t>(tasks), [&](std::ptrdiff_t task, int) {
+      const std::size_t first = static_cast<std::size_t>(task) * kPatchesPerTask;
+      for (std::size_t i = first; i < std::min(patches, first + kPatchesPerTask); ++i) body(i);
+    });
+  };
+  each_patch([&](std::size_t i) {
+    PatchGatherer gatherer(scene, static_cast<std::uint32_t>(i));
+    start[i] = gatherer.direct() + gatherer.gather(&links[i * kGatheringRays]);
+  });
+
+  // Jacobi's iteration adds one bounce each time; a new array each, so that the order of work
+  // changes nothing.
+  std::vector<Rgb> light = start;
+  std::vector<Rgb> next(patches);
+  std::vector<float> change(patches);
+  for (int bounce = 0; bounce < kMostBounces; ++bounce) {
+    each_patch([&](std::size_t i) {
+      Rgb sum;
+      for (const Link* link = &links[i * kGatheringRays];
+           link != &links[i * kGatheringRays] + kGatheringRays; ++link) {
+        if (link->patch == Link::kNothing) continue;
+        sum += scene.surfaces.materials()[link->material].reflectance * light[link->patch];
+      }
+      next[i] = start[i] + sum * (1.0F / kGatheringRays);
+      change[i] = largest(next[i] - light[i]) - kConverged * largest(next[i]);
+    });
+    light.swap(next);
+    if (*std::max_element(change.begin(), change.end()) <= 0.0F) break;
+  }
+  return light;
+}
+
+}  // namespace earpoint

@@ -1,0 +1,89 @@
+#pragma once
+
+#include "float3.h"
+#include "surfaces.h"
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include <embree3/rtcore.h>
+
+namespace earpoint {
+
+/// What a ray meets first.
+struct Hit {
+  float distance_m = 0.0F;
+  std::uint32_t triangle = 0;
+  float u = 0.0F;
+  float v = 0.0F;
+};
+
+/// Sixteen rays that are traced together.
+class RayPacket {
+ public:
+  static constexpr int kRays = 16;
+
+  RayPacket() { clear(); }
+
+  /// Leaves no ray in it.
+  void clear();
+
+  /// @param ray_id  decides, with the seed, which see-through surfaces let this ray pass
+  void set(int lane, const Float3& start, const Float3& direction, float length_m,
+           std::uint32_t ray_id);
+
+  [[nodiscard]] bool active(int lane) const { return valid_[lane] != 0; }
+
+ private:
+  friend class RayTracer;
+  RTCRayHit16 rays_;
+  alignas(64) std::array<int, kRays> valid_;
+};
+
+/// Which ray passes which see-through surface.
+enum class SeeThrough {
+  by_chance,    ///< each surface stops its opacity's share of the rays
+  if_mostly_so  ///< surfaces with an opacity below a half stop none, all others stop every ray
+};
+
+/// Finds what rays meet. Watertight at the edges between triangles.
+class RayTracer {
+ public:
+  explicit RayTracer(const Surfaces& surfaces);
+  ~RayTracer();
+  RayTracer(const RayTracer&) = delete;
+  RayTracer& operator=(const RayTracer&) = delete;
+
+  /// How alike the rays of a packet are: a hint for speed.
+  enum class Rays { alike, mixed };
+
+  /// After this, hit() tells what each ray of the packet meets.
+  void trace(RayPacket& packet, Rays rays, SeeThrough see_through, std::uint32_t seed) const;
+
+  /// @return false if the lane holds no ray or its ray meets nothing
+  bool hit(const RayPacket& packet, int lane, Hit& hit) const;
+
+  /// Whether each ray of the packet reaches its end; false for lanes without a ray.
+  [[nodiscard]] std::array<bool, RayPacket::kRays> reaches_end(RayPacket& packet,
+                                                               std::uint32_t seed) const;
+
+ private:
+  struct Geometry {
+    RayTracer* tracer = nullptr;
+    std::vector<std::uint32_t> triangles;  // numbers in the scene, by Embree's number
+    std::vector<float> opacity;            // empty when all are opaque
+  };
+  struct Context;
+
+  void add_geometry(const Surfaces& surfaces, Geometry& geometry);
+  static void filter(const RTCFilterFunctionNArguments* arguments);
+
+  RTCDevice device_ = nullptr;
+  RTCScene scene_ = nullptr;
+  std::vector<Float3> positions_;  // padded for Embree
+  Geometry solid_;
+  Geometry see_through_;
+};
+
+}  // namespace earpoint

@@ -1,0 +1,58 @@
+#pragma once
+
+#include "float3.h"
+
+#include <array>
+#include <cstdint>
+
+namespace earpoint {
+
+constexpr float kPiF = 3.14159265F;
+
+/// A point of the unit square, each coordinate in [0, 1).
+struct UnitPair {
+  float u = 0.0F;
+  float v = 0.0F;
+};
+
+/// Mixes two words into one in which every bit depends on all.
+std::uint32_t hash_words(std::uint32_t a, std::uint32_t b);
+
+/// Uniform in [0, 1) from the upper bits of a word.
+constexpr float unit_from_bits(std::uint32_t bits) {
+  return static_cast<float>(bits >> 8) * 0x1.0p-24F;
+}
+
+/// One point of a two-dimensional Sobol sequence, shuffled and scrambled after Owen. For one seed,
+/// every aligned run of 2^n indices is spread evenly over the square: samples of one pixel and of a
+/// block of neighbouring pixels (indices along a Morton curve) complete each other.
+/// Source: Burley, Practical Hash-based Owen Scrambling, JCGT 9 (2020).
+/// @param seed  another for every decision that must not be correlated
+UnitPair sobol_pair(std::uint32_t index, std::uint32_t seed);
+
+/// Sixteen points at once, as sobol_pair gives each.
+struct UnitPairs {
+  std::array<float, 16> u;
+  std::array<float, 16> v;
+
+  [[nodiscard]] UnitPair at(int lane) const { return {u[lane], v[lane]}; }
+};
+void sobol_pairs(const std::array<std::uint32_t, 16>& indices, std::uint32_t seed,
+                 UnitPairs& pairs);
+
+/// The place of a pixel on the Morton curve; both in [0, 65535].
+std::uint32_t morton_index(std::uint32_t x, std::uint32_t y);
+
+/// A direction about +z with density cos / pi.
+Float3 cosine_direction(UnitPair sample);
+
+/// A direction in a cone about +z, uniform in solid angle.
+/// @param height  one minus the cosine of the cone's half angle: keeps its digits in narrow cones
+Float3 cone_direction(UnitPair sample, float height);
+
+/// Splits one uniform number: the part of [low, high) that it fell into becomes a new one.
+inline float rescale(float u, float low, float high) {
+  return high > low ? std::clamp((u - low) / (high - low), 0.0F, 0x1.fffffep-1F) : 0.5F;
+}
+
+}  // namespace earpoint

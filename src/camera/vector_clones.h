@@ -1,0 +1,13 @@
+#pragma once
+
+/// Marks a function whose loops are worth compiling for several vector widths; the processor
+/// chooses at start-up. Results do not differ: each lane computes on its own, without fused
+/// operations.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
+    !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#define EARPOINT_VECTOR_CLONES \
+  __attribute__((target_clones("avx512f", "avx2", "default"), optimize("O3")))
+#else
+// Where the loader's choice of functions is not to be had, or gets in a sanitizer's way.
+#define EARPOINT_VECTOR_CLONES
+#endif
