@@ -127,9 +127,9 @@ struct PassArrays {
 };
 
 template <typename T, int Radix>
-void run_pass(int blocks, int stride, PassArrays<T> a) {
+void run_pass(std::ptrdiff_t blocks, std::ptrdiff_t stride, const PassArrays<T>& a) {
   const Butterfly<T, Radix> butterfly;
-  const std::ptrdiff_t in_step = static_cast<std::ptrdiff_t>(blocks) * stride;
+  const std::ptrdiff_t in_step = blocks * stride;
   const auto column = [&](std::ptrdiff_t in, std::ptrdiff_t out, const auto& twiddle) {
     std::array<Complex<T>, Radix> v;
     for (int j = 0; j < Radix; ++j) v[j] = {a.in_re[in + j * in_step], a.in_im[in + j * in_step]};
@@ -142,15 +142,15 @@ void run_pass(int blocks, int stride, PassArrays<T> a) {
       a.out_im[out + k * stride] = y.im;
     }
   };
-  for (int p = 0; p < blocks; ++p) {
+  for (std::ptrdiff_t p = 0; p < blocks; ++p) {
     std::array<Complex<T>, Radix - 1> twiddle;
     for (int k = 0; k + 1 < Radix; ++k) {
-      const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(k) * blocks + p;
+      const std::ptrdiff_t at = k * blocks + p;
       twiddle[k] = {a.cosines[at], a.sines[at]};
     }
-    const std::ptrdiff_t in = static_cast<std::ptrdiff_t>(p) * stride;
+    const std::ptrdiff_t in = p * stride;
     const std::ptrdiff_t out = in * Radix;
-    for (int q = 0; q < stride; ++q) column(in + q, out + q, twiddle);
+    for (std::ptrdiff_t q = 0; q < stride; ++q) column(in + q, out + q, twiddle);
   }
 }
 
@@ -169,10 +169,9 @@ void run_pass_of_radix(int radix, int blocks, int stride, const PassArrays<T>& a
       return run_pass<T, 7>(blocks, stride, arrays);
     case 11:
       return run_pass<T, 11>(blocks, stride, arrays);
-    case 13:
-      return run_pass<T, 13>(blocks, stride, arrays);
     default:
-      EARPOINT_CHECK(!"a radix without a butterfly");
+      EARPOINT_CHECK(radix == kLargestRadix);
+      return run_pass<T, kLargestRadix>(blocks, stride, arrays);
   }
 }
 

@@ -56,7 +56,7 @@ TEST(Convolve, WithNothingIsNothing) {
 TEST(PartitionedConvolver, StreamEqualsTheDirectSum) {
   for (const int taps : {1, 64, 65, 1000}) {
     for (const int block : {1, 50, 64, 160}) {
-      const std::vector<float> signal = noise(block * 12, 3);
+      const std::vector<float> signal = noise(std::ptrdiff_t{12} * block, 3);
       const std::vector<float> response = noise(taps, 4);
       const std::vector<double> expected = direct_sum(signal, response);
       PartitionedConvolver convolver(response, block);

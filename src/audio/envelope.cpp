@@ -14,10 +14,9 @@ std::vector<double> hilbert_envelope(std::span<const float> signal) {
   std::vector<double> samples(signal.begin(), signal.end());
   std::vector<std::complex<double>> spectrum(fft.bins());
   fft.forward(samples, spectrum);
-  // The imaginary part of the analytic signal is the signal turned by -90 degrees; the constant
-  // part and, at an even size, the highest frequency have none.
-  spectrum.front() = 0.0;
-  if (size % 2 == 0) spectrum.back() = 0.0;
+  // The imaginary part of the analytic signal is the signal turned by -90 degrees. The constant
+  // part and, at an even size, the highest frequency have none: they turn into the imaginary parts
+  // that the inverse ignores.
   for (auto& value : spectrum) value = {value.imag(), -value.real()};
   std::vector<double> turned(signal.size());
   fft.inverse(spectrum, turned);
