@@ -357,6 +357,22 @@ TEST(HrtfSet, TakesASetWithDelaysAndOneRingOnly) {
   }
 }
 
+TEST(HrtfSet, UsesTheFarthestSourcesOnly) {
+  SofaFile file =
+      read_sofa(std::filesystem::path(EARPOINT_SOURCE_DIR) / "src/spatial/testdata/sphere.sofa");
+  const HrtfSet far(file, 48000, HrtfEqualization::none);
+  // The same directions again, nearer and louder.
+  for (std::size_t i = 0; i < 8; ++i) {
+    file.positions_m.push_back(file.positions_m[i] * 0.5);
+    file.delays_samples.push_back(file.delays_samples[i]);
+  }
+  const std::vector<float> responses = file.responses;
+  for (const float value : responses) file.responses.push_back(2.0F * value);
+  const HrtfSet both(file, 48000, HrtfEqualization::none);
+  EXPECT_EQ(both.size(), 8U);
+  EXPECT_TRUE(std::ranges::equal(both.response(3, 0), far.response(3, 0)));
+}
+
 TEST(HrtfSet, RefusesTooFewDirections) {
   SofaFile few{48000, 4, {}, {}, {}};
   EXPECT_THROW(HrtfSet(few, 48000), InputError);
