@@ -144,6 +144,14 @@ Image read_image(const std::filesystem::path& path) {
   return decode_image(read_file(path), path.string());
 }
 
+std::vector<std::byte> encode_png(const Image& image) {
+  EARPOINT_CHECK(!image.empty() && (image.channels() == 1 || image.channels() == 3));
+  listen_to_log();
+  const PacketPtr packet = encode_picture(image, AV_CODEC_ID_PNG);
+  const auto bytes = std::as_bytes(std::span(packet->data, static_cast<std::size_t>(packet->size)));
+  return {bytes.begin(), bytes.end()};
+}
+
 void write_image(const std::filesystem::path& path, const Image& image) {
   EARPOINT_CHECK(!image.empty() && (image.channels() == 1 || image.channels() == 3));
   std::string extension = path.extension().string();

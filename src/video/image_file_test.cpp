@@ -74,6 +74,7 @@ TEST_F(ImageFile, DecodesFromMemoryWhatItReadsFromAFile) {
   const Image image = noise(37, 21, 3);
   write_image(file("a.png"), image);
   EXPECT_EQ(largest_difference(decode_image(read_file(file("a.png")), "a texture"), image), 0);
+  EXPECT_EQ(read_file(file("a.png")), encode_png(image));
 }
 
 TEST_F(ImageFile, GreyComesBackAsEqualRedGreenAndBlue) {

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include <earpoint/core/image.h>
 
@@ -24,6 +25,10 @@ namespace earpoint {
 /// @param where  what errors call it
 /// @throws  InputError as read_image
 [[nodiscard]] Image decode_image(std::span<const std::byte> bytes, std::string_view where);
+
+/// @param image  not empty; 3 channels (RGB), or 1 (grey)
+/// @return the bytes of a PNG file
+[[nodiscard]] std::vector<std::byte> encode_png(const Image& image);
 
 /// Writes a picture, whole or not at all. The extension chooses the format: .png is lossless;
 /// .jpg and .jpeg have full colour resolution (4:4:4) and high quality.

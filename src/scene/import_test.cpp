@@ -1,0 +1,287 @@
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include <earpoint/core/error.h>
+#include <earpoint/core/file.h>
+#include <earpoint/scene/import.h>
+
+namespace earpoint {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The rooms of testdata/make_models.py: 18 m2 of floor, 86 m2 of faces, 45 m3.
+constexpr double kFloor_m2 = 18.0;
+constexpr double kFaces_m2 = 86.0;
+constexpr double kVolume_m3 = 45.0;
+
+class Import : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::path(EARPOINT_BINARY_DIR) / "import_test" /
+              testing::UnitTest::GetInstance()->current_test_info()->name();
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+    for (const char* name : {"room.obj", "room.mtl", "room.glb", "room.ply", "tiles.png"}) {
+      fs::copy_file(fs::path(EARPOINT_SOURCE_DIR) / "src/scene/testdata" / name, folder_ / name);
+    }
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  [[nodiscard]] fs::path file(const std::string& name) const { return folder_ / name; }
+
+  /// @return the message with which a file is refused
+  [[nodiscard]] std::string refusal(const std::string& name,
+                                    const ImportOptions& options = {}) const {
+    try {
+      import_scene(file(name), options);
+    } catch (const InputError& error) {
+      const std::string message = error.what();
+      const std::string folder = folder_.string() + "/";
+      return message.starts_with(folder) ? message.substr(folder.size()) : message;
+    }
+    return "accepted";
+  }
+
+  void replace(const std::string& name, const std::string& from, const std::string& to) const {
+    std::string text = read_text_file(file(name));
+    const std::size_t place = text.find(from);
+    ASSERT_NE(place, std::string::npos) << from;
+    write_file(file(name), std::string_view(text.replace(place, from.size(), to)));
+  }
+
+ private:
+  fs::path folder_;
+};
+
+double area_m2(const Scene& scene, const std::function<bool(std::size_t)>& counts) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < scene.mesh.triangles.size(); ++i) {
+    if (counts(i)) sum += norm(scaled_normal(scene.mesh, i)) / 2.0;
+  }
+  return sum;
+}
+
+double area_m2(const Scene& scene, const std::string& sound) {
+  return area_m2(scene, [&](std::size_t i) {
+    return scene.materials[scene.mesh.triangle_material[i]].acoustic.name == sound;
+  });
+}
+
+/// The volume inside, if all faces look inward.
+double enclosed_m3(const Mesh& mesh) {
+  double sum = 0.0;
+  for (const auto& [a, b, c] : mesh.triangles) {
+    sum -= dot(vertex(mesh, a), cross(vertex(mesh, b), vertex(mesh, c))) / 6.0;
+  }
+  return sum;
+}
+
+void expect_the_room(const Scene& scene) {
+  const Bounds box = bounds(scene.mesh);
+  // Floats of a few metres, some through a rotation and centimetres.
+  EXPECT_NEAR(norm(box.low), 0.0, 1e-5);
+  EXPECT_NEAR(norm(box.high - Vector3{6.0, 4.0, 2.5}), 0.0, 1e-5);
+  EXPECT_NEAR(area_m2(scene, [](std::size_t) { return true; }), kFaces_m2, 1e-3);
+  EXPECT_NEAR(enclosed_m3(scene.mesh), kVolume_m3, 1e-3);
+}
+
+TEST_F(Import, ReadsObjWithPolygonsTheirSurfacesAndTexture) {
+  const ImportedScene room = import_scene(file("room.obj"));
+  expect_the_room(room.scene);
+  EXPECT_NEAR(area_m2(room.scene, "carpet_felt"), kFloor_m2, 1e-3);
+  EXPECT_NEAR(area_m2(room.scene, "ceramic_tile"), 6.0 * 2.5, 1e-3);
+  EXPECT_EQ(room.scene.textures.size(), 1U);
+  EXPECT_EQ(room.report.closure.escaping_share, 0.0);
+  EXPECT_GT(room.report.closure.rays, 1000U);
+}
+
+TEST_F(Import, TakesASoundFromTheObjectWhereTheMaterialSaysNothing) {
+  const ImportedScene room = import_scene(file("room.obj"));
+  // "white.001" on "Wall_2" is a wall; on "lid" nothing is known of it.
+  EXPECT_NEAR(area_m2(room.scene, "plasterboard_wall"), kFloor_m2 + 14.0 * 2.5, 1e-3);
+  ASSERT_EQ(room.report.unknown_surfaces.size(), 1U);
+  EXPECT_EQ(room.report.unknown_surfaces.begin()->first, "white.001");
+  EXPECT_EQ(room.report.unknown_surfaces.begin()->second, 1U);
+  ASSERT_EQ(room.report.warnings().size(), 1U);
+  EXPECT_EQ(room.report.warnings()[0],
+            "no pattern knows the surface 'white.001' (1 faces), it sounds like "
+            "plasterboard_wall; name it in --materials");
+}
+
+/// The colour of the texture at the corner of a textured face that lies highest.
+std::array<int, 3> colour_at_top(const Scene& scene) {
+  std::uint32_t top = 0;
+  double highest = -1.0;
+  const Look* look = nullptr;
+  for (std::size_t i = 0; i < scene.mesh.triangles.size(); ++i) {
+    const Material& material = scene.materials[scene.mesh.triangle_material[i]];
+    if (material.acoustic.name != "ceramic_tile") continue;
+    for (const std::uint32_t v : scene.mesh.triangles[i]) {
+      if (vertex(scene.mesh, v).z <= highest) continue;
+      highest = vertex(scene.mesh, v).z;
+      top = v;
+      look = &material.look;
+    }
+  }
+  if (look == nullptr || look->texture == Look::kNoTexture) return {-1, -1, -1};
+  const Image& texture = scene.textures[static_cast<std::size_t>(look->texture)];
+  // v points up: 1 is the picture's first row.
+  const float v = scene.mesh.uvs[top][1];
+  const int row = std::clamp(static_cast<int>((1.0F - v) * static_cast<float>(texture.height())), 0,
+                             texture.height() - 1);
+  return {texture.at(0, row, 0), texture.at(0, row, 1), texture.at(0, row, 2)};
+}
+
+TEST_F(Import, ReadsGlbWithTransformsOfNodesAndATextureInside) {
+  const ImportedScene room = import_scene(file("room.glb"));
+  expect_the_room(room.scene);
+  EXPECT_NEAR(area_m2(room.scene, "parquet"), kFloor_m2, 1e-3);
+  EXPECT_NEAR(area_m2(room.scene, "acoustic_ceiling_tile"), kFloor_m2, 1e-3);
+  EXPECT_NEAR(area_m2(room.scene, "brick_open_joints"), 14.0 * 2.5, 1e-3);
+  EXPECT_EQ(room.scene.textures.size(), 1U);
+  EXPECT_TRUE(room.report.warnings().empty());
+  for (const Material& material : room.scene.materials) {
+    if (material.acoustic.name != "parquet") continue;
+    EXPECT_EQ(material.look.base_colour, (std::array<float, 3>{0.5F, 0.25F, 0.125F}));
+  }
+}
+
+TEST_F(Import, HangsTexturesUpright) {
+  const std::array<int, 3> red = {200, 0, 0};  // the upper half of tiles.png
+  EXPECT_EQ(colour_at_top(import_scene(file("room.obj")).scene), red);
+  EXPECT_EQ(colour_at_top(import_scene(file("room.glb")).scene), red);
+}
+
+TEST_F(Import, ReadsPlyWithTheColoursOfItsVertices) {
+  const ImportedScene room = import_scene(file("room.ply"));
+  expect_the_room(room.scene);
+  ASSERT_EQ(room.scene.textures.size(), 1U);
+  const Image& palette = room.scene.textures[0];
+  for (std::size_t i = 0; i < room.scene.mesh.triangles.size(); ++i) {
+    const auto& triangle = room.scene.mesh.triangles[i];
+    if (vertex(room.scene.mesh, triangle[0]).z > 0.1 || scaled_normal(room.scene.mesh, i).z < 0.1) {
+      continue;
+    }
+    const auto& uv = room.scene.mesh.uvs[triangle[0]];
+    const int x = static_cast<int>(uv[0] * static_cast<float>(palette.width()));
+    const int y = static_cast<int>((1.0F - uv[1]) * static_cast<float>(palette.height()));
+    EXPECT_EQ(palette.at(x, y, 0), 120) << "the floor is brown";
+    EXPECT_EQ(palette.at(x, y, 2), 30);
+  }
+  // Its floor is cut in two where the walls are not: edges are open, but no ray escapes.
+  EXPECT_GT(room.report.closure.open_edges, 0U);
+  EXPECT_EQ(room.report.closure.escaping_share, 0.0);
+}
+
+TEST_F(Import, TurnsAndScalesAsTold) {
+  const ImportedScene turned =
+      import_scene(file("room.obj"), {.up_axis = UpAxis::z, .unit_m = 2.0});
+  const Vector3 high = bounds(turned.scene.mesh).high;
+  // The file's y is our y, which was our z before.
+  EXPECT_NEAR(norm(high - Vector3{8.0, 5.0, 12.0}), 0.0, 1e-5);
+}
+
+TEST_F(Import, FollowsAMaterialTableOfOnesOwn) {
+  const MaterialTable table = MaterialTable::parse(R"({
+    "format": "earpoint-materials-1", "extends": "standard",
+    "patterns": [{"material": "marble", "words": ["white"]}]})",
+                                                   "mine.json");
+  const ImportedScene room = import_scene(file("room.obj"), {.materials = &table});
+  EXPECT_NEAR(area_m2(room.scene, "marble"), kFloor_m2 + 14.0 * 2.5, 1e-3);
+  EXPECT_TRUE(room.report.unknown_surfaces.empty());
+}
+
+TEST_F(Import, CountsWhatItLeavesOut) {
+  const std::string more = "v 1 1 1\nv 2 1 1\nv 3 1 1\nf -1 -2 -3\nl -1 -2\n";
+  write_file(file("room.obj"), std::string_view(read_text_file(file("room.obj")) + more));
+  fs::remove(file("tiles.png"));
+  const ImportedScene room = import_scene(file("room.obj"));
+  EXPECT_NEAR(area_m2(room.scene, [](std::size_t) { return true; }), kFaces_m2, 1e-3);
+  EXPECT_EQ(room.report.zero_area_triangles, 1U);
+  EXPECT_EQ(room.report.missing_textures, std::vector<std::string>{"tiles.png"});
+  const std::vector<std::string> warnings = room.report.warnings();
+  EXPECT_NE(std::find(warnings.begin(), warnings.end(), "dropped 1 faces without an area"),
+            warnings.end());
+}
+
+TEST_F(Import, ReportsAMissingCeilingAndClosesIt) {
+  // Without the ceiling, which is the node of index 4.
+  replace("room.glb", "\"nodes\":[0,4]", "\"nodes\":[0]  ");
+  const ImportedScene open = import_scene(file("room.glb"));
+  EXPECT_GT(open.report.closure.escaping_share, 0.1);
+  EXPECT_GT(open.report.closure.escaping_up_share, 0.5 * open.report.closure.escaping_share);
+  ASSERT_EQ(open.report.warnings().size(), 1U);
+  EXPECT_NE(open.report.warnings()[0].find("use --close-ceiling"), std::string::npos);
+
+  const ImportedScene closed = import_scene(file("room.glb"), {.close_ceiling = true});
+  EXPECT_EQ(closed.report.closure.escaping_share, 0.0);
+  // A grid of 0.1 m: up to a cell along 20 m of walls.
+  EXPECT_NEAR(closed.report.added_ceiling_m2, kFloor_m2, 2.0);
+  EXPECT_GT(area_m2(closed.scene, "plasterboard_ceiling"), kFloor_m2);
+}
+
+TEST_F(Import, RefusesWhatIsNoSceneInOneLine) {
+  write_file(file("empty.obj"), std::string_view("# nothing\n"));
+  write_file(file("points.obj"), std::string_view("v 0 0 0\nv 1 0 0\nv 1 1 0\n"));
+  write_file(file("noise.glb"), std::string_view("glTF but not really"));
+  write_file(file("room.stl"), std::string_view("solid x"));
+  EXPECT_EQ(refusal("absent.obj"), "absent.obj: is not there, or not a file");
+  EXPECT_EQ(refusal("room.stl"),
+            "room.stl: expected a .glb, .gltf, .obj or .ply model, found '.stl'; "
+            "convert it to .glb");
+  for (const char* name : {"empty.obj", "points.obj", "noise.glb"}) {
+    const std::string message = refusal(name);
+    EXPECT_TRUE(message.starts_with(name)) << message;
+    EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+  }
+  EXPECT_EQ(refusal("room.obj", {.unit_m = -1.0}), "--unit: expected a length above 0 m, found -1");
+  EXPECT_EQ(refusal("room.obj", {.unit_m = 10000.0}),
+            "room.obj: is 60000 m long, expected at most 10000 m; check the unit of length");
+  EXPECT_EQ(refusal("room.obj", {.unit_m = 1e-3}),
+            "room.obj: is only 0.006 m large; give the length of its unit: --unit 1000 if it is in "
+            "kilometres");
+}
+
+TEST_F(Import, RefusesNumbersThatAreNone) {
+  replace("room.obj", "v 0 0 6", "v nan 0 6");
+  EXPECT_NE(refusal("room.obj").find("is not a finite number"), std::string::npos)
+      << refusal("room.obj");
+  std::string ply = read_text_file(file("room.ply"));
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  std::memcpy(ply.data() + ply.find("end_header\n") + 11, &nan, sizeof nan);
+  write_file(file("room.ply"), std::string_view(ply));
+  EXPECT_NE(refusal("room.ply").find("is not a finite number"), std::string::npos)
+      << refusal("room.ply");
+}
+
+TEST_F(Import, RefusesAGlbWhosePictureHasNoKind) {
+  // Assimp 5.2 crashes on this one.
+  replace("room.glb", "image/png", "image-png");
+  EXPECT_EQ(refusal("room.glb"),
+            "room.glb: images[0].mimeType: expected a kind like 'image/png', found 'image-png'");
+}
+
+TEST_F(Import, RefusesCutFilesOrReadsThemWhole) {
+  for (const char* name : {"room.glb", "room.ply", "room.obj"}) {
+    const std::string whole = read_text_file(file(name));
+    for (std::size_t length = 0; length < whole.size(); length += 41) {
+      write_file(file(name), std::string_view(whole).substr(0, length));
+      const std::string message = refusal(name);
+      // Text may end anywhere; what is left of it is read or refused. Binary files say their size.
+      if (std::string_view(name) == "room.obj") continue;
+      EXPECT_NE(message, "accepted") << name << " cut to " << length << " bytes";
+    }
+  }
+}
+
+}  // namespace
+}  // namespace earpoint
