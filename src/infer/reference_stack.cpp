@@ -74,9 +74,9 @@ StackExample::StackExample(int audio_channels, int channels, int conditioning_wi
     layer.skip_bias = draw(width, 0.2);
     weights.layers.push_back(layer);
   }
-  weights.first_weight = draw(width * width, 2.0 / std::sqrt(channels));
+  weights.first_weight = draw(width * width, 6.0 / std::sqrt(channels));
   weights.first_bias = draw(width, 0.2);
-  weights.second_weight = draw(audio * width, 1.0 / std::sqrt(channels));
+  weights.second_weight = draw(audio * width, 3.0 / std::sqrt(channels));
   weights.second_bias = draw(audio, 0.2);
 }
 

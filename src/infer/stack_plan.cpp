@@ -37,9 +37,8 @@ Sweep sweep_of_lattice(Scheme scheme, std::ptrdiff_t step, std::ptrdiff_t phase,
 
 /// Dilations below this have runs shorter than a vector, and change to segmented order.
 constexpr std::ptrdiff_t kSmallDilation = kSegments;
-/// Segments at least this many dilations long: what a tile reads past the end of a segment then
-/// lies in the next one.
-constexpr std::ptrdiff_t kSegmentDilations = 8;
+/// Shorter segments than one group of four outputs would waste columns.
+constexpr std::ptrdiff_t kSegmentDilations = 4;
 
 }  // namespace
 
