@@ -209,7 +209,8 @@ TEST_F(SoundFile, TruncatedFilesAreRefusedWhereverTheyEnd) {
     for (const double part : {0.0001, 0.001, 0.01, 0.1, 0.3, 0.5, 0.7, 0.9, 0.99, 0.9999}) {
       const auto size = static_cast<std::size_t>(part * static_cast<double>(whole.size()));
       put(folder_ / name, std::string_view(whole).substr(0, size));
-      const std::string message = message_of([&, name = name] { (void)read_sound(folder_ / name); });
+      const std::string message =
+          message_of([&, name = name] { (void)read_sound(folder_ / name); });
       EXPECT_NE(message, "no error") << name << " cut to " << size << " of " << whole.size();
     }
   }

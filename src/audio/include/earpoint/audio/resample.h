@@ -36,8 +36,8 @@ class StreamResampler {
 /// with a squared-cosine window, cut off at 0.945 of the lower Nyquist frequency, edges repeated.
 /// Use it where numbers must equal published ones; resample() is cleaner.
 /// @return  floor(samples * to / from) samples
-/// Source: the definition of julius.resample_frac (MIT). Taps are in double here; julius rounds them
-/// to float, so its output differs by up to 3e-6.
+/// Source: the definition of julius.resample_frac (MIT). Taps are in double here; julius rounds
+/// them to float, so its output differs by up to 3e-6.
 [[nodiscard]] Waveform resample_sinc(const Waveform& waveform, int sample_rate_hz);
 
 }  // namespace earpoint
