@@ -1,0 +1,48 @@
+#include "gates/gates.h"
+
+#include <gtest/gtest.h>
+
+namespace earpoint {
+namespace {
+
+void expect_passed(const std::vector<gates::GateRow>& rows) {
+  ASSERT_FALSE(rows.empty());
+  for (const gates::GateRow& row : rows) {
+    EXPECT_TRUE(row.passed) << row.gate << ": " << row.measured << ", limit " << row.limit;
+  }
+}
+
+// Each gate states its limits and where they come from; `bench/trace_gates` writes the same rows as
+// a table.
+
+TEST(TraceGates, FreeFieldFallsByTheInverseSquare) {
+  ThreadPool pool(available_cores());
+  expect_passed(gates::free_field_gate(pool));
+}
+
+TEST(TraceGates, SpecularBoxIsTheSumOfItsImages) {
+  ThreadPool pool(available_cores());
+  expect_passed(gates::image_source_gate(pool));
+}
+
+TEST(TraceGates, DiffuseBoxDecaysAsParticlesDo) {
+  ThreadPool pool(available_cores());
+  expect_passed(gates::reverberation_gate(pool));
+}
+
+TEST(TraceGates, SourceAndListenerMayBeSwapped) {
+  ThreadPool pool(available_cores());
+  expect_passed(gates::reciprocity_gate(pool));
+}
+
+TEST(TraceGates, EnergyDoesNotDependOnTheNumberOfRays) {
+  ThreadPool pool(available_cores());
+  expect_passed(gates::ray_count_gate(pool, gates::Effort::quick));
+}
+
+TEST(TraceGates, ThreadsDoNotChangeAByteAndHolesAreRefused) {
+  expect_passed(gates::determinism_gate());
+}
+
+}  // namespace
+}  // namespace earpoint

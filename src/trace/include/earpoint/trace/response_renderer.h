@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include <earpoint/core/pose.h>
+#include <earpoint/core/waveform.h>
+#include <earpoint/spatial/hrtf.h>
+#include <earpoint/trace/tracer.h>
+
+namespace earpoint {
+
+/// What a response is rendered into.
+struct RenderOptions {
+  int sample_rate_hz = 16000;  ///< > 0
+  double duration_s = 1.0;     ///< > 0; later sound is cut off
+  std::uint64_t seed = 1;      ///< of the late field's noise
+};
+
+/// Makes impulse responses of traced sound. The delay of the way is kept: a source 3.43 m away
+/// starts after 10 ms. A level of 1 is that of the source at 1 m in free field.
+///
+/// Arrivals are band-limited pulses at their exact (fractional) sample. The late field is noise
+/// whose energy follows the histogram in every band; see docs/adr/0008-late-field.md.
+/// Holds tables for one rate and duration: make one and keep it. Const calls may be made from many
+/// threads at once.
+class ResponseRenderer {
+ public:
+  /// @throws std::logic_error if an option is out of range
+  explicit ResponseRenderer(const RenderOptions& options);
+  ~ResponseRenderer();
+  ResponseRenderer(ResponseRenderer&&) noexcept;
+  ResponseRenderer& operator=(ResponseRenderer&&) noexcept;
+
+  /// What an omnidirectional microphone at the listener's place hears.
+  /// @param stream  names the noise: other numbers give other noise of the same energy
+  /// @return  one channel
+  [[nodiscard]] Waveform mono(const PointResponse& response, std::uint64_t stream) const;
+
+  /// What two ears hear: the binaural room impulse response (BRIR).
+  /// @param world_from_listener  the head's turn
+  /// @param hrtf                 at the renderer's sampling rate
+  /// @param stream               as for mono()
+  /// @return  two channels, left first
+  [[nodiscard]] Waveform binaural(const PointResponse& response,
+                                  const Quaternion& world_from_listener, const HrtfSet& hrtf,
+                                  std::uint64_t stream) const;
+
+ private:
+  struct State;
+  std::unique_ptr<const State> state_;
+};
+
+}  // namespace earpoint

@@ -1,0 +1,47 @@
+#pragma once
+
+#include "mirror_chain.h"
+#include "scene_geometry.h"
+
+#include <span>
+#include <vector>
+
+#include <earpoint/trace/tracer.h>
+
+namespace earpoint {
+
+/// What a share of a source's rays brought about.
+struct WalkTally {
+  std::vector<EnergyHistogram> late;  ///< [listener], without the air's absorption
+  double emitted = 0.0;               ///< energy, summed over bands
+  double escaped = 0.0;
+  std::int64_t rays_cast = 0;
+};
+
+/// A share of the rays of one source.
+struct WalkTask {
+  const Source* source = nullptr;
+  std::uint64_t stream = 0;  ///< the source's random stream
+  int first_ray = 0;
+  int last_ray = 0;  ///< one past the end
+};
+
+/// Everything that a walk reads.
+struct WalkSetup {
+  const SceneGeometry* scene = nullptr;
+  std::span<const Vector3> listeners{};
+  const TraceOptions* options = nullptr;
+  MirrorLimits mirrors{};
+  double bin_s = 0.0;  ///< width of a bin of the histograms
+  double bin_m = 0.0;  ///< the same as a distance
+  int bins = 0;
+};
+
+/// Sends rays on random walks from surface to surface. At every bounce the diffuse share goes
+/// straight to each listener that sees the place (next-event estimation); the ray goes on as one of
+/// specular, diffuse or transmitted, drawn by the energy in each. What would reach a listener off a
+/// mirror cannot be connected that way; it is counted when the ray passes through a small sphere
+/// around the listener.
+WalkTally walk_rays(const WalkSetup& setup, const WalkTask& task);
+
+}  // namespace earpoint
