@@ -1,6 +1,7 @@
 #include "metrics_command.h"
 #include "model_command.h"
 #include "render_command.h"
+#include "trace_command.h"
 
 #include <cstdio>
 #include <exception>
@@ -16,6 +17,7 @@ int main(int argc, char** argv) {
   add_metrics_command(app);
   earpoint::add_render_command(app);
   add_model_command(app);
+  add_trace_command(app);
   try {
     app.parse(argc, argv);
     return 0;

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include <earpoint/core/pose.h>
+#include <earpoint/scene/scene.h>
+
+/// Reads "X,Y,Z[,yaw=DEG][,pitch=DEG][,roll=DEG]".
+/// @param flag  what errors call the text
+/// @throws earpoint::InputError
+earpoint::Pose parse_pose(std::string_view flag, const std::string& text);
+
+/// Reads "LX,LY,LZ[,absorption=A][,scattering=S]": a box with a corner at the origin.
+/// @throws earpoint::InputError
+earpoint::Scene parse_shoebox(std::string_view flag, const std::string& text);

@@ -1,0 +1,141 @@
+#include "trace_command.h"
+
+#include "trace_arguments.h"
+#include "trace_report.h"
+
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <earpoint/audio/sound_file.h>
+#include <earpoint/core/error.h>
+#include <earpoint/spatial/hrtf.h>
+#include <earpoint/trace/response_renderer.h>
+#include <earpoint/trace/tracer.h>
+
+namespace {
+
+namespace fs = std::filesystem;
+using earpoint::InputError;
+
+struct Options {
+  std::string shoebox;
+  std::string source;
+  std::string listener;
+  fs::path output;
+  std::optional<fs::path> hrtf;
+  bool mono = false;
+  bool report = false;
+  int rate_hz = 16000;
+  int jobs = 0;
+  earpoint::TraceOptions trace;
+};
+
+void check(const Options& options) {
+  const auto at_least = [](const char* flag, double value, double least) {
+    if (value >= least) return;
+    throw InputError(flag, fmt::format("expected {:g} or more, found {:g}", least, value));
+  };
+  at_least("--rays", options.trace.rays, 1);
+  at_least("--bounces", options.trace.max_bounces, 1);
+  at_least("--rate", options.rate_hz, 8000);
+  at_least("--jobs", options.jobs, 0);
+  if (!(options.trace.duration_s > 0.0 && options.trace.duration_s <= 30.0)) {
+    throw InputError("--duration", fmt::format("expected more than 0 and at most 30 s, found {:g}",
+                                               options.trace.duration_s));
+  }
+  if (options.mono && options.hrtf) {
+    throw InputError("--mono", "a single microphone has no HRTF", "leave out --mono or --hrtf");
+  }
+}
+
+void run(const Options& options) {
+  check(options);
+  const auto start = std::chrono::steady_clock::now();
+  const earpoint::Source source{.world_from_source = parse_pose("--source", options.source)};
+  const earpoint::Pose listener = parse_pose("--listener", options.listener);
+  if (norm(listener.position_m - source.world_from_source.position_m) < 1e-3) {
+    throw InputError("--listener", "stands where the source is", "move one of them");
+  }
+  const earpoint::AcousticScene scene(parse_shoebox("--shoebox", options.shoebox));
+
+  const int jobs = options.jobs > 0 ? options.jobs : earpoint::available_cores();
+  earpoint::ThreadPool pool(jobs);
+  const earpoint::TraceResult traced =
+      earpoint::trace(scene, {&source, 1}, {&listener.position_m, 1}, options.trace, pool);
+  const earpoint::PointResponse& response = traced.responses[0][0];
+  const earpoint::ResponseRenderer renderer({.sample_rate_hz = options.rate_hz,
+                                             .duration_s = options.trace.duration_s,
+                                             .seed = options.trace.seed});
+  if (options.mono) {
+    earpoint::write_sound(options.output, renderer.mono(response, 0),
+                          earpoint::SampleFormat::float32);
+  } else {
+    const earpoint::HrtfSet hrtf = options.hrtf
+                                       ? earpoint::HrtfSet::load(*options.hrtf, options.rate_hz)
+                                       : earpoint::HrtfSet::load(options.rate_hz);
+    earpoint::write_sound(options.output,
+                          renderer.binaural(response, listener.orientation, hrtf, 0),
+                          earpoint::SampleFormat::float32);
+  }
+  const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - start;
+  if (options.report) {
+    const earpoint::Waveform mono = renderer.mono(response, 0);
+    fmt::print("{}", trace_report(traced, mono.channel(0), options.rate_hz, passed.count()));
+  }
+}
+
+void add_physics(CLI::App& command, Options& options) {
+  earpoint::TraceOptions& trace = options.trace;
+  command.add_option("--rays", trace.rays, "Rays that leave the source")->capture_default_str();
+  command.add_option("--bounces", trace.max_bounces, "Most reflections of a ray")
+      ->capture_default_str();
+  command.add_option("--duration", trace.duration_s, "Length of the response, seconds")
+      ->capture_default_str();
+  command.add_option("--seed", trace.seed, "The same seed gives the same response")
+      ->capture_default_str();
+  command.add_option("--temperature", trace.air.temperature_celsius, "Of the air, degrees Celsius")
+      ->capture_default_str();
+  command
+      .add_option("--humidity", trace.air.relative_humidity_percent,
+                  "Relative humidity of the air, percent")
+      ->capture_default_str();
+  command.add_option("--jobs", options.jobs, "Threads; 0 takes all cores")->capture_default_str();
+}
+
+}  // namespace
+
+void add_trace_command(CLI::App& app) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command =
+      app.add_subcommand("trace",
+                         "Trace sound through a scene: the impulse response from a source "
+                         "to a listener's two ears.");
+  command
+      ->add_option(
+          "--shoebox", options->shoebox,
+          "An empty room instead of a file: LX,LY,LZ[,absorption=A][,scattering=S], metres "
+          "and shares of energy")
+      ->required();
+  command->add_option("--source", options->source, "Where the sound starts: X,Y,Z, metres, z up")
+      ->required();
+  command
+      ->add_option(
+          "--listener", options->listener,
+          "Where it is heard: X,Y,Z[,yaw=DEG][,pitch=DEG][,roll=DEG]; yaw 0 looks along x, "
+          "90 along y")
+      ->required();
+  command->add_option("-o,--output", options->output, "Sound file to write (.wav or .w64)")
+      ->required();
+  command->add_flag("--mono", options->mono, "One omnidirectional microphone instead of two ears");
+  command->add_option("--rate", options->rate_hz, "Samples per second")->capture_default_str();
+  command->add_option("--hrtf", options->hrtf, "Head-related responses (.sofa)");
+  add_physics(*command, *options);
+  command->add_flag("--report", options->report, "Print decay times, levels and cost");
+  command->callback([options] { run(*options); });
+}

@@ -1,0 +1,8 @@
+#pragma once
+
+namespace CLI {
+class App;
+}
+
+/// Adds `earpoint trace`: the impulse response from one place to another.
+void add_trace_command(CLI::App& app);

@@ -1,0 +1,136 @@
+#include "run_program.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include <earpoint/audio/sound_file.h>
+#include <earpoint/core/file.h>
+
+namespace {
+
+namespace fs = std::filesystem;
+
+class TraceCommand : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const std::string name = testing::UnitTest::GetInstance()->current_test_info()->name();
+    folder_ = fs::path(testing::TempDir()) / ("trace_command_" + name);
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+    output_ = (folder_ / "brir.wav").string();
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  [[nodiscard]] std::vector<std::string> arguments(const std::vector<std::string>& more) const {
+    std::vector<std::string> all = {"trace",    "--shoebox",  "6,5,3,absorption=0.3,scattering=0.4",
+                                    "--source", "3,4,1.5",    "--listener",
+                                    "3,2,1.5",  "--duration", "0.4",
+                                    "--rays",   "500",        "-o",
+                                    output_};
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+  }
+
+  /// Exit 2, one line on standard error, nothing written.
+  /// @return that line
+  std::string refusal(const std::vector<std::string>& all) {
+    const ProgramOutcome outcome = run_earpoint(all);
+    EXPECT_EQ(outcome.exit_code, 2);
+    EXPECT_EQ(outcome.output, "");
+    EXPECT_EQ(std::count(outcome.errors.begin(), outcome.errors.end(), '\n'), 1) << outcome.errors;
+    EXPECT_FALSE(fs::exists(output_));
+    return outcome.errors;
+  }
+
+  /// The usual arguments with one of them changed.
+  std::string refusal(const std::string& old_text, const std::string& new_text) {
+    std::vector<std::string> all = arguments({});
+    std::replace(all.begin(), all.end(), old_text, new_text);
+    return refusal(all);
+  }
+
+  fs::path folder_;
+  std::string output_;
+};
+
+double energy(std::span<const float> signal) {
+  double sum = 0.0;
+  for (const float sample : signal)
+    sum += static_cast<double>(sample) * static_cast<double>(sample);
+  return sum;
+}
+
+TEST_F(TraceCommand, SourceOnTheLeftIsLouderOnTheLeft) {
+  // The listener looks along x and the source is towards y: to the left.
+  const ProgramOutcome outcome = run_earpoint(arguments({}));
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
+  EXPECT_EQ(outcome.output, "");
+  const earpoint::Waveform brir = earpoint::read_sound(output_);
+  EXPECT_EQ(brir.channels(), 2);
+  EXPECT_EQ(brir.sample_rate_hz(), 16000);
+  EXPECT_EQ(brir.samples(), 6400);
+  EXPECT_GT(energy(brir.channel(0)), 1.5 * energy(brir.channel(1)));
+}
+
+TEST_F(TraceCommand, TurnedHeadHearsItOnTheRight) {
+  std::vector<std::string> turned = arguments({});
+  std::replace(turned.begin(), turned.end(), std::string("3,2,1.5"),
+               std::string("3,2,1.5,yaw=180"));
+  ASSERT_EQ(run_earpoint(turned).exit_code, 0);
+  const earpoint::Waveform brir = earpoint::read_sound(output_);
+  EXPECT_GT(energy(brir.channel(1)), 1.5 * energy(brir.channel(0)));
+}
+
+TEST_F(TraceCommand, MonoStartsAfterTheWayAndReportsDecays) {
+  const ProgramOutcome outcome = run_earpoint(arguments({"--mono", "--report", "--rate", "48000"}));
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
+  for (const char* part : {"T30 s", "C50 dB", "8000", "escape fraction 0,", "distance 2.000 m"}) {
+    EXPECT_NE(outcome.output.find(part), std::string::npos) << outcome.output;
+  }
+  const earpoint::Waveform response = earpoint::read_sound(output_);
+  ASSERT_EQ(response.channels(), 1);
+  const std::span<const float> samples = response.channel(0);
+  const auto peak = std::max_element(samples.begin(), samples.end());
+  // 2 m at 343.2 m/s.
+  EXPECT_NEAR(static_cast<double>(peak - samples.begin()), 2.0 / 343.2 * 48000, 1.0);
+}
+
+TEST_F(TraceCommand, SameSeedGivesTheSameBytesForAnyNumberOfJobs) {
+  ASSERT_EQ(run_earpoint(arguments({"--seed", "7", "--jobs", "1"})).exit_code, 0);
+  const std::vector<std::byte> one = earpoint::read_file(output_);
+  ASSERT_EQ(run_earpoint(arguments({"--seed", "7", "--jobs", "2"})).exit_code, 0);
+  EXPECT_EQ(one, earpoint::read_file(output_));
+  ASSERT_EQ(run_earpoint(arguments({"--seed", "8"})).exit_code, 0);
+  EXPECT_NE(one, earpoint::read_file(output_));
+}
+
+TEST_F(TraceCommand, RefusesBadArgumentsInOneLine) {
+  EXPECT_EQ(refusal("500", "0"), "earpoint: --rays: expected 1 or more, found 0\n");
+  EXPECT_EQ(refusal("0.4", "-1"),
+            "earpoint: --duration: expected more than 0 and at most 30 s, found -1\n");
+  EXPECT_NE(refusal(arguments({"--temperature", "400"})).find("temperature"), std::string::npos);
+  EXPECT_EQ(refusal(arguments({"--mono", "--hrtf", "head.sofa"})),
+            "earpoint: --mono: a single microphone has no HRTF; leave out --mono or --hrtf\n");
+  EXPECT_NE(refusal(arguments({"--hrtf", "nothing.sofa"})).find("nothing.sofa"), std::string::npos);
+}
+
+TEST_F(TraceCommand, RefusesPlacesThatMakeNoSense) {
+  EXPECT_EQ(refusal("3,4,1.5", "3,4"),
+            "earpoint: --source: expected three numbers in metres, found '3,4'\n");
+  EXPECT_EQ(refusal("3,4,1.5", "3,4,x"), "earpoint: --source: expected a number, found 'x'\n");
+  EXPECT_EQ(refusal("3,2,1.5", "3,2,1.5,jaw=4"),
+            "earpoint: --listener: unknown 'jaw'; it may have yaw, pitch and roll, in degrees\n");
+  EXPECT_EQ(refusal("3,2,1.5", "3,4,1.5"),
+            "earpoint: --listener: stands where the source is; move one of them\n");
+  const std::string room = "6,5,3,absorption=0.3,scattering=0.4";
+  EXPECT_EQ(refusal(room, "6,5,0"), "earpoint: --shoebox: expected lengths above 0 m, found 0\n");
+  EXPECT_NE(refusal(room, "6,5,3,absorption=2").find("outside [0, 1]"), std::string::npos);
+  // Outside of the room all sound of the source is lost.
+  EXPECT_NE(refusal("3,4,1.5", "3,9,1.5").find("leaks"), std::string::npos);
+}
+
+}  // namespace
