@@ -36,7 +36,9 @@ TEST(SoundSpacesFrame, APoseAheadHasAzimuthZeroAndLeftIsPositive) {
 class SoundSpacesMetadataTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    root_ = fs::path(testing::TempDir()) / "soundspaces_metadata";
+    root_ = fs::path(testing::TempDir()) /
+            (std::string("soundspaces_metadata_") +
+             testing::UnitTest::GetInstance()->current_test_info()->name());
     fs::remove_all(root_);
   }
   void TearDown() override { fs::remove_all(root_); }
