@@ -115,8 +115,9 @@ RenderReport render(const RenderSource& source, AcousticSynthesizer& synthesizer
       needed = std::min(needed, outputs[i].written());
     }
     stream.drop_high_band_before(needed);
-    progress.advance(static_cast<double>(std::min(hop, stream.model_samples() - start)) /
-                     shape.sample_rate_hz);
+    // The last window takes its overlap along.
+    const std::ptrdiff_t rest = stream.model_samples() - start;
+    progress.advance(static_cast<double>(index + 1 < windows ? hop : rest) / shape.sample_rate_hz);
   }
   for (TargetStream& output : outputs) output.finish(stream);
   RenderReport report{survey, stream.outline(), {}, static_cast<int>(windows)};
