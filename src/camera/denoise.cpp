@@ -13,7 +13,7 @@ namespace {
 constexpr int kLevels = 5;
 constexpr int kBorder = 1 << (kLevels - 1);  // the widest step: no neighbour is out of range
 constexpr float kReach = 2.0F;               // footprints off the plane of a place
-constexpr float kTolerance = 3.0F;           // standard deviations that noise explains
+constexpr float kTolerance = 5.0F;           // standard deviations that noise may explain
 constexpr int kSamplesToKnowNoise = 16;
 
 // One number per pixel, with a border of zeros.
@@ -23,6 +23,8 @@ class Plane {
       : stride_(width + 2 * kBorder),
         values_(static_cast<std::size_t>(stride_) * (height + 2 * kBorder)) {}
 
+  /// From a number to the one below it.
+  [[nodiscard]] std::ptrdiff_t stride() const { return stride_; }
   [[nodiscard]] float* row(int y) { return &values_[offset(y)]; }
   [[nodiscard]] const float* row(int y) const { return &values_[offset(y)]; }
 
@@ -107,25 +109,30 @@ EARPOINT_VECTOR_CLONES void estimate_noise(const Place& place, int width, int y,
   }
 }
 
-// Sums of one row.
-struct RowSums {
-  explicit RowSums(int width)
-      : weight(static_cast<std::size_t>(width)), squares(weight), colour{weight, weight, weight} {}
+// The nine neighbours that a level takes, itself among them.
+struct Taps {
+  static constexpr std::size_t kCount = 9;
+  static constexpr std::array<float, kCount> kKernel = {0.0625F, 0.125F,  0.0625F, 0.125F, 0.25F,
+                                                        0.125F,  0.0625F, 0.125F,  0.0625F};
 
-  void clear() {
-    for (std::vector<float>* values : {&weight, &squares, &colour[0], &colour[1], &colour[2]}) {
-      std::fill(values->begin(), values->end(), 0.0F);
+  Taps(std::ptrdiff_t stride, std::ptrdiff_t step) {
+    for (std::ptrdiff_t tap = 0; tap < 9; ++tap) {
+      offset[tap] = step * (stride * (tap / 3 - 1) + tap % 3 - 1);
     }
   }
 
-  std::vector<float> weight;
-  std::vector<float> squares;
-  std::array<std::vector<float>, 3> colour;
+  std::array<std::ptrdiff_t, kCount> offset{};  // of the numbers in a plane
 };
 
-// How far the pixels of row y and their neighbours in row y + dy, dx aside, are on one surface.
-EARPOINT_VECTOR_CLONES void compare_places(const Place& place, int width, int y, int dx, int dy,
-                                           std::vector<float>& same) {
+// For one row: how far each neighbour is on the same surface, times the kernel.
+struct RowWeights {
+  explicit RowWeights(int width) { same.fill(std::vector<float>(static_cast<std::size_t>(width))); }
+
+  std::array<std::vector<float>, Taps::kCount> same;
+};
+
+EARPOINT_VECTOR_CLONES void compare_places(const Place& place, int width, int y, const Taps& taps,
+                                           RowWeights& weights) {
   const float* px = place[0].row(y);
   const float* py = place[1].row(y);
   const float* pz = place[2].row(y);
@@ -133,96 +140,68 @@ EARPOINT_VECTOR_CLONES void compare_places(const Place& place, int width, int y,
   const float* ny = place[4].row(y);
   const float* nz = place[5].row(y);
   const float* scale = place[6].row(y);
-  const float* qx = place[0].row(y + dy) + dx;
-  const float* qy = place[1].row(y + dy) + dx;
-  const float* qz = place[2].row(y + dy) + dx;
-  const float* mx = place[3].row(y + dy) + dx;
-  const float* my = place[4].row(y + dy) + dx;
-  const float* mz = place[5].row(y + dy) + dx;
-  const float* there = place[7].row(y + dy) + dx;
-  float* out = same.data();
-  for (int x = 0; x < width; ++x) {
-    const float turn = std::max(0.0F, nx[x] * mx[x] + ny[x] * my[x] + nz[x] * mz[x]);
-    const float turn2 = turn * turn;
-    const float turn4 = turn2 * turn2;
-    const float turn8 = turn4 * turn4;
-    const float apart =
-        (nx[x] * (qx[x] - px[x]) + ny[x] * (qy[x] - py[x]) + nz[x] * (qz[x] - pz[x])) * scale[x];
-    out[x] = turn8 * turn8 * std::max(0.0F, 1.0F - apart * apart) * there[x];
-  }
-}
-
-EARPOINT_VECTOR_CLONES void add_neighbours(const Light& light, int width, int y, int dx, int dy,
-                                           float kernel, const std::vector<float>& same_surface,
-                                           RowSums& sums) {
-  const float* same = same_surface.data();
-  const float* inverse = light[5].row(y);
-  const float* level = light[3].row(y);
-  const float* red = light[0].row(y + dy) + dx;
-  const float* green = light[1].row(y + dy) + dx;
-  const float* blue = light[2].row(y + dy) + dx;
-  const float* other = light[3].row(y + dy) + dx;
-  const float* noise = light[4].row(y + dy) + dx;
-  float* weight = sums.weight.data();
-  float* squares = sums.squares.data();
-  float* to_red = sums.colour[0].data();
-  float* to_green = sums.colour[1].data();
-  float* to_blue = sums.colour[2].data();
-  for (int x = 0; x < width; ++x) {
-    const float difference = other[x] - level[x];
-    const float likely = 1.0F / (1.0F + difference * difference * inverse[x]);
-    const float w = kernel * same[x] * likely * likely;
-    weight[x] += w;
-    squares[x] += w * w * noise[x];
-    to_red[x] += w * red[x];
-    to_green[x] += w * green[x];
-    to_blue[x] += w * blue[x];
-  }
-}
-
-void write_row(const RowSums& sums, const Light& from, int width, int y, Light& to) {
-  for (int x = 0; x < width; ++x) {
-    // Without a neighbour (nor itself) a pixel stays as it is.
-    const float weight = sums.weight[x];
-    const bool found = weight > 1e-8F;
-    const float scale = found ? 1.0F / weight : 0.0F;
-    Rgb colour{sums.colour[0][x] * scale, sums.colour[1][x] * scale, sums.colour[2][x] * scale};
-    if (!found) colour = {from[0].row(y)[x], from[1].row(y)[x], from[2].row(y)[x]};
-    to[0].row(y)[x] = colour.x;
-    to[1].row(y)[x] = colour.y;
-    to[2].row(y)[x] = colour.z;
-    to[3].row(y)[x] = luminance(colour);
-    to[4].row(y)[x] = found ? sums.squares[x] * scale * scale : from[4].row(y)[x];
-  }
-}
-
-// What one thread works with.
-struct Scratch {
-  explicit Scratch(int width) : sums(width) {
-    same.fill(std::vector<float>(static_cast<std::size_t>(width)));
-  }
-
-  std::array<std::vector<float>, 9> same;  // how far each neighbour is on the same surface
-  RowSums sums;
-};
-
-// One row of one level, all kinds of light.
-void smooth_row(const Place& place, const std::vector<Light>& from, int width, int y, int step,
-                Scratch& scratch, std::vector<Light>& to) {
-  std::array<std::vector<float>, 9>& same = scratch.same;
-  for (int tap = 0; tap < 9; ++tap) {
-    compare_places(place, width, y, step * (tap % 3 - 1), step * (tap / 3 - 1), same[tap]);
-  }
-  for (std::size_t part = 0; part < from.size(); ++part) {
-    scratch.sums.clear();
-    for (int tap = 0; tap < 9; ++tap) {
-      const int column = tap % 3 - 1;
-      const int row = tap / 3 - 1;
-      const float kernel = (row == 0 ? 0.5F : 0.25F) * (column == 0 ? 0.5F : 0.25F);
-      add_neighbours(from[part], width, y, step * column, step * row, kernel, same[tap],
-                     scratch.sums);
+  const float* there = place[7].row(y);
+  for (std::size_t tap = 0; tap < Taps::kCount; ++tap) {
+    const std::ptrdiff_t to = taps.offset[tap];
+    const float kernel = Taps::kKernel[tap];
+    float* out = weights.same[tap].data();
+#pragma GCC ivdep
+    for (int x = 0; x < width; ++x) {
+      const float turn =
+          std::max(0.0F, nx[x] * nx[x + to] + ny[x] * ny[x + to] + nz[x] * nz[x + to]);
+      const float turn2 = turn * turn;
+      const float turn4 = turn2 * turn2;
+      const float turn8 = turn4 * turn4;
+      const float apart = (nx[x] * (px[x + to] - px[x]) + ny[x] * (py[x + to] - py[x]) +
+                           nz[x] * (pz[x + to] - pz[x])) *
+                          scale[x];
+      out[x] = kernel * turn8 * turn8 * std::max(0.0F, 1.0F - apart * apart) * there[x + to];
     }
-    write_row(scratch.sums, from[part], width, y, to[part]);
+  }
+}
+
+// One row of one level, one kind of light.
+EARPOINT_VECTOR_CLONES void smooth_row(const Light& from, int width, int y, const Taps& taps,
+                                       const RowWeights& weights, Light& to) {
+  const float* red = from[0].row(y);
+  const float* green = from[1].row(y);
+  const float* blue = from[2].row(y);
+  const float* level = from[3].row(y);
+  const float* noise = from[4].row(y);
+  const float* inverse = from[5].row(y);
+  std::array<const float*, Taps::kCount> same{};
+  for (std::size_t tap = 0; tap < Taps::kCount; ++tap) same[tap] = weights.same[tap].data();
+  float* to_red = to[0].row(y);
+  float* to_green = to[1].row(y);
+  float* to_blue = to[2].row(y);
+  float* to_level = to[3].row(y);
+  float* to_noise = to[4].row(y);
+#pragma GCC ivdep
+  for (int x = 0; x < width; ++x) {
+    float weight = 0.0F;
+    float squares = 0.0F;
+    Rgb sum;
+    const auto add = [&](std::size_t tap) {
+      const std::ptrdiff_t at = x + taps.offset[tap];
+      const float difference = level[at] - level[x];
+      const float likely = std::max(0.0F, 1.0F - difference * difference * inverse[x]);
+      const float w = same[tap][x] * likely * likely;
+      weight += w;
+      squares += w * w * noise[at];
+      sum.x += w * red[at];
+      sum.y += w * green[at];
+      sum.z += w * blue[at];
+    };
+    // Spelled out, so that the loop over x is the one that becomes vectors.
+    add(0), add(1), add(2), add(3), add(4), add(5), add(6), add(7), add(8);
+    // Without a neighbour (nor itself) a pixel stays as it is.
+    const float keep = weight > 1e-8F ? 0.0F : 1.0F;
+    const float scale = (1.0F - keep) / (weight + 1e-20F);
+    to_red[x] = sum.x * scale + keep * red[x];
+    to_green[x] = sum.y * scale + keep * green[x];
+    to_blue[x] = sum.z * scale + keep * blue[x];
+    to_level[x] = 0.2126F * to_red[x] + 0.7152F * to_green[x] + 0.0722F * to_blue[x];
+    to_noise[x] = squares * scale * scale + keep * noise[x];
   }
 }
 
@@ -264,7 +243,7 @@ std::vector<PlaceLight> smooth_light(const PixelBuffers& buffers, ThreadPool& po
     for (std::size_t i = 0; i < parts.size(); ++i) fill_light(buffers, y, parts[i], light[i]);
   });
   std::vector<Light> next = light;
-  std::vector<Scratch> scratch(static_cast<std::size_t>(pool.threads()), Scratch(width));
+  std::vector<RowWeights> scratch(static_cast<std::size_t>(pool.threads()), RowWeights(width));
   for (int level = 0; level < kLevels; ++level) {
     // A few samples hardly know their own noise, and a rare bright one stands out from any
     // estimate: the first level takes all neighbours for alike.
@@ -272,9 +251,13 @@ std::vector<PlaceLight> smooth_light(const PixelBuffers& buffers, ThreadPool& po
     each_row([&](int y, int) {
       for (Light& part : light) estimate_noise(place, width, y, blind, part);
     });
+    const Taps taps(place[0].stride(), std::ptrdiff_t{1} << level);
     each_row([&](int y, int worker) {
-      smooth_row(place, light, width, y, 1 << level, scratch[static_cast<std::size_t>(worker)],
-                 next);
+      RowWeights& weights = scratch[static_cast<std::size_t>(worker)];
+      compare_places(place, width, y, taps, weights);
+      for (std::size_t i = 0; i < light.size(); ++i) {
+        smooth_row(light[i], width, y, taps, weights, next[i]);
+      }
     });
     std::swap(light, next);
   }

@@ -8,6 +8,8 @@
 
 namespace earpoint {
 
+constexpr float kPiF = 3.14159265F;
+
 /// A point, a direction or a linear colour in single precision: what shading works with.
 struct Float3 {
   float x = 0.0F;

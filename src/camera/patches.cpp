@@ -1,5 +1,7 @@
 #include "patches.h"
 
+#include "sampling.h"
+
 #include <cmath>
 #include <unordered_map>
 
@@ -31,8 +33,8 @@ std::uint64_t facing(const Float3& normal) {
 }
 
 // Division of an edge of length `longest` into parts of at most `width`.
-std::uint16_t divisions_of(float longest_m, float width_m) {
-  return static_cast<std::uint16_t>(std::clamp(std::ceil(longest_m / width_m), 1.0F, 60'000.0F));
+int divisions_of(float longest_m, float width_m) {
+  return static_cast<int>(std::clamp(std::ceil(longest_m / width_m), 1.0F, 40'000.0F));
 }
 
 std::size_t bins_of(std::size_t divisions) { return divisions * (divisions + 1) / 2; }
@@ -58,14 +60,14 @@ void Patches::choose_width(const Surfaces& surfaces) {
   // Both sides of everything.
   width_m_ = std::max(width_m_, static_cast<float>(std::sqrt(2.0 * area_m2 / kMostPatches)));
   while (true) {
-    first_bin_.clear();
-    divisions_.clear();
+    cuts_.clear();
     std::size_t bins = 0;
     for (std::uint32_t i = 0; i < surfaces.triangles(); ++i) {
-      const std::uint16_t divisions = divisions_of(longest_edge(surfaces, i), width_m_);
-      first_bin_.push_back(static_cast<std::uint32_t>(bins));
-      divisions_.push_back(divisions);
-      bins += bins_of(divisions);
+      const int divisions = divisions_of(longest_edge(surfaces, i), width_m_);
+      cuts_.push_back({.first = static_cast<std::uint32_t>(bins),
+                       .divisions = divisions,
+                       .step = 1.0F / static_cast<float>(divisions)});
+      bins += bins_of(static_cast<std::size_t>(divisions));
     }
     if (bins <= kMostBins + surfaces.triangles()) {
       bin_patch_.resize(2 * bins);
@@ -79,9 +81,9 @@ void Patches::fill(const Surfaces& surfaces) {
   std::unordered_map<std::uint64_t, std::uint32_t> patch_of_key;
   std::vector<float> weights;  // [patches], area of all bins so far
   for (std::uint32_t triangle = 0; triangle < surfaces.triangles(); ++triangle) {
-    const int n = divisions_[triangle];
+    const int n = cuts_[triangle].divisions;
     const float bin_area = surfaces.area_m2(triangle) / static_cast<float>(n * n);
-    std::uint32_t number = first_bin_[triangle];
+    std::uint32_t number = cuts_[triangle].first;
     for (int j = 0; j < n; ++j) {
       for (int i = 0; i + j < n; ++i, ++number) {
         // A bin is a parallelogram, at the slanted edge a triangle: half as large.
@@ -134,22 +136,6 @@ void Patches::group_regions() {
     if (is_new) ++region_count_;
     regions_.push_back(entry->second);
   }
-}
-
-std::uint32_t Patches::at(std::uint32_t triangle, float u, float v, bool front) const {
-  const int n = divisions_[triangle];
-  const float scale = static_cast<float>(n);
-  const int j = std::clamp(static_cast<int>(v * scale), 0, n - 1);
-  const int i = std::clamp(static_cast<int>(u * scale), 0, n - 1 - j);
-  const std::size_t number =
-      first_bin_[triangle] + static_cast<std::size_t>(j * n - j * (j - 1) / 2 + i);
-  return bin_patch_[2 * number + (front ? 0 : 1)];
-}
-
-std::uint32_t Patches::near(std::uint32_t triangle, float u, float v, bool front,
-                            UnitPair aside) const {
-  const float step = 1.0F / static_cast<float>(divisions_[triangle]);
-  return at(triangle, u + (aside.u - 0.5F) * step, v + (aside.v - 0.5F) * step, front);
 }
 
 }  // namespace earpoint

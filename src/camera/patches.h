@@ -1,8 +1,9 @@
 #pragma once
 
-#include "sampling.h"
 #include "surfaces.h"
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -13,6 +14,27 @@ namespace earpoint {
 struct PatchSample {
   Float3 position;
   Float3 normal;  ///< unit length, on the patch's side
+};
+
+/// How a triangle is cut into bins: parallelograms between parts of two of its edges, and triangles
+/// at the third edge; each counts twice, for the two sides. Bins of all triangles share one count.
+struct TriangleCut {
+  std::uint32_t first = 0;     ///< bin, counting one side alone
+  std::int32_t divisions = 1;  ///< of each edge
+  float step = 1.0F;           ///< length of a part, of the edge's
+
+  /// @param u, v  weights of the triangle's second and third vertex; clamped to the triangle
+  [[nodiscard]] std::size_t bin(float u, float v, bool front) const {
+    const auto scale = static_cast<float>(divisions);
+    const int j = std::clamp(static_cast<int>(v * scale), 0, divisions - 1);
+    const int i = std::clamp(static_cast<int>(u * scale), 0, divisions - 1 - j);
+    const auto number = static_cast<std::size_t>(j * divisions - j * (j - 1) / 2 + i);
+    return 2 * (first + number) + (front ? 0 : 1);
+  }
+  [[nodiscard]] std::size_t first_bin() const { return 2 * static_cast<std::size_t>(first); }
+  [[nodiscard]] std::size_t bins() const {
+    return static_cast<std::size_t>(divisions) * (static_cast<std::size_t>(divisions) + 1);
+  }
 };
 
 /// The surfaces of a scene cut into patches: what lies in one cube of a grid, faces roughly the
@@ -27,11 +49,13 @@ class Patches {
   [[nodiscard]] std::uint32_t size() const { return size_; }
 
   /// @param u, v  weights of the triangle's second and third vertex
-  [[nodiscard]] std::uint32_t at(std::uint32_t triangle, float u, float v, bool front) const;
+  [[nodiscard]] std::uint32_t at(std::uint32_t triangle, float u, float v, bool front) const {
+    return bin_patch_[cuts_[triangle].bin(u, v, front)];
+  }
 
-  /// The same a random bit aside, at most half a patch: borders between patches blur.
-  [[nodiscard]] std::uint32_t near(std::uint32_t triangle, float u, float v, bool front,
-                                   UnitPair aside) const;
+  [[nodiscard]] const TriangleCut& cut(std::uint32_t triangle) const { return cuts_[triangle]; }
+  [[nodiscard]] std::size_t bins() const { return bin_patch_.size(); }
+  [[nodiscard]] std::uint32_t patch_of_bin(std::size_t bin) const { return bin_patch_[bin]; }
 
   [[nodiscard]] std::span<const PatchSample> samples(std::uint32_t patch) const {
     return {&samples_[static_cast<std::size_t>(patch) * kSamples], kSamples};
@@ -49,8 +73,7 @@ class Patches {
   float width_m_ = 0.25F;
   std::uint32_t size_ = 0;
   std::uint32_t region_count_ = 0;
-  std::vector<std::uint32_t> first_bin_;  // [triangles]
-  std::vector<std::uint16_t> divisions_;  // [triangles], of each edge
+  std::vector<TriangleCut> cuts_;         // [triangles]
   std::vector<std::uint32_t> bin_patch_;  // [bins][front, back]
   std::vector<PatchSample> samples_;      // [patches][kSamples]
   std::vector<std::uint32_t> regions_;    // [patches]

@@ -18,13 +18,20 @@ float seen_share(float cosine, float alpha) {
 
 }  // namespace
 
+bool is_glossy(const SurfaceMaterial& material) {
+  return material.roughness < kRoughestGloss || material.metallic > 0.0F;
+}
+
+bool is_mirror(const SurfaceMaterial& material) {
+  return material.metallic > 0.9F && material.roughness < 0.1F;
+}
+
 Reflection::Reflection(const SurfaceMaterial& material, const Rgb& colour) {
   const float metallic = material.metallic;
   const float plain = kDielectricFacing * (1.0F - metallic);
   facing = Rgb{plain, plain, plain} + colour * metallic;
   alpha = std::max(kSmallestAlpha, material.roughness * material.roughness);
-  glossy = material.roughness < kRoughestGloss || metallic > 0.0F;
-  mirror = metallic > 0.9F && material.roughness < 0.1F;
+  glossy = is_glossy(material);
   diffuse = colour * (1.0F - metallic);
 }
 
@@ -41,14 +48,14 @@ Float3 draw_glossy(const Reflection& reflection, const Float3& viewer, UnitPair 
   // Stretch the view so that the facets become a hemisphere, and take a point of its visible half.
   const Float3 stretched = normalized(Float3{alpha * viewer.x, alpha * viewer.y, viewer.z});
   const float radius = std::sqrt(sample.u);
-  const float angle = 2.0F * kPiF * sample.v;
-  const float t1 = radius * std::cos(angle);
+  const Turn turn = turn_of(sample.v);
+  const float t1 = radius * turn.cosine;
   const float blend = 0.5F * (1.0F + stretched.z);
   const float across = std::sqrt(std::max(0.0F, 1.0F - t1 * t1));
   const Float3 side = stretched.z < 0.9999F ? normalized(cross({0.0F, 0.0F, 1.0F}, stretched))
                                             : Float3{1.0F, 0.0F, 0.0F};
   const Float3 up = cross(stretched, side);
-  const float t2 = (1.0F - blend) * across + blend * radius * std::sin(angle);
+  const float t2 = (1.0F - blend) * across + blend * radius * turn.sine;
   const float t3 = std::sqrt(std::max(0.0F, 1.0F - t1 * t1 - t2 * t2));
   const Float3 bent = side * t1 + up * t2 + stretched * t3;
   const Float3 facet = normalized(Float3{alpha * bent.x, alpha * bent.y, std::max(1e-6F, bent.z)});

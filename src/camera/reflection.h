@@ -6,6 +6,12 @@
 
 namespace earpoint {
 
+/// Whether a surface has a glossy part that is worth tracing; rougher ones count as diffuse.
+bool is_glossy(const SurfaceMaterial& material);
+
+/// Whether it mirrors sharply and does nothing else.
+bool is_mirror(const SurfaceMaterial& material);
+
 /// How a surface reflects at a place: a diffuse part and a glossy one, whose strength depends on
 /// the angle (Schlick, 1994) and whose width on the roughness (GGX: Walter et al., 2007).
 struct Reflection {
@@ -13,7 +19,9 @@ struct Reflection {
   Rgb facing;           ///< of the glossy part, at normal incidence
   float alpha = 1.0F;   ///< width of the glossy part: the square of the roughness
   bool glossy = false;  ///< whether the glossy part is worth tracing
-  bool mirror = false;  ///< whether it is all there is, and sharp
+
+  /// Matt.
+  Reflection() = default;
 
   /// @param colour  the base colour at this place, texture included
   Reflection(const SurfaceMaterial& material, const Rgb& colour);

@@ -82,19 +82,12 @@ std::uint32_t morton_index(std::uint32_t x, std::uint32_t y) {
   return spread_bits(x) | (spread_bits(y) << 1);
 }
 
-Float3 cosine_direction(UnitPair sample) {
-  const float radius = std::sqrt(sample.u);
-  const float angle = 2.0F * kPiF * sample.v;
-  return {radius * std::cos(angle), radius * std::sin(angle),
-          std::sqrt(std::max(0.0F, 1.0F - sample.u))};
-}
-
 Float3 cone_direction(UnitPair sample, float height) {
   const float below = sample.u * height;
   const float z = 1.0F - below;
   const float radius = std::sqrt(std::max(0.0F, below * (1.0F + z)));
-  const float angle = 2.0F * kPiF * sample.v;
-  return {radius * std::cos(angle), radius * std::sin(angle), z};
+  const Turn turn = turn_of(sample.v);
+  return {radius * turn.cosine, radius * turn.sine, z};
 }
 
 }  // namespace earpoint

@@ -7,8 +7,6 @@
 
 namespace earpoint {
 
-constexpr float kPiF = 3.14159265F;
-
 /// A point of the unit square, each coordinate in [0, 1).
 struct UnitPair {
   float u = 0.0F;
@@ -43,8 +41,37 @@ void sobol_pairs(const std::array<std::uint32_t, 16>& indices, std::uint32_t see
 /// The place of a pixel on the Morton curve; both in [0, 65535].
 std::uint32_t morton_index(std::uint32_t x, std::uint32_t y);
 
+/// Cosine and sine of a turn: of 2 pi v. Polynomials, the same on every machine; the error is below
+/// 1e-6.
+struct Turn {
+  float cosine = 1.0F;
+  float sine = 0.0F;
+};
+inline Turn turn_of(float v) {
+  // The nearest quarter and what is left of it, at most an eighth of a turn.
+  const float quarter = std::floor(4.0F * v + 0.5F);
+  const float x = 2.0F * kPiF * (v - 0.25F * quarter);
+  const float x2 = x * x;
+  const float sine = x * (1.0F + x2 * (-1.0F / 6 + x2 * (1.0F / 120 - x2 / 5040)));
+  const float cosine = 1.0F + x2 * (-0.5F + x2 * (1.0F / 24 + x2 * (-1.0F / 720 + x2 / 40320)));
+  switch (static_cast<int>(quarter) & 3) {
+    case 0:
+      return {cosine, sine};
+    case 1:
+      return {-sine, cosine};
+    case 2:
+      return {-cosine, -sine};
+    default:
+      return {sine, -cosine};
+  }
+}
+
 /// A direction about +z with density cos / pi.
-Float3 cosine_direction(UnitPair sample);
+inline Float3 cosine_direction(UnitPair sample) {
+  const float radius = std::sqrt(sample.u);
+  const Turn turn = turn_of(sample.v);
+  return {radius * turn.cosine, radius * turn.sine, std::sqrt(1.0F - sample.u)};
+}
 
 /// A direction in a cone about +z, uniform in solid angle.
 /// @param height  one minus the cosine of the cone's half angle: keeps its digits in narrow cones

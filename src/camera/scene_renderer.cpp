@@ -2,6 +2,7 @@
 #include "denoise.h"
 #include "develop.h"
 #include "patch_light.h"
+#include "solved_light.h"
 #include "view_sampler.h"
 
 #include <utility>
@@ -36,7 +37,7 @@ struct SceneRenderer::Parts {
         lights(surfaces, lamps_of(scene, surfaces, tracer, lighting.light_dark_scenes)),
         guide(lights, patches, surfaces, tracer, pool),
         sky(float3(lighting.sky_radiance)),
-        patch_light(solve_patch_light(lit_scene(), pool)) {}
+        solved(lit_scene(), solve_patch_light(lit_scene(), pool)) {}
 
   [[nodiscard]] LitScene lit_scene() const {
     return {surfaces, tracer, patches, lights, guide, sky};
@@ -51,7 +52,7 @@ struct SceneRenderer::Parts {
   Lights lights;
   LightGuide guide;
   Rgb sky;
-  std::vector<Rgb> patch_light;
+  SolvedLight solved;
 };
 
 TracedView SceneRenderer::Parts::trace(const Camera& camera, const RenderQuality& quality,
@@ -59,7 +60,7 @@ TracedView SceneRenderer::Parts::trace(const Camera& camera, const RenderQuality
   check_camera(camera);
   check_quality(quality);
   const LitScene lit = lit_scene();
-  const ViewSampler sampler(lit, patch_light, camera, quality.samples_per_side, seed);
+  const ViewSampler sampler(lit, solved, camera, quality.samples_per_side, seed);
   TracedView traced;
   traced.view.depth_m = FloatImage(camera.width, camera.height, 1);
   traced.view.instance = Raster<std::int32_t>(camera.width, camera.height, 1);

@@ -32,10 +32,10 @@ int even_bits(int number) { return (number & 1) | (number >> 1 & 2) | (number >>
 
 }  // namespace
 
-ViewSampler::ViewSampler(const LitScene& scene, const std::vector<Rgb>& patch_light,
-                         const Camera& camera, int side, std::uint64_t seed)
+ViewSampler::ViewSampler(const LitScene& scene, const SolvedLight& solved, const Camera& camera,
+                         int side, std::uint64_t seed)
     : scene_(scene),
-      patch_light_(patch_light),
+      solved_(solved),
       width_(camera.width),
       height_(camera.height),
       side_(side),
@@ -179,7 +179,7 @@ void ViewSampler::follow_mirrors(Lanes& lanes, SeeThrough see_through) const {
       Lane& lane = lanes.at[i];
       if (!lane.used || !lane.place.lit) continue;
       const SurfaceMaterial& material = scene_.surfaces.material(lane.point.triangle);
-      if (material.metallic <= 0.9F || material.roughness >= 0.1F) continue;
+      if (!is_mirror(material)) continue;
       const Rgb colour =
           material.base_colour * scene_.surfaces.texture_colour(lane.point, lane.place.footprint_m);
       const float cosine = std::max(0.0F, -dot(lane.direction, lane.point.normal));
@@ -213,9 +213,10 @@ void ViewSampler::shade(Lane& lane) const {
   const float spot_m = lane.place.footprint_m / (static_cast<float>(side_) * std::sqrt(cosine));
   const Rgb texture = scene_.surfaces.texture_colour(lane.point, spot_m);
   const Rgb colour = material.base_colour * texture;
-  lane.reflection = Reflection(material, colour);
-  lane.albedo = lane.reflection.diffuse * lane.passed;
-  if (lane.reflection.glossy) {
+  lane.albedo = colour * lane.passed;
+  if (is_glossy(material)) {
+    lane.reflection = Reflection(material, colour);
+    lane.albedo = lane.reflection.diffuse * lane.passed;
     lane.albedo = lane.albedo * (Rgb{1.0F, 1.0F, 1.0F} - fresnel(lane.reflection.facing, cosine));
   }
   lane.added = lane.passed * material.emission * texture;
@@ -256,13 +257,6 @@ void ViewSampler::add_direct(Lanes& lanes) const {
   }
 }
 
-Rgb ViewSampler::radiance_from_patch(const Hit& hit, const Float3& direction,
-                                     UnitPair aside) const {
-  const bool front = dot(scene_.surfaces.face_normal(hit.triangle), direction) <= 0.0F;
-  const std::uint32_t patch = scene_.patches.near(hit.triangle, hit.u, hit.v, front, aside);
-  return scene_.surfaces.material(hit.triangle).reflectance * patch_light_[patch] * (1.0F / kPiF);
-}
-
 void ViewSampler::add_indirect(Lanes& lanes) const {
   const UnitPairs draws = lanes.draw(seed_of(kIndirectDirection));
   const UnitPairs asides = lanes.draw(seed_of(kPatchAside));
@@ -289,9 +283,10 @@ void ViewSampler::add_indirect(Lanes& lanes) const {
       lane.light.parts[PlaceLight::indirect] = scene_.sky * kPiF;
       continue;
     }
-    const float share = shining_weight(scene_, lane.region, cosines[i], directions[i], hit, 1.0F);
     lane.light.parts[PlaceLight::indirect] =
-        radiance_from_patch(hit, directions[i], asides.at(i)) * kPiF;
+        solved_.radiance(hit, directions[i], asides.at(i)) * kPiF;
+    if (!solved_.shines(hit.triangle)) continue;
+    const float share = shining_weight(scene_, lane.region, cosines[i], directions[i], hit, 1.0F);
     lane.light.parts[PlaceLight::direct] +=
         scene_.surfaces.material(hit.triangle).mean_emission * (share * kPiF);
   }
@@ -329,8 +324,10 @@ void ViewSampler::add_glossy(Lanes& lanes) const {
     float length_m = kInfinity;
     if (scene_.tracer.hit(packet, i, hit)) {
       length_m = hit.distance_m;
-      seen = scene_.surfaces.material(hit.triangle).mean_emission +
-             radiance_from_patch(hit, directions[i], asides.at(i));
+      seen = solved_.radiance(hit, directions[i], asides.at(i));
+      if (solved_.shines(hit.triangle)) {
+        seen += scene_.surfaces.material(hit.triangle).mean_emission;
+      }
     }
     const bool sharp = lane.reflection.alpha < kSharpAlpha;
     if (sharp) seen += scene_.lights.lamps_along(lane.point.position, directions[i], length_m);

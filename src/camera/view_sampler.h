@@ -3,6 +3,7 @@
 #include "patch_light.h"
 #include "pixel_buffers.h"
 #include "reflection.h"
+#include "solved_light.h"
 
 #include <array>
 #include <cstdint>
@@ -18,10 +19,10 @@ class ViewSampler {
  public:
   static constexpr int kTile = 8;  ///< pixels along each side
 
-  /// @param patch_light  as solve_patch_light gives it
-  /// @param side         samples along each side of a pixel
-  ViewSampler(const LitScene& scene, const std::vector<Rgb>& patch_light, const Camera& camera,
-              int side, std::uint64_t seed);
+  /// @param solved  of the same scene; both must outlive the sampler
+  /// @param side    samples along each side of a pixel
+  ViewSampler(const LitScene& scene, const SolvedLight& solved, const Camera& camera, int side,
+              std::uint64_t seed);
 
   [[nodiscard]] int tiles() const { return tiles_across_ * tiles_down_; }
 
@@ -47,7 +48,7 @@ class ViewSampler {
     Guide place;
     SurfacePoint point;
     std::uint32_t region = 0;
-    Reflection reflection{SurfaceMaterial{}, Rgb{}};
+    Reflection reflection;
     Rgb albedo;
     Rgb added;
     PlaceLight light;
@@ -82,12 +83,10 @@ class ViewSampler {
   void add_direct(Lanes& lanes) const;
   void add_indirect(Lanes& lanes) const;
   void add_glossy(Lanes& lanes) const;
-  [[nodiscard]] Rgb radiance_from_patch(const Hit& hit, const Float3& direction,
-                                        UnitPair aside) const;
   void store(const Lane& lane, PixelBuffers& buffers, std::vector<StraySample>& strays) const;
 
   const LitScene& scene_;
-  const std::vector<Rgb>& patch_light_;
+  const SolvedLight& solved_;
   int width_;
   int height_;
   int side_;

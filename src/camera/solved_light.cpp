@@ -1,0 +1,28 @@
+#include "solved_light.h"
+
+namespace earpoint {
+
+SolvedLight::SolvedLight(const LitScene& scene, const std::vector<Rgb>& irradiance)
+    : radiance_(scene.patches.bins()) {
+  const Surfaces& surfaces = scene.surfaces;
+  records_.reserve(surfaces.triangles());
+  for (std::uint32_t triangle = 0; triangle < surfaces.triangles(); ++triangle) {
+    const TriangleCut& cut = scene.patches.cut(triangle);
+    records_.push_back({surfaces.face_normal(triangle), cut,
+                        largest(surfaces.material(triangle).mean_emission) > 0.0F});
+    const Rgb share = surfaces.material(triangle).reflectance * (1.0F / kPiF);
+    for (std::size_t bin = cut.first_bin(); bin < cut.first_bin() + cut.bins(); ++bin) {
+      radiance_[bin] = share * irradiance[scene.patches.patch_of_bin(bin)];
+    }
+  }
+}
+
+Rgb SolvedLight::radiance(const Hit& hit, const Float3& direction, UnitPair aside) const {
+  const Record& record = records_[hit.triangle];
+  const bool front = dot(record.normal, direction) <= 0.0F;
+  const float u = hit.u + (aside.u - 0.5F) * record.cut.step;
+  const float v = hit.v + (aside.v - 0.5F) * record.cut.step;
+  return radiance_[record.cut.bin(u, v, front)];
+}
+
+}  // namespace earpoint
