@@ -1,11 +1,11 @@
 // Writes the table of gates that the path tracer is held against, as Markdown, to standard output.
 
+#include "gates/gates.h"
+
 #include <cstdio>
 #include <string>
 
 #include <earpoint/core/parallel.h>
-
-#include "gates/gates.h"
 
 int main() {
   using namespace earpoint;

@@ -1,0 +1,82 @@
+#!/usr/bin/env python3
+"""Puts together docs/results.md from what ./dev results has measured. Writes numbers, no judgement.
+
+usage: bench/write_results.py MEASURED RESULTS.md
+
+MEASURED holds vigas.md, oracle_errors.md, render_memory.jsonl, demo.jsonl and trace_gates.md; a
+section whose file is missing says so.
+"""
+import json
+import os
+import platform
+import sys
+
+
+def machine():
+    with open("/proc/cpuinfo") as file:
+        model = next(line.split(":")[1].strip() for line in file if line.startswith("model name"))
+    return f"{model}, {os.cpu_count()} cores, {platform.system()} {platform.machine()}"
+
+
+def read(folder, name):
+    path = os.path.join(folder, name)
+    if not os.path.exists(path) or os.path.getsize(path) == 0:
+        return None
+    with open(path) as file:
+        return file.read().strip()
+
+
+def memory_table(text):
+    rows = ["| model | clip | peak memory | wall time |", "|---|---|---|---|"]
+    for line in text.splitlines():
+        run = json.loads(line)
+        rows.append(f"| {run['model']} | {run['clip_s']} s | {run['peak_mb']:.0f} MB | "
+                    f"{run['wall_s']:.0f} s |")
+    return "\n".join(rows)
+
+
+def demo_table(text):
+    rows = ["| earpoint | method | Mag | LRE (dB) | STFT distance | L2 |", "|---|---|---|---|---|---|"]
+    for line in text.splitlines():
+        run = json.loads(line)
+        rows.append(f"| {run['earpoint']} | {run['method']} | {run['mag']:.4f} | {run['lre_db']:.2f} | "
+                    f"{run['stft_distance']:.0f} | {run['l2']:.5f} |")
+    return "\n".join(rows)
+
+
+SECTIONS = [
+    ("Exactness: our engine against the authors' code", "oracle_errors.md", None,
+     "The same weights and inputs through `earpoint model run` and through the released code. "
+     "Tests hold every oracle to 1e-4, on every instruction set that the machine has."),
+    ("Speed: one second of sound through the released network", "vigas.md", None,
+     "`bench/compare_vigas.py`: Earpoint and PyTorch take turns in one run; medians. GFLOP are "
+     "counted by the direct form of the convolutions, whatever was really multiplied."),
+    ("Memory: a ten-minute clip", "render_memory.jsonl", memory_table,
+     "`bench/render_memory.py`: the bundled clip looped, rendered to an mp4 for one earpoint. "
+     "The limit is 600 MB."),
+    ("The bundled clip: DSP against a copy", "demo.jsonl", demo_table,
+     "Against the true sound at the demo's earpoints, at 16 kHz. One clip in one room: an example, "
+     "no comparison of methods."),
+    ("The path tracer against physics", "trace_gates.md", None,
+     "`trace_gates`: measured on the final impulse responses."),
+]
+
+
+def main():
+    folder, output = sys.argv[1:3]
+    text = ["# Results", "",
+            f"Written by `./dev results` on {machine()}. Timings on another machine differ; ratios "
+            "are measured in one run.", ""]
+    for title, name, table, words in SECTIONS:
+        content = read(folder, name)
+        text += [f"## {title}", "", words, ""]
+        if content is None:
+            text += ["*Not measured in this run.*", ""]
+        else:
+            text += [table(content) if table else content, ""]
+    with open(output, "w") as file:
+        file.write("\n".join(text))
+
+
+if __name__ == "__main__":
+    main()
