@@ -73,6 +73,12 @@ TEST_F(AudioReaderTest, LosslessSoundComesBackBitForBit) {
   }
 }
 
+TEST_F(AudioReaderTest, AWaveFileFromAPipeHasNoLengthAndNoFault) {
+  run_ffmpeg(fmt::format("{} -f wav pipe: > a.wav", clicks(44100)));
+  AudioReader reader(file("a.wav"));
+  EXPECT_EQ(read_all(reader).left.size(), 44100U);
+}
+
 TEST_F(AudioReaderTest, ReadsEverySampleFormat) {
   for (const char* codec :
        {"pcm_u8", "pcm_s16le", "pcm_s24le", "pcm_s32le", "pcm_f32le", "pcm_f64le"}) {

@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
+#include <cstring>
 #include <new>
 #include <utility>
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <earpoint/core/error.h>
 #include <earpoint/core/parallel.h>
@@ -90,6 +92,14 @@ const AVInputFormat* container_kind(AVIOContext& io, const fs::path& path) {
                                                 kind->long_name ? kind->long_name : kind->name));
   }
   return kind;
+}
+
+/// Whether a RIFF file was written where its length could not be filled in.
+bool has_open_length(std::FILE* file) {
+  std::array<std::uint8_t, 8> head{};
+  const bool is_read = pread(fileno(file), head.data(), head.size(), 0) == 8;
+  return is_read &&
+         std::all_of(head.begin() + 4, head.end(), [](auto byte) { return byte == 0xff; });
 }
 
 /// When the first sample or picture is due: priming comes before it.
@@ -184,6 +194,7 @@ void InputContainer::open() {
   check(avformat_open_input(&format, path_.c_str(), kind, nullptr), path_.string(), kProblem,
         kDamagedMend);
   format_.reset(format);
+  has_no_length_ = std::strcmp(kind->name, "wav") == 0 && has_open_length(file_.get());
   ProbeOptions options(format_->nb_streams);
   check(avformat_find_stream_info(format_.get(), options.get()), path_.string(), kProblem,
         kDamagedMend);
@@ -305,13 +316,28 @@ bool InputContainer::read(AVPacket& packet) {
   }
   const std::int64_t stamp = packet.pts != AV_NOPTS_VALUE ? packet.pts : packet.dts;
   if (const auto time = time_s(selected_, stamp)) last_time_s_ = time;
-  if (packet.flags & AV_PKT_FLAG_CORRUPT) throw_damaged(AVERROR_INVALIDDATA);
+  // The last block of a file without a length is as long as it happens to be.
+  if ((packet.flags & AV_PKT_FLAG_CORRUPT) && !has_no_length_) throw_damaged(AVERROR_INVALIDDATA);
   return true;
 }
 
 bool InputContainer::seek(int index, std::int64_t timestamp) {
   listen_to_log();
   return av_seek_frame(format_.get(), index, timestamp, AVSEEK_FLAG_BACKWARD) >= 0;
+}
+
+double measured_end_s(const fs::path& path, int stream) {
+  InputContainer container(path);
+  container.select(stream);
+  const PacketPtr packet = make_packet();
+  double end_s = 0.0;
+  while (container.read(*packet)) {
+    if (packet->pts != AV_NOPTS_VALUE) {
+      end_s = std::max(end_s, *container.time_s(stream, packet->pts + packet->duration));
+    }
+    av_packet_unref(packet.get());
+  }
+  return end_s;
 }
 
 StreamDecoder::StreamDecoder(InputContainer& container, int stream)

@@ -77,8 +77,14 @@ class InputContainer {
   std::unique_ptr<AVFormatContext, InputFormatDeleter> format_;
   double origin_s_ = 0.0;
   int selected_ = -1;
+  bool has_no_length_ = false;         // written to a pipe: its header leaves the length open
   std::optional<double> last_time_s_;  // of the packet read last, for messages
 };
+
+/// When the last packet of a stream ends, found by reading all of them: for containers that do not
+/// state a duration.
+/// @throws InputError as InputContainer
+double measured_end_s(const std::filesystem::path& path, int stream);
 
 /// Decodes one stream of a container, frame by frame in order of presentation.
 class StreamDecoder {

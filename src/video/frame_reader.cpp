@@ -120,10 +120,6 @@ double FrameReader::frame_time_s() const {
 std::int64_t FrameReader::frames_decoded() const { return state_->frames.frames_decoded(); }
 const StreamInfo& FrameReader::info() const { return state_->frames.info(); }
 
-double FrameReader::duration_s() const {
-  const StreamInfo& stream = info();
-  if (stream.duration_s) return stream.start_s + *stream.duration_s;
-  return state_->frames.movie_duration_s().value_or(0.0);
-}
+double FrameReader::duration_s() const { return state_->frames.duration_s(); }
 
 }  // namespace earpoint

@@ -119,6 +119,15 @@ TEST_F(FrameReaderTest, TimesCountFromTheContainersStart) {
   for (const double t : {0.0, 0.3, 1.9, 0.1}) expect_nearest(offset, regular_times(50, 25.0), t);
 }
 
+TEST_F(FrameReaderTest, MeasuresADurationThatIsNotStated) {
+  // As a browser records.
+  make_numbered("-c:v libvpx-vp9 -live 1 -f webm pipe: > live.webm");
+  EXPECT_FALSE(probe_media(file("live.webm")).duration_s.has_value());
+  FrameReader reader(file("live.webm"));
+  EXPECT_NEAR(reader.duration_s(), 2.0, 0.041);  // the last frame's own duration may be unknown
+  EXPECT_EQ(number_of(reader.frame_nearest(1.9)), 47);
+}
+
 TEST_F(FrameReaderTest, FollowsAVariableFrameRate) {
   std::vector<double> times_s(20);
   for (std::size_t n = 0; n < 20; ++n) times_s[n] = static_cast<double>(n * n) * 0.01;

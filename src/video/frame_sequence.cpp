@@ -52,8 +52,11 @@ std::optional<double> FrameSequence::key_frame_before(double time_s) const {
   return container_->time_s(info_.index, key->timestamp);
 }
 
-std::optional<double> FrameSequence::movie_duration_s() const {
-  return container_->describe().duration_s;
+double FrameSequence::duration_s() {
+  if (!duration_s_ && info_.duration_s) duration_s_ = info_.start_s + *info_.duration_s;
+  if (!duration_s_) duration_s_ = container_->describe().duration_s;
+  if (!duration_s_) duration_s_ = measured_end_s(path_, info_.index);
+  return *duration_s_;
 }
 
 }  // namespace earpoint::ffmpeg

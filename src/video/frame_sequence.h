@@ -43,7 +43,8 @@ class FrameSequence {
 
   [[nodiscard]] const StreamInfo& info() const { return info_; }
   [[nodiscard]] std::string where() const { return container_->where(info_.index); }
-  [[nodiscard]] std::optional<double> movie_duration_s() const;
+  /// From t = 0 to the end of the last frame: stated by the container, else found by reading it.
+  [[nodiscard]] double duration_s();
   /// Whether every frame so far came with a time; without, seeking tells no time.
   [[nodiscard]] bool has_timestamps() const { return has_timestamps_; }
   [[nodiscard]] std::int64_t frames_decoded() const { return frames_decoded_; }
@@ -57,6 +58,7 @@ class FrameSequence {
   ImageMaker maker_;
   bool has_timestamps_ = true;
   std::optional<double> last_time_s_;
+  std::optional<double> duration_s_;
   std::int64_t frames_decoded_ = 0;
 };
 

@@ -12,6 +12,8 @@ namespace earpoint {
 namespace {
 
 std::optional<PictureFormat> picture_format_of(const std::filesystem::path& path) {
+  // A pipe would be waited for, for ever.
+  if (!std::filesystem::is_regular_file(path)) return std::nullopt;
   std::array<std::byte, 16> head{};
   std::ifstream file(path, std::ios::binary);
   file.read(reinterpret_cast<char*>(head.data()), head.size());

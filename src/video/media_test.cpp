@@ -1,6 +1,7 @@
 #include "test_media.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <earpoint/video/media.h>
 
@@ -94,6 +95,8 @@ TEST_F(ProbeMedia, BadFilesAreNamed) {
   EXPECT_TRUE(mentions(message("c.gif"), "GIF")) << message("c.gif");
   EXPECT_TRUE(mentions(message("missing.mp4"), "no such file"));
   EXPECT_TRUE(mentions(message("."), "is not a file"));
+  ASSERT_EQ(mkfifo(file("pipe.mp4").c_str(), 0600), 0);
+  EXPECT_TRUE(mentions(message("pipe.mp4"), "is not a file"));
 }
 
 TEST_F(ProbeMedia, OpensNoOtherFileOrAddressThatAFileRefersTo) {

@@ -88,7 +88,9 @@ class FrameReader {
 
   [[nodiscard]] const StreamInfo& info() const;
   [[nodiscard]] double frame_rate_hz() const { return info().frame_rate_hz; }
-  /// From t = 0 to the end of the last frame, as the container states it; 0 for a still picture.
+  /// From t = 0 to the end of the last frame, as the container states it (some state only that of
+  /// the whole movie); if it does not, found by reading the file once.
+  /// @throws  InputError if it must be read and is damaged
   [[nodiscard]] double duration_s() const;
 
  private:
