@@ -32,6 +32,7 @@ NumberTable read_npy(const std::filesystem::path& path) {
   const std::string name = path.string();
   static constexpr char kMagic[] = "\x93NUMPY";
   constexpr std::size_t kMagicSize = 6;
+  constexpr std::uint32_t kLongestHeader = 1024;
   if (bytes.size() < 12 || std::memcmp(bytes.data(), kMagic, kMagicSize) != 0) {
     throw InputError(name, "is no .npy file");
   }
@@ -40,6 +41,8 @@ NumberTable read_npy(const std::filesystem::path& path) {
   std::uint32_t header_size = 0;
   std::memcpy(&header_size, bytes.data() + 8, short_header ? 2 : 4);
   if (bytes.size() - start < header_size) throw InputError(name, "its header is cut short");
+  // NumPy pads it to 64 or 128 bytes; matching costs stack in proportion.
+  if (header_size > kLongestHeader) throw InputError(name, "its header is too long");
   const std::string header(reinterpret_cast<const char*>(bytes.data()) + start, header_size);
 
   static const std::regex pattern(
