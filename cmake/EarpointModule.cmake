@@ -22,8 +22,6 @@ if(EARPOINT_FUZZ)
   target_compile_options(earpoint_flags INTERFACE -fsanitize=fuzzer-no-link)
 endif()
 if(EARPOINT_SANITIZE)
-  # GCC 12 warns of uninitialized members of its own std::regex once it is instrumented.
-  target_compile_options(earpoint_flags INTERFACE -Wno-maybe-uninitialized)
   target_compile_options(earpoint_flags INTERFACE -fsanitize=${EARPOINT_SANITIZE}
                          -fno-omit-frame-pointer -fno-sanitize-recover=all)
   target_link_options(earpoint_flags INTERFACE -fsanitize=${EARPOINT_SANITIZE})
