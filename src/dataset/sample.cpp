@@ -7,8 +7,9 @@ namespace earpoint {
 
 Waveform highpass(const Waveform& sound, double cutoff_hz) {
   const int rate = sound.sample_rate_hz();
-  const auto sections =
-      butterworth_bandpass(cutoff_hz, static_cast<double>(rate / 2 - 1), static_cast<double>(rate));
+  const int below_nyquist_hz = rate / 2 - 1;
+  const auto sections = butterworth_bandpass(cutoff_hz, static_cast<double>(below_nyquist_hz),
+                                             static_cast<double>(rate));
   Waveform filtered(sound.channels(), sound.samples(), rate);
   std::vector<double> output(static_cast<std::size_t>(sound.samples()));
   for (int c = 0; c < sound.channels(); ++c) {
