@@ -30,7 +30,7 @@ struct SourceFilter {
 ///
 /// The paper's baseline averages the ears' own inverses instead (released_dsp.h). The shadowed ear
 /// then counts as much as the near one: with KEMAR and a speaker at 60 degrees the ears' own noise
-/// comes out 11 dB stronger than here (100 Hz to 7 kHz). See docs/adr/0008.
+/// comes out 11 dB stronger than here (100 Hz to 7 kHz). See docs/adr/0006-hrtf-and-dsp.md.
 ///
 /// @param direction  to the source, in the head's frame; not zero
 [[nodiscard]] SourceFilter source_filter(const HrtfSet& hrtf, const Vector3& direction);

@@ -21,7 +21,7 @@ struct RenderOptions {
 /// starts after 10 ms. A level of 1 is that of the source at 1 m in free field.
 ///
 /// Arrivals are band-limited pulses at their exact (fractional) sample. The late field is noise
-/// whose energy follows the histogram in every band; see docs/adr/0008-late-field.md.
+/// whose energy follows the histogram in every band.
 /// Holds tables for one rate and duration: make one and keep it. Const calls may be made from many
 /// threads at once.
 class ResponseRenderer {
