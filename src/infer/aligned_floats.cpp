@@ -4,6 +4,8 @@
 #include <cstring>
 #include <new>
 
+#include <earpoint/core/error.h>
+
 #ifdef __linux__
 #include <sys/mman.h>
 #endif
@@ -16,10 +18,12 @@ constexpr std::size_t kLargePage = std::size_t{2} << 20;
 
 }  // namespace
 
-AlignedFloats::AlignedFloats(std::size_t size) : size_(size) {
+AlignedFloats::AlignedFloats(std::ptrdiff_t size) : size_(size) {
+  EARPOINT_CHECK(size >= 0);
   if (size == 0) return;
-  const std::size_t alignment = size * sizeof(float) < kLargePage ? kAlignment : kLargePage;
-  const std::size_t bytes = (size * sizeof(float) + alignment - 1) / alignment * alignment;
+  const std::size_t needed = static_cast<std::size_t>(size) * sizeof(float);
+  const std::size_t alignment = needed < kLargePage ? kAlignment : kLargePage;
+  const std::size_t bytes = (needed + alignment - 1) / alignment * alignment;
   void* memory = std::aligned_alloc(alignment, bytes);
   if (memory == nullptr) throw std::bad_alloc();
 #ifdef __linux__

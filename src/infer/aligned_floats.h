@@ -2,7 +2,6 @@
 
 #include <cstddef>
 #include <memory>
-#include <span>
 
 namespace earpoint::infer {
 
@@ -11,20 +10,19 @@ namespace earpoint::infer {
 class AlignedFloats {
  public:
   AlignedFloats() = default;
-  explicit AlignedFloats(std::size_t size);
+  /// @param size  >= 0
+  explicit AlignedFloats(std::ptrdiff_t size);
 
   [[nodiscard]] float* data() { return data_.get(); }
   [[nodiscard]] const float* data() const { return data_.get(); }
-  [[nodiscard]] std::size_t size() const { return size_; }
-  [[nodiscard]] std::span<float> span() { return {data_.get(), size_}; }
-  [[nodiscard]] std::span<const float> span() const { return {data_.get(), size_}; }
+  [[nodiscard]] std::ptrdiff_t size() const { return size_; }
 
  private:
   struct Free {
     void operator()(float* data) const;
   };
   std::unique_ptr<float[], Free> data_;
-  std::size_t size_ = 0;
+  std::ptrdiff_t size_ = 0;
 };
 
 }  // namespace earpoint::infer

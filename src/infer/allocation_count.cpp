@@ -8,12 +8,14 @@
 #include <sanitizer/allocator_interface.h>
 #else
 // The C library's own functions, under the names by which a replacement may call them.
+// NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming): as it names them
 extern "C" {
 void* __libc_malloc(std::size_t size);
 void* __libc_calloc(std::size_t count, std::size_t size);
 void* __libc_realloc(void* memory, std::size_t size);
 void* __libc_memalign(std::size_t alignment, std::size_t size);
 }
+// NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming)
 #endif
 
 namespace earpoint::infer {

@@ -22,21 +22,21 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 /// Columns side by side whose places are side by side, too.
 struct Run {
-  int lane;              ///< of the first column, in its vector
-  int length;            ///< columns
-  std::ptrdiff_t place;  ///< of the first column's first output
+  std::ptrdiff_t lane;    ///< of the first column, in its vector
+  std::ptrdiff_t length;  ///< columns
+  std::ptrdiff_t place;   ///< of the first column's first output
 };
 
 /// The columns of a tile, vector by vector. Columns past the end of the sweep are in no run.
 struct TileRuns {
-  int begin[kTileVectors + 1];
+  std::ptrdiff_t begin[kTileVectors + 1];
   Run runs[2 * kTileColumns];
 
-  [[nodiscard]] std::span<const Run> of_vector(int v) const {
+  [[nodiscard]] std::span<const Run> of_vector(std::ptrdiff_t v) const {
     return {runs + begin[v], runs + begin[v + 1]};
   }
   /// Whether a vector's columns are one run and, moved by first..last, within the plane.
-  [[nodiscard]] bool is_whole(int v, std::ptrdiff_t first, std::ptrdiff_t last,
+  [[nodiscard]] bool is_whole(std::ptrdiff_t v, std::ptrdiff_t first, std::ptrdiff_t last,
                               std::ptrdiff_t places) const {
     const Run& run = runs[begin[v]];
     return begin[v + 1] == begin[v] + 1 && run.length == kLanes && run.place + first >= 0 &&
@@ -46,17 +46,17 @@ struct TileRuns {
 
 inline HWY_ATTR TileRuns find_runs(const Sweep& sweep, std::ptrdiff_t tile) {
   TileRuns found{};
-  int count = 0;
+  std::ptrdiff_t count = 0;
   const std::ptrdiff_t group_places = shape_of(sweep.scheme).outputs * sweep.step;
   std::ptrdiff_t column = tile * kTileColumns;
   std::ptrdiff_t group = column / sweep.width;
   std::ptrdiff_t within = column % sweep.width;
-  for (int v = 0; v < kTileVectors; ++v) {
+  for (std::ptrdiff_t v = 0; v < kTileVectors; ++v) {
     found.begin[v] = count;
-    int lane = 0;
+    std::ptrdiff_t lane = 0;
     while (lane < kLanes && column < sweep.columns) {
-      const auto length = static_cast<int>(
-          std::min<std::ptrdiff_t>({kLanes - lane, sweep.width - within, sweep.columns - column}));
+      const std::ptrdiff_t length =
+          std::min({kLanes - lane, sweep.width - within, sweep.columns - column});
       found.runs[count++] = {lane, length, group * group_places + sweep.phase + within};
       lane += length;
       column += length;
@@ -75,7 +75,7 @@ inline HWY_ATTR TileRuns find_runs(const Sweep& sweep, std::ptrdiff_t tile) {
 HWY_INLINE void prefetch_columns(const float* plane, const TileRuns& runs, std::ptrdiff_t offset) {
   constexpr int kNotForWriting = 0;
   constexpr int kSecondLevel = 2;
-  for (int i = 0; i < runs.begin[kTileVectors]; ++i) {
+  for (std::ptrdiff_t i = 0; i < runs.begin[kTileVectors]; ++i) {
     const float* first = plane + runs.runs[i].place + offset;
     __builtin_prefetch(first, kNotForWriting, kSecondLevel);
     __builtin_prefetch(first + runs.runs[i].length - 1, kNotForWriting, kSecondLevel);
@@ -115,7 +115,7 @@ inline HWY_ATTR Vector gather_columns(const float* plane, const PlaneOrder& orde
       // Writes too far; the next run, or the space behind the vector, takes it.
       hn::StoreU(hn::LoadU(d, plane + place), d, columns + run.lane);
     } else {
-      for (int i = 0; i < run.length; ++i) {
+      for (std::ptrdiff_t i = 0; i < run.length; ++i) {
         columns[run.lane + i] = value_at(plane, order, place + i);
       }
     }

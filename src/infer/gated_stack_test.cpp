@@ -121,7 +121,7 @@ TEST(GatedStack, AgreesWithTheDefinitionForDilationsOfAnySize) {
 TEST(GatedStack, CausalOutputsDoNotSeeTheFuture) {
   const StackExample example(2, 6, 4, powers(2, 6, 2, false), 80);
   const std::vector<float> z = noise(4, 3);
-  std::vector<float> source = noise(2 * 400, 4);
+  std::vector<float> source = noise(800, 4);
   GatedStack stack(example.weights, 1);
   std::vector<float> before(source.size());
   std::vector<float> after(source.size());
@@ -134,7 +134,7 @@ TEST(GatedStack, CausalOutputsDoNotSeeTheFuture) {
 
 TEST(GatedStack, ThreadsDoNotChangeABit) {
   const StackExample example(2, 16, 6, powers(3, 8, 3, true), 90);
-  const std::vector<float> source = noise(2 * 5000, 2);
+  const std::vector<float> source = noise(10000, 2);
   const std::vector<float> z = noise(6, 3);
   for_every_target([&] {
     GatedStack one(example.weights, 1);
@@ -170,7 +170,7 @@ TEST(GatedStack, ForgetsTheClipBefore) {
 
 TEST(GatedStack, LoudSoundSaturatesAndStaysFinite) {
   const StackExample example(2, 8, 4, powers(3, 6, 3, true), 110);
-  std::vector<float> source = noise(2 * 1500, 2);
+  std::vector<float> source = noise(3000, 2);
   for (float& value : source) value *= 1e5F;
   const std::vector<float> z = noise(4, 3);
   for_every_target([&] {

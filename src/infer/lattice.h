@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <span>
 
 namespace earpoint::infer {
@@ -23,10 +24,10 @@ enum class Scheme {
 
 /// What a scheme works on at a time.
 struct SchemeShape {
-  int positions;    ///< multiplications
-  int inputs;       ///< points of the lattice that are read
-  int first_input;  ///< the first of them, counted from the first output
-  int outputs;      ///< points of the lattice that are made
+  std::ptrdiff_t positions;    ///< multiplications
+  std::ptrdiff_t inputs;       ///< points of the lattice that are read
+  std::ptrdiff_t first_input;  ///< the first of them, counted from the first output
+  std::ptrdiff_t outputs;      ///< points of the lattice that are made
 };
 
 constexpr SchemeShape shape_of(Scheme scheme) {
@@ -43,9 +44,8 @@ constexpr SchemeShape shape_of(Scheme scheme) {
   return {.positions = 1, .inputs = 1, .first_input = 0, .outputs = 1};
 }
 
-inline constexpr int kMostPositions = 6;
-inline constexpr int kMostInputs = 6;
-inline constexpr int kMostOutputs = 4;
+inline constexpr std::ptrdiff_t kMostPositions = 6;
+inline constexpr std::ptrdiff_t kMostOutputs = 4;
 
 /// F(4,3) evaluates its polynomials at 0, +-kNear, +-kFar and infinity. With sqrt(1/2) and sqrt(2)
 /// its rounding error is 1.4 times that of the direct sum; with 1 and 2 it would be twice.

@@ -18,9 +18,9 @@ PlaneOrder order_of(std::ptrdiff_t samples, std::ptrdiff_t dilation) {
 std::vector<int> visits(const LayerPlan& plan) {
   std::vector<int> count(static_cast<std::size_t>(plan.order.places()));
   for (const Sweep& sweep : plan.used()) {
-    const int outputs = shape_of(sweep.scheme).outputs;
+    const std::ptrdiff_t outputs = shape_of(sweep.scheme).outputs;
     for (std::ptrdiff_t n = 0; n < sweep.columns; ++n) {
-      for (int q = 0; q < outputs; ++q) {
+      for (std::ptrdiff_t q = 0; q < outputs; ++q) {
         const std::ptrdiff_t place =
             n / sweep.width * outputs * sweep.step + sweep.phase + n % sweep.width + q * sweep.step;
         if (place < plan.order.places()) ++count[place];

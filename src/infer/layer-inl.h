@@ -27,11 +27,11 @@ HWY_INLINE void fill_vector(const Load& load, std::ptrdiff_t position_stride,
   const Lanes d;
   Vector inputs[kShape.inputs];
   HWY_UNROLL(6)
-  for (int i = 0; i < kShape.inputs; ++i) inputs[i] = load(i);
+  for (std::ptrdiff_t i = 0; i < kShape.inputs; ++i) inputs[i] = load(i);
   Vector products[kShape.positions];
   transform_inputs<kScheme>(d, inputs, products);
   HWY_UNROLL(6)
-  for (int p = 0; p < kShape.positions; ++p) {
+  for (std::ptrdiff_t p = 0; p < kShape.positions; ++p) {
     hn::Store(products[p], d, panel + p * position_stride);
   }
 }
@@ -45,19 +45,20 @@ HWY_INLINE void fill_panel(const LayerPass& pass, const Sweep& sweep, const Tile
   const std::ptrdiff_t first_offset = sweep.first_offset;
   const std::ptrdiff_t step = sweep.step;
   const std::ptrdiff_t last_offset = first_offset + (shape_of(kScheme).inputs - 1) * step;
-  for (int v = 0; v < kTileVectors; ++v) {
+  for (std::ptrdiff_t v = 0; v < kTileVectors; ++v) {
     const bool whole = runs.is_whole(v, first_offset, last_offset, pass.order.places());
     const std::ptrdiff_t first = runs.runs[runs.begin[v]].place + first_offset;
     const std::span<const Run> of_vector = runs.of_vector(v);
-    for (int channel = 0; channel < pass.channels; ++channel) {
+    for (std::ptrdiff_t channel = 0; channel < pass.channels; ++channel) {
       const float* plane = pass.x + channel * pass.stride;
       float* to = panel + channel * kTileColumns + v * kLanes;
       if (whole) {
-        fill_vector<kScheme>([=](int i) HWY_ATTR { return hn::LoadU(d, plane + first + i * step); },
+        fill_vector<kScheme>([=](std::ptrdiff_t i)
+                                 HWY_ATTR { return hn::LoadU(d, plane + first + i * step); },
                              position_stride, to);
       } else {
         fill_vector<kScheme>(
-            [=, &pass](int i) HWY_ATTR {
+            [=, &pass](std::ptrdiff_t i) HWY_ATTR {
               return gather_columns(plane, pass.order, of_vector, first_offset + i * step);
             },
             position_stride, to);
@@ -72,13 +73,13 @@ HWY_INLINE void gate_group(const float* HWY_RESTRICT products, const float* HWY_
                            std::ptrdiff_t output_stride, float* HWY_RESTRICT gated_channels) {
   constexpr SchemeShape kShape = shape_of(kScheme);
   const Lanes d;
-  for (int channel = 0; channel < kGateChannels; ++channel) {
-    const int row = filter_row(channel);
-    for (int v = 0; v < kTileVectors; ++v) {
+  for (std::ptrdiff_t channel = 0; channel < kGateChannels; ++channel) {
+    const std::ptrdiff_t row = filter_row(channel);
+    for (std::ptrdiff_t v = 0; v < kTileVectors; ++v) {
       Vector filter_products[kShape.positions];
       Vector gate_products[kShape.positions];
       HWY_UNROLL(6)
-      for (int p = 0; p < kShape.positions; ++p) {
+      for (std::ptrdiff_t p = 0; p < kShape.positions; ++p) {
         const float* at = products + (p * kGroupRows + row) * kTileColumns + v * kLanes;
         filter_products[p] = hn::Load(d, at);
         gate_products[p] = hn::Load(d, at + kGateRowAfter * kTileColumns);
@@ -89,7 +90,7 @@ HWY_INLINE void gate_group(const float* HWY_RESTRICT products, const float* HWY_
       transform_products<kScheme>(d, gate_products, hn::Set(d, constants[row + kGateRowAfter]),
                                   gate);
       HWY_UNROLL(4)
-      for (int q = 0; q < kShape.outputs; ++q) {
+      for (std::ptrdiff_t q = 0; q < kShape.outputs; ++q) {
         hn::Store(gated(d, filter[q], gate[q]), d,
                   gated_channels + q * output_stride + channel * kTileColumns + v * kLanes);
       }
@@ -102,14 +103,15 @@ HWY_INLINE void gate_group(const float* HWY_RESTRICT products, const float* HWY_
 template <class Whole, class Single>
 HWY_INLINE void for_columns(const TileRuns& runs, std::ptrdiff_t offset, std::ptrdiff_t places,
                             const Whole& whole, const Single& single) {
-  for (int v = 0; v < kTileVectors; ++v) {
+  for (std::ptrdiff_t v = 0; v < kTileVectors; ++v) {
     for (const Run& run : runs.of_vector(v)) {
       const std::ptrdiff_t place = run.place + offset;
-      const int column = v * kLanes + run.lane;
+      const std::ptrdiff_t column = v * kLanes + run.lane;
       if (run.length == kLanes && place + kLanes <= places) {
         whole(place, column);
       } else {
-        for (int i = 0; i < run.length && place + i < places; ++i) single(place + i, column + i);
+        for (std::ptrdiff_t i = 0; i < run.length && place + i < places; ++i)
+          single(place + i, column + i);
       }
     }
   }
@@ -117,34 +119,34 @@ HWY_INLINE void for_columns(const TileRuns& runs, std::ptrdiff_t offset, std::pt
 
 /// next_x = (residual + x) / 2 for one row.
 HWY_INLINE void store_residual(const LayerPass& pass, const TileRuns& runs, std::ptrdiff_t offset,
-                               int channel, const float* HWY_RESTRICT products) {
+                               std::ptrdiff_t channel, const float* HWY_RESTRICT products) {
   const Lanes d;
   const float bias = pass.residual_bias[channel];
   const float* HWY_RESTRICT x = pass.x + channel * pass.stride;
   float* HWY_RESTRICT next_x = pass.next_x + channel * pass.stride;
   for_columns(
       runs, offset, pass.order.places(),
-      [=](std::ptrdiff_t place, int column) HWY_ATTR {
+      [=](std::ptrdiff_t place, std::ptrdiff_t column) HWY_ATTR {
         const Vector sum = hn::Add(hn::Load(d, products + column), hn::Set(d, bias));
         hn::StoreU(hn::MulAdd(hn::Set(d, 0.5F), hn::LoadU(d, x + place), sum), d, next_x + place);
       },
-      [=](std::ptrdiff_t place, int column)
+      [=](std::ptrdiff_t place, std::ptrdiff_t column)
           HWY_ATTR { next_x[place] = 0.5F * x[place] + (products[column] + bias); });
 }
 
 /// skip += products for one row, or skip = products.
 HWY_INLINE void store_skip(const LayerPass& pass, const TileRuns& runs, std::ptrdiff_t offset,
-                           int channel, const float* HWY_RESTRICT products) {
+                           std::ptrdiff_t channel, const float* HWY_RESTRICT products) {
   const Lanes d;
   float* HWY_RESTRICT skip = pass.skip + channel * pass.stride;
   const bool add = pass.add_to_skip;
   for_columns(
       runs, offset, pass.order.places(),
-      [=](std::ptrdiff_t place, int column) HWY_ATTR {
+      [=](std::ptrdiff_t place, std::ptrdiff_t column) HWY_ATTR {
         const Vector product = hn::Load(d, products + column);
         hn::StoreU(add ? hn::Add(hn::LoadU(d, skip + place), product) : product, d, skip + place);
       },
-      [=](std::ptrdiff_t place, int column)
+      [=](std::ptrdiff_t place, std::ptrdiff_t column)
           HWY_ATTR { skip[place] = add ? skip[place] + products[column] : products[column]; });
 }
 
@@ -153,10 +155,10 @@ HWY_INLINE void clear_past_end(const LayerPass& pass, const TileRuns& runs, std:
   const PlaneOrder& order = pass.order;
   for (std::ptrdiff_t t = order.samples; t < order.places(); ++t) {
     const std::ptrdiff_t place = order.place_of(t);
-    for (int i = 0; i < runs.begin[kTileVectors]; ++i) {
+    for (std::ptrdiff_t i = 0; i < runs.begin[kTileVectors]; ++i) {
       const std::ptrdiff_t within = place - offset - runs.runs[i].place;
       if (within < 0 || within >= runs.runs[i].length) continue;
-      for (int channel = 0; channel < pass.channels; ++channel) {
+      for (std::ptrdiff_t channel = 0; channel < pass.channels; ++channel) {
         pass.next_x[channel * pass.stride + place] = 0.0F;
       }
     }
@@ -164,12 +166,12 @@ HWY_INLINE void clear_past_end(const LayerPass& pass, const TileRuns& runs, std:
 }
 
 /// Asks for the memory that the end of the tile will change, for the channels of one gate group.
-template <int kOutputs>
+template <std::ptrdiff_t kOutputs>
 HWY_INLINE void prefetch_outputs(const LayerPass& pass, const Sweep& sweep, const TileRuns& runs,
-                                 int group) {
-  const int last = std::min((group + 1) * kGateChannels, pass.channels);
-  for (int channel = group * kGateChannels; channel < last; ++channel) {
-    for (int q = 0; q < kOutputs; ++q) {
+                                 std::ptrdiff_t group) {
+  const std::ptrdiff_t last = std::min((group + 1) * kGateChannels, pass.channels);
+  for (std::ptrdiff_t channel = group * kGateChannels; channel < last; ++channel) {
+    for (std::ptrdiff_t q = 0; q < kOutputs; ++q) {
       prefetch_columns(pass.skip + channel * pass.stride, runs, q * sweep.step);
       if (pass.next_x == nullptr) continue;
       prefetch_columns(pass.next_x + channel * pass.stride, runs, q * sweep.step);
@@ -180,12 +182,12 @@ HWY_INLINE void prefetch_outputs(const LayerPass& pass, const Sweep& sweep, cons
 /// Asks for what the thread will read next, for the channels of one group.
 template <Scheme kScheme>
 HWY_INLINE void prefetch_inputs(const LayerPass& pass, const Sweep& sweep, const TileRuns& runs,
-                                int group, int part) {
+                                std::ptrdiff_t group, std::ptrdiff_t part) {
   constexpr SchemeShape kShape = shape_of(kScheme);
-  const int inputs = kScheme == Scheme::taps ? sweep.taps : kShape.inputs;
-  const int last = std::min((group + 1) * kGroupRows, pass.channels);
-  for (int channel = group * kGroupRows; channel < last; ++channel) {
-    for (int i = part; i < inputs; i += kShape.outputs) {
+  const std::ptrdiff_t inputs = kScheme == Scheme::taps ? sweep.taps : kShape.inputs;
+  const std::ptrdiff_t last = std::min((group + 1) * kGroupRows, pass.channels);
+  for (std::ptrdiff_t channel = group * kGroupRows; channel < last; ++channel) {
+    for (std::ptrdiff_t i = part; i < inputs; i += kShape.outputs) {
       prefetch_columns(pass.x + channel * pass.stride, runs, sweep.first_offset + i * sweep.step);
     }
   }
@@ -196,12 +198,12 @@ HWY_NOINLINE void run_tile(const LayerPass& pass, const Sweep& sweep, std::ptrdi
                            const TileScratch& scratch) {
   constexpr SchemeShape kShape = shape_of(kScheme);
   const TileRuns runs = find_runs(sweep, tile);
-  const int channels = pass.channels;
-  int depth = channels;
+  const std::ptrdiff_t channels = pass.channels;
+  std::ptrdiff_t depth = channels;
   if constexpr (kScheme == Scheme::taps) {
     depth *= sweep.taps;
     Sweep tap = sweep;
-    for (int j = 0; j < sweep.taps; ++j) {
+    for (std::ptrdiff_t j = 0; j < sweep.taps; ++j) {
       fill_panel<kScheme>(pass, tap, runs, scratch.panel + j * channels * kTileColumns);
       tap.first_offset += sweep.step;
     }
@@ -209,12 +211,12 @@ HWY_NOINLINE void run_tile(const LayerPass& pass, const Sweep& sweep, std::ptrdi
     fill_panel<kScheme>(pass, sweep, runs, scratch.panel);
   }
 
-  const int gate_groups = (channels + kGateChannels - 1) / kGateChannels;
+  const std::ptrdiff_t gate_groups = (channels + kGateChannels - 1) / kGateChannels;
   const std::ptrdiff_t output_stride = gate_groups * kGateChannels * kTileColumns;
-  for (int group = 0; group < gate_groups; ++group) {
+  for (std::ptrdiff_t group = 0; group < gate_groups; ++group) {
     prefetch_outputs<kShape.outputs>(pass, sweep, runs, group);
     const float* weights = pass.gate_weights + group * pass.gate_group_stride;
-    for (int p = 0; p < kShape.positions; ++p) {
+    for (std::ptrdiff_t p = 0; p < kShape.positions; ++p) {
       multiply_group(weights + p * depth * kGroupRows, scratch.panel + p * depth * kTileColumns,
                      depth, scratch.products + p * kGroupRows * kTileColumns);
     }
@@ -223,23 +225,23 @@ HWY_NOINLINE void run_tile(const LayerPass& pass, const Sweep& sweep, std::ptrdi
   }
 
   const TileRuns next_runs = find_runs(sweep, tile + pass.tiles_ahead);
-  const int groups = (channels + kGroupRows - 1) / kGroupRows;
-  for (int q = 0; q < kShape.outputs; ++q) {
+  const std::ptrdiff_t groups = (channels + kGroupRows - 1) / kGroupRows;
+  for (std::ptrdiff_t q = 0; q < kShape.outputs; ++q) {
     const float* gated_channels = scratch.gated + q * output_stride;
     const std::ptrdiff_t offset = q * sweep.step;
-    for (int group = 0; group < groups; ++group) {
-      const int first = group * kGroupRows;
-      const int rows = std::min(kGroupRows, channels - first);
-      const std::ptrdiff_t packed = static_cast<std::ptrdiff_t>(first) * channels;
+    for (std::ptrdiff_t group = 0; group < groups; ++group) {
+      const std::ptrdiff_t first = group * kGroupRows;
+      const std::ptrdiff_t rows = std::min(kGroupRows, channels - first);
+      const std::ptrdiff_t packed = first * channels;
       prefetch_inputs<kScheme>(pass, sweep, next_runs, group, q);
       if (pass.next_x != nullptr) {
         multiply_group(pass.residual_weights + packed, gated_channels, channels, scratch.products);
-        for (int r = 0; r < rows; ++r) {
+        for (std::ptrdiff_t r = 0; r < rows; ++r) {
           store_residual(pass, runs, offset, first + r, scratch.products + r * kTileColumns);
         }
       }
       multiply_group(pass.skip_weights + packed, gated_channels, channels, scratch.products);
-      for (int r = 0; r < rows; ++r) {
+      for (std::ptrdiff_t r = 0; r < rows; ++r) {
         store_skip(pass, runs, offset, first + r, scratch.products + r * kTileColumns);
       }
     }

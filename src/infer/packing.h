@@ -3,6 +3,7 @@
 #include "aligned_floats.h"
 #include "lattice.h"
 
+#include <cstddef>
 #include <span>
 
 namespace earpoint::infer {
@@ -10,8 +11,8 @@ namespace earpoint::infer {
 /// Packs a matrix for multiply_group: [group][columns][kGroupRows], rows past the last are zero.
 /// @param matrix  [rows][columns]
 /// @param scale   multiplies every element
-[[nodiscard]] AlignedFloats pack_rows(std::span<const float> matrix, int rows, int columns,
-                                      double scale = 1.0);
+[[nodiscard]] AlignedFloats pack_rows(std::span<const float> matrix, std::ptrdiff_t rows,
+                                      std::ptrdiff_t columns, double scale = 1.0);
 
 /// A vector padded with zeros to whole groups of kGroupRows.
 [[nodiscard]] AlignedFloats pack_vector(std::span<const float> vector, double scale = 1.0);
@@ -22,6 +23,7 @@ namespace earpoint::infer {
 /// @param filter  [channels][channels][taps]; `gate` likewise
 /// @param taps    3 unless the scheme is Scheme::taps
 [[nodiscard]] AlignedFloats pack_gate(Scheme scheme, std::span<const float> filter,
-                                      std::span<const float> gate, int channels, int taps);
+                                      std::span<const float> gate, std::ptrdiff_t channels,
+                                      std::ptrdiff_t taps);
 
 }  // namespace earpoint::infer

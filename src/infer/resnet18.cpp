@@ -39,8 +39,8 @@ class OpenMpThreads {
   int before_;
 };
 
-memory::desc floats(memory::dims shape, Format format) {
-  return {std::move(shape), memory::data_type::f32, format};
+memory::desc floats(const memory::dims& shape, Format format) {
+  return {shape, memory::data_type::f32, format};
 }
 
 /// Kernel, stride and padding of a square window.

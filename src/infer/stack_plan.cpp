@@ -11,11 +11,10 @@ namespace {
 Sweep sweep_of_taps(const DilatedConvolution& convolution, std::ptrdiff_t samples,
                     std::ptrdiff_t phase, std::ptrdiff_t width) {
   Sweep sweep{.scheme = Scheme::taps, .step = convolution.dilation};
-  const int centre = convolution.centre();
+  const std::ptrdiff_t centre = convolution.centre();
   const std::ptrdiff_t reach = (samples - 1) / convolution.dilation;
-  sweep.first_tap = static_cast<int>(centre - std::min<std::ptrdiff_t>(reach, centre));
-  const int last_tap =
-      static_cast<int>(centre + std::min<std::ptrdiff_t>(reach, convolution.taps - 1 - centre));
+  sweep.first_tap = centre - std::min(reach, centre);
+  const std::ptrdiff_t last_tap = centre + std::min(reach, convolution.taps - 1 - centre);
   sweep.taps = last_tap - sweep.first_tap + 1;
   sweep.first_offset = (sweep.first_tap - centre) * convolution.dilation;
   sweep.phase = phase;

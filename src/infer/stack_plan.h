@@ -10,13 +10,13 @@ namespace earpoint::infer {
 
 /// The dilated convolution of a layer.
 struct DilatedConvolution {
-  int taps = 3;
+  std::ptrdiff_t taps = 3;
   std::ptrdiff_t dilation = 1;
   /// Taps on both sides of the output (an odd number), else the last tap is on the output.
   bool acausal = true;
 
   /// Which tap reads the output's own sample.
-  [[nodiscard]] int centre() const { return acausal ? (taps - 1) / 2 : taps - 1; }
+  [[nodiscard]] std::ptrdiff_t centre() const { return acausal ? (taps - 1) / 2 : taps - 1; }
 };
 
 /// How a layer is computed for a waveform of a given length.

@@ -32,7 +32,7 @@ void layer_tile(const LayerPass& pass, const Sweep& sweep, std::ptrdiff_t tile,
   }
 }
 
-void input_channel(const InputPass& pass, int channel) {
+void input_channel(const InputPass& pass, std::ptrdiff_t channel) {
   const Lanes d;
   const float* weights = pass.weights + channel * pass.audio_channels;
   float* x = pass.x + channel * pass.stride;
@@ -40,7 +40,7 @@ void input_channel(const InputPass& pass, int channel) {
   const PlaneOrder& order = pass.order;
   for (std::ptrdiff_t place = 0; place < order.places(); place += kLanes) {
     Vector sum = hn::Set(d, pass.bias[channel]);
-    for (int audio = 0; audio < pass.audio_channels; ++audio) {
+    for (std::ptrdiff_t audio = 0; audio < pass.audio_channels; ++audio) {
       sum = hn::MulAdd(hn::Set(d, weights[audio]),
                        hn::LoadU(d, pass.source + audio * pass.stride + place), sum);
     }
@@ -51,36 +51,36 @@ void input_channel(const InputPass& pass, int channel) {
 
 void output_tile(const OutputPass& pass, std::ptrdiff_t tile, const TileScratch& scratch) {
   const Lanes d;
-  const int groups = (pass.channels + kGroupRows - 1) / kGroupRows;
+  const std::ptrdiff_t groups = (pass.channels + kGroupRows - 1) / kGroupRows;
   const std::ptrdiff_t first_sample = tile * kTileColumns;
-  for (int channel = 0; channel < pass.channels; ++channel) {
-    for (int v = 0; v < kTileVectors; ++v) {
+  for (std::ptrdiff_t channel = 0; channel < pass.channels; ++channel) {
+    for (std::ptrdiff_t v = 0; v < kTileVectors; ++v) {
       hn::Store(hn::LoadU(d, pass.skip + channel * pass.stride + first_sample + v * kLanes), d,
                 scratch.panel + channel * kTileColumns + v * kLanes);
     }
   }
-  for (int group = 0; group < groups; ++group) {
+  for (std::ptrdiff_t group = 0; group < groups; ++group) {
     multiply_group(pass.first_weights + group * kGroupRows * pass.channels, scratch.panel,
                    pass.channels, scratch.products);
-    for (int r = 0; r < kGroupRows; ++r) {
+    for (std::ptrdiff_t r = 0; r < kGroupRows; ++r) {
       const Vector bias = hn::Set(d, pass.first_bias[group * kGroupRows + r]);
       float* out = scratch.gated + (group * kGroupRows + r) * kTileColumns;
-      for (int v = 0; v < kTileVectors; ++v) {
+      for (std::ptrdiff_t v = 0; v < kTileVectors; ++v) {
         const Vector sum =
             hn::Add(hn::Load(d, scratch.products + r * kTileColumns + v * kLanes), bias);
         hn::Store(hn::Sin(d, sum), d, out + v * kLanes);
       }
     }
   }
-  const auto samples =
-      static_cast<int>(std::min<std::ptrdiff_t>(kTileColumns, pass.samples - first_sample));
-  for (int first = 0; first < pass.audio_channels; first += kGroupRows) {
+  const std::ptrdiff_t samples = std::min(kTileColumns, pass.samples - first_sample);
+  for (std::ptrdiff_t first = 0; first < pass.audio_channels; first += kGroupRows) {
     multiply_group(pass.second_weights + first * pass.channels, scratch.gated, pass.channels,
                    scratch.products);
-    for (int r = 0; r < std::min(kGroupRows, pass.audio_channels - first); ++r) {
+    for (std::ptrdiff_t r = 0; r < std::min(kGroupRows, pass.audio_channels - first); ++r) {
       float* out = pass.output + (first + r) * pass.samples + first_sample;
       const float bias = pass.second_bias[first + r];
-      for (int i = 0; i < samples; ++i) out[i] = scratch.products[r * kTileColumns + i] + bias;
+      for (std::ptrdiff_t i = 0; i < samples; ++i)
+        out[i] = scratch.products[r * kTileColumns + i] + bias;
     }
   }
 }
@@ -89,8 +89,8 @@ void output_tile(const OutputPass& pass, std::ptrdiff_t tile, const TileScratch&
 HWY_INLINE void transpose_block(const float* from, std::ptrdiff_t from_stride, float* to,
                                 std::ptrdiff_t to_stride, bool add) {
 #if HWY_TARGET == HWY_SCALAR
-  for (int row = 0; row < 4; ++row) {
-    for (int column = 0; column < 4; ++column) {
+  for (std::ptrdiff_t row = 0; row < 4; ++row) {
+    for (std::ptrdiff_t column = 0; column < 4; ++column) {
       float& out = to[column * to_stride + row];
       out = (add ? out : 0.0F) + from[row * from_stride + column];
     }
@@ -110,7 +110,7 @@ HWY_INLINE void transpose_block(const float* from, std::ptrdiff_t from_stride, f
                      hn::ConcatLowerLower(d, high23, high01),
                      hn::ConcatUpperUpper(d, high23, high01)};
   HWY_UNROLL(4)
-  for (int i = 0; i < 4; ++i) {
+  for (std::ptrdiff_t i = 0; i < 4; ++i) {
     if (add) columns[i] = hn::Add(columns[i], hn::LoadU(d, to + i * to_stride));
     hn::StoreU(columns[i], d, to + i * to_stride);
   }
@@ -121,13 +121,13 @@ void to_segments(const PlaneOrder& order, const float* in_time, float* in_segmen
   const std::ptrdiff_t segment = order.segment;
   std::ptrdiff_t first = 0;
   for (; first + 4 <= segment; first += 4) {
-    for (int s = 0; s < kSegments; s += 4) {
+    for (std::ptrdiff_t s = 0; s < kSegments; s += 4) {
       transpose_block(in_time + s * segment + first, segment, in_segments + first * kSegments + s,
                       kSegments, false);
     }
   }
   for (; first < segment; ++first) {
-    for (int s = 0; s < kSegments; ++s) {
+    for (std::ptrdiff_t s = 0; s < kSegments; ++s) {
       in_segments[first * kSegments + s] = in_time[s * segment + first];
     }
   }
@@ -140,13 +140,13 @@ void to_time(const PlaneOrder& order, const float* in_segments, float* in_time, 
   const std::ptrdiff_t segment = order.segment;
   std::ptrdiff_t first = 0;
   for (; first + 4 <= segment; first += 4) {
-    for (int s = 0; s < kSegments; s += 4) {
+    for (std::ptrdiff_t s = 0; s < kSegments; s += 4) {
       transpose_block(in_segments + first * kSegments + s, kSegments, in_time + s * segment + first,
                       segment, add);
     }
   }
   for (; first < segment; ++first) {
-    for (int s = 0; s < kSegments; ++s) {
+    for (std::ptrdiff_t s = 0; s < kSegments; ++s) {
       float& out = in_time[s * segment + first];
       out = (add ? out : 0.0F) + in_segments[first * kSegments + s];
     }
@@ -170,7 +170,7 @@ void run_layer_tile(const LayerPass& pass, const Sweep& sweep, std::ptrdiff_t ti
   HWY_DYNAMIC_DISPATCH(layer_tile)(pass, sweep, tile, scratch);
 }
 
-void run_input_channel(const InputPass& pass, int channel) {
+void run_input_channel(const InputPass& pass, std::ptrdiff_t channel) {
   HWY_DYNAMIC_DISPATCH(input_channel)(pass, channel);
 }
 

@@ -31,8 +31,8 @@ struct PlaneOrder {
 ///   (n / width) * outputs * step + phase + n % width + q * step,  0 <= q < outputs.
 struct Sweep {
   Scheme scheme = Scheme::taps;
-  int first_tap = 0;  ///< of the taps that can see samples; Scheme::taps only
-  int taps = 0;
+  std::ptrdiff_t first_tap = 0;  ///< of the taps that can see samples; Scheme::taps only
+  std::ptrdiff_t taps = 0;
   std::ptrdiff_t first_offset = 0;  ///< of the first input from the first output, in places
   std::ptrdiff_t step = 0;          ///< the dilation, in places
   std::ptrdiff_t phase = 0;
@@ -45,13 +45,13 @@ struct Sweep {
 /// One layer of the gated stack, on planes of shape [channels][stride].
 struct LayerPass {
   PlaneOrder order;
-  int channels = 0;
+  std::ptrdiff_t channels = 0;
   std::ptrdiff_t stride = 0;
   const float* x = nullptr;
   float* next_x = nullptr;  ///< (residual + x) / 2; null if nobody reads it
   float* skip = nullptr;
-  bool add_to_skip = true;  ///< else it is written
-  int tiles_ahead = 1;      ///< the tile that the thread will likely compute next
+  bool add_to_skip = true;         ///< else it is written
+  std::ptrdiff_t tiles_ahead = 1;  ///< the tile that the thread will likely compute next
 
   /// Packed weights of the filter and gate rows: [group][position][depth][kGroupRows], where the
   /// depth counts channels (or, for Scheme::taps, taps and channels).
@@ -79,7 +79,7 @@ void run_layer_tile(const LayerPass& pass, const Sweep& sweep, std::ptrdiff_t ti
 /// The first layer of the network: planes of the waveform's channels to planes of the stack.
 struct InputPass {
   PlaneOrder order;
-  int audio_channels = 0;
+  std::ptrdiff_t audio_channels = 0;
   std::ptrdiff_t stride = 0;
   const float* source = nullptr;  ///< [audio_channels][stride]
   float* x = nullptr;
@@ -88,12 +88,12 @@ struct InputPass {
 };
 
 /// Computes one channel of it.
-void run_input_channel(const InputPass& pass, int channel);
+void run_input_channel(const InputPass& pass, std::ptrdiff_t channel);
 
 /// The last two layers: 1x1, sine, 1x1.
 struct OutputPass {
-  int channels = 0;
-  int audio_channels = 0;
+  std::ptrdiff_t channels = 0;
+  std::ptrdiff_t audio_channels = 0;
   std::ptrdiff_t samples = 0;
   std::ptrdiff_t stride = 0;
   const float* skip = nullptr;            ///< in time

@@ -31,7 +31,7 @@ class ViGasOracle : public ::testing::Test {
  protected:
   /// The small one is at hand; the others lie where EARPOINT_ORACLE_DIR says.
   static fs::path folder_of(const std::string& name) {
-    const fs::path in_source = fs::path(EARPOINT_SOURCE_DIR) / "src/model/testdata" / name;
+    fs::path in_source = fs::path(EARPOINT_SOURCE_DIR) / "src/model/testdata" / name;
     if (fs::exists(in_source)) return in_source;
     const char* directory = std::getenv("EARPOINT_ORACLE_DIR");
     return directory == nullptr ? fs::path() : fs::path(directory) / name;

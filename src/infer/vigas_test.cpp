@@ -63,7 +63,7 @@ TEST(ViGas, AllocatesNothingAfterLoading) {
 TEST(ViGas, AllocatesOnlyWhenTheLengthChanges) {
   ViGas network = mini(2);
   std::vector<float> fused(network.description().conditioning_width, 0.1F);
-  const std::vector<float> source(2 * 3000, 0.5F);
+  const std::vector<float> source(6000, 0.5F);
   std::vector<float> output(source.size());
   network.synthesize(source, fused, output);
 
