@@ -24,8 +24,7 @@ namespace earpoint {
 namespace {
 
 constexpr std::string_view kMend = "export it again, or convert it with another program";
-constexpr unsigned int kSteps =
-    aiProcess_ValidateDataStructure | aiProcess_SortByPType | aiProcess_GenUVCoords;
+constexpr unsigned int kSteps = aiProcess_SortByPType | aiProcess_GenUVCoords;
 
 /// Textures of a model, each decoded once.
 class TextureStore {
@@ -119,6 +118,9 @@ Look look_of(const aiMaterial& material, TextureStore& textures) {
     aiString name;
     if (material.GetTexture(type, 0, &name) != aiReturn_SUCCESS || name.length == 0) continue;
     look.texture = textures.find(name.C_Str());
+    // Outside glTF the diffuse colour beside a texture is whatever an exporter left there.
+    const bool is_gltf = material.Get(AI_MATKEY_BASE_COLOR, base) == aiReturn_SUCCESS;
+    if (look.texture != Look::kNoTexture && !is_gltf) look.base_colour = {1.0F, 1.0F, 1.0F};
     break;
   }
   return look;
@@ -175,7 +177,9 @@ class AssimpReader {
     }
     for (unsigned int i = 0; i < mesh.mNumFaces; ++i) {
       std::vector<std::uint32_t> polygon;
+      if (mesh.mFaces[i].mNumIndices < 3) ++result_.report.points_and_lines;
       for (unsigned int j = 0; j < mesh.mFaces[i].mNumIndices; ++j) {
+        EARPOINT_CHECK(mesh.mFaces[i].mIndices[j] < mesh.mNumVertices);
         polygon.push_back(first + mesh.mFaces[i].mIndices[j]);
       }
       if (mirrored) std::reverse(polygon.begin(), polygon.end());
@@ -316,12 +320,16 @@ void check_gltf(const std::filesystem::path& path) {
 
 ImportedScene read_with_assimp(const std::filesystem::path& path, const ImportOptions& options,
                                UpAxis up_axis) {
-  if (path.extension() != ".obj" && path.extension() != ".OBJ") check_gltf(path);
+  unsigned int steps = kSteps;
+  if (path.extension() != ".obj" && path.extension() != ".OBJ") {
+    check_gltf(path);
+    steps |= aiProcess_ValidateDataStructure;  // too strict for OBJ: it refuses stray lines
+  }
   Assimp::Importer importer;
   const aiScene* source = nullptr;
   std::string problem;
   try {
-    source = importer.ReadFile(path.string(), kSteps);
+    source = importer.ReadFile(path.string(), steps);
     problem = importer.GetErrorString();
   } catch (const std::exception& error) {
     problem = error.what();

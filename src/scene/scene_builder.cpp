@@ -167,6 +167,35 @@ void SceneBuilder::add_cylinder(const Vector3& base, double bottom_radius_m, dou
   cap(top_radius_m, height_m, 1.0);
 }
 
+void SceneBuilder::add_ellipsoid(const Vector3& centre, const Vector3& radii_m, int sides,
+                                 Surface surface) {
+  EARPOINT_CHECK(sides >= 4);
+  const int rings = sides / 2;
+  std::vector<std::uint32_t> grid;
+  for (int j = 0; j <= rings; ++j) {
+    const double polar_rad = kPi * j / rings;
+    for (int i = 0; i <= sides; ++i) {
+      const double azimuth_rad = 2.0 * kPi * (i % sides) / sides;
+      // The poles are one point each, whatever the rounding of sin(pi) says.
+      const double r = j == 0 || j == rings ? 0.0 : std::sin(polar_rad);
+      const Vector3 unit{r * std::cos(azimuth_rad), r * std::sin(azimuth_rad), std::cos(polar_rad)};
+      const Vector3 point{centre.x + radii_m.x * unit.x, centre.y + radii_m.y * unit.y,
+                          centre.z + radii_m.z * unit.z};
+      const Vector3 normal{unit.x / radii_m.x, unit.y / radii_m.y, unit.z / radii_m.z};
+      grid.push_back(add_vertex(point, normal,
+                                {static_cast<float>(i) / static_cast<float>(sides),
+                                 1.0F - static_cast<float>(j) / static_cast<float>(rings)}));
+    }
+  }
+  const auto at = [&](int i, int j) { return grid[static_cast<std::size_t>(j * (sides + 1) + i)]; };
+  for (int j = 0; j < rings; ++j) {
+    for (int i = 0; i < sides; ++i) {
+      if (j + 1 < rings) add_triangle(at(i, j), at(i, j + 1), at(i + 1, j + 1), surface);
+      if (j > 0) add_triangle(at(i, j), at(i + 1, j + 1), at(i + 1, j), surface);
+    }
+  }
+}
+
 void SceneBuilder::add_mesh(const Mesh& mesh, const std::vector<Surface>& surfaces) {
   EARPOINT_CHECK(mesh.normals.size() == mesh.positions.size());
   const auto first = static_cast<std::uint32_t>(scene_.mesh.positions.size());

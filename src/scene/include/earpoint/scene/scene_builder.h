@@ -61,6 +61,10 @@ class SceneBuilder {
   void add_cylinder(const Vector3& base, double bottom_radius_m, double top_radius_m,
                     double height_m, int sides, Surface surface);
 
+  /// A closed smooth ellipsoid.
+  /// @param sides  around its equator, at least 4; half as many from pole to pole
+  void add_ellipsoid(const Vector3& centre, const Vector3& radii_m, int sides, Surface surface);
+
   /// Triangles with normals and texture coordinates of their own, all arrays as in Mesh.
   /// @param surfaces  one per value of `mesh.triangle_material`
   void add_mesh(const Mesh& mesh, const std::vector<Surface>& surfaces);
