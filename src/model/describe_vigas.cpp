@@ -182,19 +182,21 @@ void describe_inputs(const CheckpointView& view, ViGasDescription& d, std::strin
                                      {"use_tgt_location", "tgt_location", 2}}) {
     if (view.flag(option.flag)) d.inputs.push_back({option.name, option.width});
   }
-  if (!view.flag("use_rgb")) return;
 
   // What the other inputs leave of the fusion layer's width is the visual feature.
-  const int width = view.size("fusion.0.weight", 2, 1) - d.input_width();
+  const int columns = view.size("fusion.0.weight", 2, 1);
+  const int width = columns - d.input_width();
+  const bool sees = view.flag("use_rgb");
+  if (sees ? width < 1 : width != 0) {
+    throw InputError(fmt::format("{}: tensor 'fusion.0.weight'", where),
+                     fmt::format("expected {}{} columns for the inputs that hparams name, found {}",
+                                 sees ? "more than " : "", d.input_width(), columns));
+  }
+  if (!sees) return;
   if (view.has_tensor("conv1x1.0.weight")) {
     const bool replay = d.pose_encoding == PoseEncoding::replay;
     d.image_encoder = ImageEncoderDescription{replay ? 384 : 256, replay ? 216 : 256,
                                               view.size("conv1x1.0.weight", 4, 0)};
-  }
-  if (width < 1) {
-    throw InputError(fmt::format("{}: tensor 'fusion.0.weight'", where),
-                     fmt::format("is too narrow for the inputs that hparams name: {} columns",
-                                 width + d.input_width()));
   }
   d.inputs.insert(d.inputs.begin(), ConditioningInput{"visual_feat", width});
 }

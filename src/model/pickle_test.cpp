@@ -122,7 +122,7 @@ TEST(Pickle, MalformedOnesAreRefusedWithTheByte) {
       {pickled("cos\nsystem"), "truncated"},
       {pickled("X\x01" + std::string(3, '\0') + "\xFF"), "is not UTF-8"},
       {pickled("t"), "needs a mark"},
-      {pickled("N(0"), "empty stack"},
+      {pickled("NN(0"), "empty stack"},  // a mark guards what is below it
       {pickled("h\x03"), "recalls value 3"},
       {pickled("NNs"), "empty stack"},
       {pickled("NNNs"), "no dictionary"},

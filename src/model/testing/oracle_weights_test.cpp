@@ -120,6 +120,25 @@ TEST(Weights, OnlyWhatInferenceReadsIsKeptUnlessAskedFor) {
   EXPECT_EQ(vigas_weights(whole, "x").tensors, vigas_weights(small, "x").tensors);
 }
 
+TEST(Weights, OptionsThatContradictTheTensorsAreRefused) {
+  const auto with = [](const std::string& name, const HyperParameter& value) {
+    Checkpoint checkpoint = make_oracle_checkpoint(kMini);
+    checkpoint.hparams[name] = value;
+    return refusal([&] { (void)describe_vigas(checkpoint, "x"); });
+  };
+  EXPECT_EQ(with("wavenet_blocks", std::int64_t{1}), "accepted");
+  EXPECT_EQ(with("wavenet_blocks", std::int64_t{2}),
+            "x: hparams name 2 blocks of 4 layers, but the tensors are of 4 layers");
+  EXPECT_EQ(with("layers_per_block", std::int64_t{-4}),
+            "x: hparams: 'layers_per_block': is out of range: -4");
+  // Without the picture the fusion layer would have 9 columns.
+  EXPECT_EQ(with("use_rgb", false),
+            "x: tensor 'fusion.0.weight': expected 9 columns for the inputs that hparams name, "
+            "found 521");
+  EXPECT_EQ(with("base_gain", 1.0), "accepted");
+  EXPECT_EQ(with("base_gain", 2.0), "x: hparams: 'base_gain': expected 1, found 2");
+}
+
 TEST(Weights, SurviveAFile) {
   const ViGasWeights weights = make_oracle_vigas(kMini);
   const auto bytes = serialize_safetensors(vigas_weight_file(weights, {{"note", "n"}}), "x");
