@@ -1,9 +1,11 @@
 #include "trace_command.h"
 
+#include "scene_argument.h"
 #include "trace_arguments.h"
 #include "trace_report.h"
 
 #include <chrono>
+#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -24,7 +26,7 @@ namespace fs = std::filesystem;
 using earpoint::InputError;
 
 struct Options {
-  std::string shoebox;
+  SceneArgument scene;
   std::string source;
   std::string listener;
   fs::path output;
@@ -54,6 +56,16 @@ void check(const Options& options) {
   }
 }
 
+bool is_silent(const earpoint::PointResponse& response) {
+  if (!response.arrivals.empty()) return false;
+  for (int bin = 0; bin < response.late.bins(); ++bin) {
+    for (const float energy : response.late.bin_energy(bin)) {
+      if (energy > 0.0F) return false;
+    }
+  }
+  return true;
+}
+
 void run(const Options& options) {
   check(options);
   const auto start = std::chrono::steady_clock::now();
@@ -62,13 +74,20 @@ void run(const Options& options) {
   if (norm(listener.position_m - source.world_from_source.position_m) < 1e-3) {
     throw InputError("--listener", "stands where the source is", "move one of them");
   }
-  const earpoint::AcousticScene scene(parse_shoebox("--shoebox", options.shoebox));
+  const NamedScene named = read_scene(options.scene);
+  for (const std::string& warning : named.warnings) {
+    fmt::print(stderr, "earpoint: {}: {}\n", options.scene.file.string(), warning);
+  }
+  const earpoint::AcousticScene scene(named.scene);
 
   const int jobs = options.jobs > 0 ? options.jobs : earpoint::available_cores();
   earpoint::ThreadPool pool(jobs);
   const earpoint::TraceResult traced =
       earpoint::trace(scene, {&source, 1}, {&listener.position_m, 1}, options.trace, pool);
   const earpoint::PointResponse& response = traced.responses[0][0];
+  if (is_silent(response)) {
+    throw InputError("--listener", "no sound reaches it", "place it in the room of the source");
+  }
   const earpoint::ResponseRenderer renderer({.sample_rate_hz = options.rate_hz,
                                              .duration_s = options.trace.duration_s,
                                              .seed = options.trace.seed});
@@ -116,12 +135,7 @@ void add_trace_command(CLI::App& app) {
       app.add_subcommand("trace",
                          "Trace sound through a scene: the impulse response from a source "
                          "to a listener's two ears.");
-  command
-      ->add_option(
-          "--shoebox", options->shoebox,
-          "An empty room instead of a file: LX,LY,LZ[,absorption=A][,scattering=S], metres "
-          "and shares of energy")
-      ->required();
+  add_scene_argument(*command, options->scene);
   command->add_option("--source", options->source, "Where the sound starts: X,Y,Z, metres, z up")
       ->required();
   command

@@ -118,6 +118,45 @@ TEST_F(TraceCommand, RefusesBadArgumentsInOneLine) {
   EXPECT_NE(refusal(arguments({"--hrtf", "nothing.sofa"})).find("nothing.sofa"), std::string::npos);
 }
 
+TEST_F(TraceCommand, TracesAModelFileWithItsOptions) {
+  // An L-shaped room with a corner at the origin, 6 m along x and 4 m along y.
+  const std::string room = EARPOINT_SOURCE_DIR "/src/scene/testdata/room.glb";
+  const ProgramOutcome outcome = run_earpoint(
+      {"trace", room, "--source", "3,1,1.4", "--listener", "1,1,1.4,yaw=90", "--up", "y", "--unit",
+       "1", "--duration", "0.3", "--rays", "200", "-o", output_, "--report"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
+  EXPECT_NE(outcome.output.find("distance 2.000 m"), std::string::npos) << outcome.output;
+  EXPECT_EQ(outcome.output.find("none"), std::string::npos) << "nothing stands in the way";
+  // It looks along y; the source lies along x: on the right.
+  const earpoint::Waveform brir = earpoint::read_sound(output_);
+  EXPECT_GT(energy(brir.channel(1)), 1.5 * energy(brir.channel(0)));
+}
+
+TEST_F(TraceCommand, TracesAHomeDrawnFromASeed) {
+  EXPECT_NE(refusal({"trace", "--home", "3", "--source", "-100,0,1", "--listener", "-100,1,1", "-o",
+                     output_})
+                .find("leaks"),
+            std::string::npos);
+}
+
+TEST_F(TraceCommand, RefusesScenesThatAreNotNamedOnce) {
+  const std::vector<std::string> places = {"--source", "3,4,1.5", "--listener",
+                                           "3,2,1.5",  "-o",      output_};
+  const auto with = [&](std::vector<std::string> scene) {
+    scene.insert(scene.begin(), "trace");
+    scene.insert(scene.end(), places.begin(), places.end());
+    return refusal(scene);
+  };
+  EXPECT_EQ(with({}), "earpoint: scene: none is named; give one of SCENE, --shoebox and --home\n");
+  EXPECT_EQ(with({"room.glb", "--home", "3"}),
+            "earpoint: scene: several are named; give one of SCENE, --shoebox and --home\n");
+  EXPECT_EQ(
+      with({"--home", "3", "--close-ceiling"}),
+      "earpoint: --close-ceiling: belongs to a scene that is read from a file; leave it out\n");
+  EXPECT_NE(with({"room.glb"}).find("room.glb: is not there"), std::string::npos);
+  EXPECT_NE(with({"room.fbx"}).find("expected a .glb"), std::string::npos);
+}
+
 TEST_F(TraceCommand, RefusesPlacesThatMakeNoSense) {
   EXPECT_EQ(refusal("3,4,1.5", "3,4"),
             "earpoint: --source: expected three numbers in metres, found '3,4'\n");
@@ -131,6 +170,8 @@ TEST_F(TraceCommand, RefusesPlacesThatMakeNoSense) {
   EXPECT_NE(refusal(room, "6,5,3,absorption=2").find("outside [0, 1]"), std::string::npos);
   // Outside of the room all sound of the source is lost.
   EXPECT_NE(refusal("3,4,1.5", "3,9,1.5").find("leaks"), std::string::npos);
+  EXPECT_EQ(refusal("3,2,1.5", "3,9,1.5"),
+            "earpoint: --listener: no sound reaches it; place it in the room of the source\n");
 }
 
 }  // namespace

@@ -1,0 +1,80 @@
+#include "scene_argument.h"
+
+#include "trace_arguments.h"
+
+#include <CLI/CLI.hpp>
+
+#include <earpoint/core/error.h>
+#include <earpoint/scene/homes.h>
+#include <earpoint/scene/import.h>
+#include <earpoint/scene/model_pack.h>
+
+namespace {
+
+using earpoint::InputError;
+
+void check_that_one_is_named(const SceneArgument& argument) {
+  const int named = (argument.file.empty() ? 0 : 1) + (argument.shoebox.empty() ? 0 : 1) +
+                    (argument.home_seed ? 1 : 0);
+  if (named == 1) return;
+  throw InputError("scene", named == 0 ? "none is named" : "several are named",
+                   "give one of SCENE, --shoebox and --home");
+}
+
+void check_that_file_options_have_a_file(const SceneArgument& argument) {
+  const auto refuse = [](const char* flag) {
+    throw InputError(flag, "belongs to a scene that is read from a file", "leave it out");
+  };
+  if (!argument.materials.empty()) refuse("--materials");
+  if (!argument.up_axis.empty()) refuse("--up");
+  if (argument.unit_m != 1.0) refuse("--unit");
+  if (argument.close_ceiling) refuse("--close-ceiling");
+}
+
+NamedScene read_scene_file(const SceneArgument& argument) {
+  earpoint::ImportOptions options{.unit_m = argument.unit_m,
+                                  .close_ceiling = argument.close_ceiling};
+  if (!argument.up_axis.empty()) {
+    options.up_axis = argument.up_axis == "y" ? earpoint::UpAxis::y : earpoint::UpAxis::z;
+  }
+  std::optional<earpoint::MaterialTable> table;
+  if (!argument.materials.empty()) {
+    table = earpoint::load_material_table(argument.materials);
+    options.materials = &*table;
+  }
+  earpoint::ImportedScene imported = earpoint::import_scene(argument.file, options);
+  return {std::move(imported.scene), imported.report.warnings()};
+}
+
+}  // namespace
+
+void add_scene_argument(CLI::App& command, SceneArgument& argument) {
+  command.add_option("scene", argument.file, "Model to read: .glb, .gltf, .obj or .ply")
+      ->type_name("SCENE");
+  command.add_option(
+      "--shoebox", argument.shoebox,
+      "An empty room instead of a file, a corner at the origin: LX,LY,LZ[,absorption=A]"
+      "[,scattering=S], metres and shares of energy");
+  command.add_option("--home", argument.home_seed,
+                     "A furnished home instead of a file, drawn from this seed with the furniture "
+                     "that is installed");
+  command.add_option("--materials", argument.materials,
+                     "JSON table of acoustic materials for the file's surfaces");
+  command.add_option("--up", argument.up_axis, "Axis that points up in the file")
+      ->check(CLI::IsMember({"y", "z"}));
+  command.add_option("--unit", argument.unit_m, "Length of the file's unit, metres")
+      ->capture_default_str();
+  command.add_flag("--close-ceiling", argument.close_ceiling,
+                   "Put a ceiling where the file has none");
+}
+
+NamedScene read_scene(const SceneArgument& argument) {
+  check_that_one_is_named(argument);
+  if (!argument.file.empty()) return read_scene_file(argument);
+  check_that_file_options_have_a_file(argument);
+  if (argument.home_seed) {
+    const earpoint::FurnitureLibrary library(earpoint::installed_models().furniture);
+    return {earpoint::make_home(*argument.home_seed, {}, library).scene, {}};
+  }
+  return {parse_shoebox("--shoebox", argument.shoebox), {}};
+}
