@@ -1,11 +1,10 @@
-#include "ray_caster.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
 
 #include <earpoint/scene/closure.h>
+#include <earpoint/scene/ray_caster.h>
 
 namespace earpoint {
 namespace {

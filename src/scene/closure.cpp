@@ -1,5 +1,3 @@
-#include "ray_caster.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,6 +8,7 @@
 #include <earpoint/core/pose.h>
 #include <earpoint/core/random.h>
 #include <earpoint/scene/closure.h>
+#include <earpoint/scene/ray_caster.h>
 
 namespace earpoint {
 namespace {

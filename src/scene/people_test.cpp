@@ -1,5 +1,3 @@
-#include "ray_caster.h"
-
 #include <set>
 #include <string>
 
@@ -8,6 +6,7 @@
 #include <earpoint/scene/homes.h>
 #include <earpoint/scene/model_pack.h>
 #include <earpoint/scene/people.h>
+#include <earpoint/scene/ray_caster.h>
 
 namespace earpoint {
 namespace {

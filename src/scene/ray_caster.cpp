@@ -1,11 +1,10 @@
-#include "ray_caster.h"
-
 #include <cstring>
 #include <limits>
 
 #include <embree3/rtcore.h>
 
 #include <earpoint/core/error.h>
+#include <earpoint/scene/ray_caster.h>
 
 namespace earpoint {
 
