@@ -59,8 +59,8 @@ std::vector<Wish> draw_wishes(int rooms, RandomStream& random) {
   std::vector<RoomKind> kinds;
   switch (rooms) {
     case 1: {
-      constexpr std::array<RoomKind, 8> kSingle = {living_room, living_room, living_room, bedroom,
-                                                   bedroom,     office,      office,      kitchen};
+      constexpr std::array<RoomKind, 6> kSingle = {living_room, living_room, living_room,
+                                                   bedroom,     bedroom,     office};
       kinds = {kSingle[random.index(kSingle.size())]};
       break;
     }

@@ -50,6 +50,8 @@ class RoomRecipe {
   [[nodiscard]] double shorter_m() const {
     return std::min(furnisher_.room().floor.width_m(), furnisher_.room().floor.depth_m());
   }
+  /// Rugs lie where the floor is hard, more than on carpets.
+  [[nodiscard]] double rug_share() const { return full_ > 0.0 ? 0.95 - 0.6 * soft_ : 0.0; }
   bool likely(double share) { return furnisher_.chance(share * full_); }
 
   void live();
@@ -84,7 +86,7 @@ void RoomRecipe::live() {
   const auto sofa_piece =
       furnisher_.place_at_wall(sofa, {1.1, longest_m, 1.1}, std::min(0.9, 0.25 * shorter_m()));
   if (sofa_piece) {
-    if (furnisher_.chance(0.25 + 0.6 * soft_)) {
+    if (furnisher_.chance(rug_share())) {
       furnisher_.place_before(rug, *sofa_piece, {2.0, 2.9, 0.02}, 0.1, false);
     }
     if (likely(1.1))
@@ -124,7 +126,7 @@ void RoomRecipe::sleep() {
           *table, {.side = side, .along_m = above ? high + half : low - half}, 0.0);
       if (beside && likely(0.7)) furnisher_.place_on(table_lamp, *beside);
     }
-    if (furnisher_.chance(0.15 + 0.6 * soft_)) {
+    if (furnisher_.chance(0.9 * rug_share())) {
       furnisher_.place_before(rug, *bed_piece, {1.4, 2.2, 0.02}, -0.6, false);
     }
   }
@@ -154,6 +156,11 @@ void RoomRecipe::eat() {
     stands = furnisher_.place(*table, placement);
   }
   if (!stands) return;
+  if (furnisher_.chance(0.6 * rug_share())) {
+    const auto under = furnisher_.draw(rug, {table->size_m.x + 1.3, table->size_m.y + 1.3, 0.02});
+    const Vector3 middle{stands->footprint.centre_x(), stands->footprint.centre_y(), 0.0};
+    if (under) furnisher_.place(*under, {.position_m = middle, .yaw_rad = stands->yaw_rad}, false);
+  }
   const auto seat = furnisher_.draw(chair, {0.65, 0.65, 1.1});
   if (!seat) return;
   const int per_side = table->size_m.y > 1.25 ? 2 : 1;
@@ -221,7 +228,7 @@ void RoomRecipe::cook() {
   });
   stand_in_row(sides[random.index(2)], random.uniform() < 0.5);
   if (area_m2() > 8.0 && likely(1.0)) eat();
-  fill_walls({shelf, dresser}, 0.5, static_cast<int>(area_m2() / 9.0));
+  fill_walls({shelf, dresser, bookcase}, 0.5, static_cast<int>(area_m2() / 7.0));
   if (likely(0.3)) furnisher_.place_at_wall(plant, {0.5, 0.5, 1.2}, 0.0);
 }
 
@@ -262,12 +269,16 @@ void RoomRecipe::work() {
   fill_walls({bookcase, shelf, bookcase, dresser}, 0.6, 1 + static_cast<int>(area_m2() / 6.0));
   if (likely(0.5)) furnisher_.place_at_wall(armchair, {1.0, 1.0, 1.2}, 0.4);
   if (area_m2() > 13.0 && likely(0.4)) furnisher_.place_at_wall(sofa, {1.0, 2.0, 1.1}, 0.6);
-  if (furnisher_.chance(0.4 * soft_)) furnisher_.place_at_wall(rug, {2.0, 2.6, 0.02}, 0.0);
+  if (furnisher_.chance(0.7 * rug_share())) furnisher_.place_at_wall(rug, {2.0, 2.6, 0.02}, 0.0);
   if (likely(0.5)) furnisher_.place_at_wall(plant, {0.7, 0.7, 1.8}, 0.0);
   if (likely(0.4)) furnisher_.place_at_wall(floor_lamp, {0.6, 0.6, 1.9}, 0.0);
 }
 
 void RoomRecipe::pass() {
+  if (furnisher_.chance(rug_share())) {
+    furnisher_.place_at_wall(rug, {0.75 * shorter_m(), 3.0, 0.02}, 0.0);
+  }
+  if (likely(0.8)) furnisher_.place_at_wall(towel_rack, {0.3, 0.7, 1.2}, 0.0, 0.9);
   if (likely(0.5)) furnisher_.place_at_wall(shelf, {0.36, 1.0, 1.4}, 0.0);
   if (likely(0.5)) furnisher_.place_at_wall(mirror, {0.1, 0.7, 1.2}, 0.0, 0.9);
   if (likely(0.3)) furnisher_.place_at_wall(plant, {0.45, 0.45, 1.2}, 0.0);
@@ -299,15 +310,15 @@ void RoomRecipe::dress(const Window& window) {
   const bool wet =
       furnisher_.room().kind == RoomKind::bathroom || furnisher_.room().kind == RoomKind::kitchen;
   const double draw = random.uniform();
-  if (draw > 0.2 + 0.8 * soft_ + 0.15 * full_) return;
+  if (draw > 0.5 + 0.4 * soft_ + 0.2 * full_) return;
   const double bottom = random.uniform() < 0.6 && !wet ? 0.03 : window.sill_m - 0.12;
   if (wet || random.uniform() < 0.2) {
     if (random.uniform() < 0.6)
       hang(blinds, (low + high) / 2, width + 0.06, window.sill_m - 0.05, 0.04);
     return;
   }
-  if (random.uniform() < 0.15 + 0.2 * soft_) {
-    hang(curtain, (low + high) / 2, width + 0.3, bottom, 0.1);
+  if (random.uniform() < 0.2 + 0.5 * soft_) {
+    hang(curtain, (low + high) / 2, width + 0.5, bottom, 0.1);
     return;
   }
   const double panel = std::clamp(random.uniform(0.2, 0.4) * width, 0.25, 0.7);

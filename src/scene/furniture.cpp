@@ -124,12 +124,15 @@ std::optional<FurniturePiece> draw_furniture(const FurnitureLibrary& library, Fu
   std::erase_if(models, [&](const FurnitureModel* model) {
     return model->scene.mesh.triangles.size() > most_triangles;
   });
-  if (!models.empty()) {
+  const SizeRange range = stand_in_sizes(kind);
+  const bool stand_in_fits = within(range.low_m, limit_m);
+  // A model that is alone of its kind would stand in every room of every home.
+  const bool lone = models.size() == 1 && stand_in_fits;
+  if (!models.empty() && !(lone && random.uniform() < 0.5)) {
     const FurnitureModel* model = models[random.index(models.size())];
     return FurniturePiece{.kind = kind, .model = model, .size_m = model->size_m};
   }
-  const SizeRange range = stand_in_sizes(kind);
-  if (!within(range.low_m, limit_m)) return std::nullopt;
+  if (!stand_in_fits) return std::nullopt;
   const auto draw = [&](double low, double high, double limit) {
     return random.uniform(low, std::max(low, std::min(high, limit)));
   };

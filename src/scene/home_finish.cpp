@@ -156,6 +156,9 @@ constexpr std::array<Finish, 6> kCeilings = {{
      {{{0.93F, 0.93F, 0.92F}, {0.90F, 0.90F, 0.88F}, {0.94F, 0.94F, 0.94F}}}},
 }};
 
+constexpr double kAcousticCeilings = 0.8;
+constexpr double kFabricWalls = 0.95;
+
 class FinishPainter {
  public:
   FinishPainter(RandomStream& random, SceneBuilder& builder) : random_(random), builder_(builder) {}
@@ -190,7 +193,9 @@ RoomFinish draw_room_finish(RoomKind kind, double softness, RandomStream& random
   RoomFinish finish;
   const std::span<const Finish> floors = kFloors;
   const std::span<const Finish> walls = kWalls;
-  const std::span<const Finish> ceilings = kCeilings;
+  // Ceilings and walls that are made to absorb belong to the softest homes only.
+  const std::span<const Finish> ceilings =
+      softness > kAcousticCeilings ? kCeilings : std::span<const Finish>(kCeilings).first(4);
   switch (kind) {
     case RoomKind::bathroom: {
       finish.floor = painter.make(painter.pick(floors.first(3), softness, 0.4));
@@ -210,13 +215,12 @@ RoomFinish draw_room_finish(RoomKind kind, double softness, RandomStream& random
       finish.floor = painter.make(painter.pick(floors.subspan(1, 5), softness, 0.3));
       break;
     default:
-      finish.floor = painter.make(painter.pick(floors, softness, 0.15));
+      finish.floor = painter.make(painter.pick(floors, softness, 0.12));
       break;
   }
-  // Fabric panels belong to the softest homes only.
-  const std::span<const Finish> usual_walls = softness > 0.85 ? walls : walls.first(8);
-  finish.wall = painter.make(painter.pick(usual_walls, softness, 0.25));
-  finish.ceiling = painter.make(painter.pick(ceilings, softness, 0.18));
+  const std::span<const Finish> usual_walls = softness > kFabricWalls ? walls : walls.first(8);
+  finish.wall = painter.make(painter.pick(usual_walls, softness, 0.2));
+  finish.ceiling = painter.make(painter.pick(ceilings, softness, 0.15));
   return finish;
 }
 

@@ -16,6 +16,12 @@ namespace {
 /// What the random streams of a home are for, so that one does not shift the other.
 enum StreamKey : std::uint64_t { kPlanKey = 1, kFinishKey, kStyleKey, kRoomKey };
 
+/// What is drawn where the options leave it open. Traced, the rooms then reverberate for 0.3 to
+/// 1.2 s (docs/results.md); bare stone and padded cells are left to those who ask for them.
+constexpr double kHardestHome = 0.42;
+constexpr double kSoftestHome = 0.92;
+constexpr double kEmptiestHome = 0.45;
+
 constexpr double kStepOver_m = 0.03;
 constexpr double kPassUnder_m = 2.0;
 
@@ -58,8 +64,8 @@ Home make_home(std::uint64_t seed, const HomeOptions& options, const FurnitureLi
   RandomStream plan_random(seed, {kPlanKey});
   home.plan = draw_floor_plan(options.plan, plan_random);
   RandomStream style_random(seed, {kStyleKey});
-  const double softness = style_random.uniform(0.08, 0.85);
-  const double furnishing = style_random.uniform(0.35, 1.0);
+  const double softness = style_random.uniform(kHardestHome, kSoftestHome);
+  const double furnishing = style_random.uniform(kEmptiestHome, 1.0);
   home.softness = options.softness.value_or(softness);
   home.furnishing = options.furnishing.value_or(furnishing);
   FurnitureStyle style = draw_furniture_style(style_random);

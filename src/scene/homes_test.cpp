@@ -236,6 +236,18 @@ double middle_band_reverberation_s(const Home& home) {
   return weighted / volume_m3;
 }
 
+TEST(Homes, ReverberateFromDryToLivelyButNotLikeStudiosOrChurches) {
+  std::vector<double> times_s;
+  for (const Home& home : many_homes()) times_s.push_back(middle_band_reverberation_s(home));
+  const auto [shortest, longest] = std::minmax_element(times_s.begin(), times_s.end());
+  // By Eyring's formula. Traced responses decay about 1.6 times as long (docs/results.md), hence
+  // 0.2 to 1.2 s there.
+  EXPECT_GT(*shortest, 0.11);
+  EXPECT_LT(*shortest, 0.25);
+  EXPECT_GT(*longest, 0.6);
+  EXPECT_LT(*longest, 1.0);
+}
+
 TEST(Homes, SoftnessAndFurnitureShortenReverberation) {
   for (const std::uint64_t seed : {1, 2, 3}) {
     const auto reverberation_s = [&](double softness, double furnishing) {

@@ -204,6 +204,14 @@ Scene read_scene(const CatalogueEntry& entry, const MaterialTable& table, std::s
   return std::move(scene);
 }
 
+/// Names of surfaces may mislead: the body of a cupboard is no person, its door no door of a room.
+void mend_sounds(Scene& scene, const AcousticMaterial& otherwise) {
+  for (Material& material : scene.materials) {
+    const std::string& name = material.acoustic.name;
+    if (name == "person" || name == "door_wood" || name == "opening") material.acoustic = otherwise;
+  }
+}
+
 /// Turns a figure so that the head looks along x, and moves its origin under the head's middle.
 void face_forward(FigureModel& figure, const Vector3& lips_m, double head_yaw_rad) {
   constexpr double kLipsFromMiddle_m = 0.09;
@@ -249,8 +257,10 @@ class Converter {
     model.base_m = entry.elevation_m;
     model.credit = credit_of(row, entry);
     attempt(model.name, [&] {
-      const MaterialTable table = table_with_default(row.at("sound").get<std::string>());
+      const auto sound = row.at("sound").get<std::string>();
+      const MaterialTable table = table_with_default(sound);
       model.scene = read_scene(entry, table, kFurnitureTriangles, kFurnitureTexture);
+      mend_sounds(model.scene, standard_material(sound));
       result_.pack.furniture.push_back(std::move(model));
     });
   }
