@@ -34,6 +34,7 @@ struct WorkerMemory {
 
 /// What a thread knows of the run; the same in every thread at the same phase.
 struct Progress {
+  int member = 0;                 ///< of the team: the thread itself
   float* x = nullptr;             ///< [channels][stride], what the next layer reads
   float* next_x = nullptr;        ///< what it writes
   PlaneOrder order;               ///< of x
@@ -49,13 +50,13 @@ struct GatedStack::State {
   void plan(std::ptrdiff_t new_samples);
   void condition(std::span<const float> conditioning);
   void order_source(std::span<const float> waveform);
-  void work(const TileScratch& scratch, std::span<float> output);
+  void work(int member, std::span<float> output);
 
   // Phases of work(). Every thread of the team calls them in the same order.
-  Progress run_input();
+  Progress run_input(int member);
   void change_order(Progress& progress, const PlaneOrder& order);
-  void run_layer(Progress& progress, std::size_t layer, const TileScratch& scratch);
-  void run_head(const Progress& progress, const TileScratch& scratch, std::span<float> output);
+  void run_layer(Progress& progress, std::size_t layer);
+  void run_head(const Progress& progress, std::span<float> output);
 
   std::ptrdiff_t audio_channels;
   std::ptrdiff_t channels;
@@ -137,17 +138,18 @@ void GatedStack::State::order_source(std::span<const float> waveform) {
   }
 }
 
-void GatedStack::State::work(const TileScratch& scratch, std::span<float> output) {
-  Progress progress = run_input();
+void GatedStack::State::work(int member, std::span<float> output) {
+  Progress progress = run_input(member);
   for (std::size_t layer = 0; layer < layers.size(); ++layer) {
     change_order(progress, plans[layer].order);
-    run_layer(progress, layer, scratch);
+    run_layer(progress, layer);
   }
-  run_head(progress, scratch, output);
+  run_head(progress, output);
 }
 
-Progress GatedStack::State::run_input() {
-  Progress progress{.x = x[0].data(), .next_x = x[1].data(), .order = plans[0].order};
+Progress GatedStack::State::run_input(int member) {
+  Progress progress{
+      .member = member, .x = x[0].data(), .next_x = x[1].data(), .order = plans[0].order};
   const InputPass pass{.order = progress.order,
                        .audio_channels = audio_channels,
                        .stride = stride,
@@ -155,13 +157,14 @@ Progress GatedStack::State::run_input() {
                        .x = progress.x,
                        .weights = input_weight.data(),
                        .bias = input_bias.data()};
-  team.run_phase(channels, [&](std::ptrdiff_t channel) { run_input_channel(pass, channel); });
+  team.run_phase(member, channels,
+                 [&](std::ptrdiff_t channel) { run_input_channel(pass, channel); });
   return progress;
 }
 
 void GatedStack::State::change_order(Progress& progress, const PlaneOrder& order) {
   if (order.segment == progress.order.segment) return;
-  team.run_phase(channels, [&](std::ptrdiff_t channel) {
+  team.run_phase(progress.member, channels, [&](std::ptrdiff_t channel) {
     const float* from = progress.x + channel * stride;
     float* to = progress.next_x + channel * stride;
     if (order.segment != 0) {
@@ -174,8 +177,8 @@ void GatedStack::State::change_order(Progress& progress, const PlaneOrder& order
   progress.order = order;
 }
 
-void GatedStack::State::run_layer(Progress& progress, std::size_t layer,
-                                  const TileScratch& scratch) {
+void GatedStack::State::run_layer(Progress& progress, std::size_t layer) {
+  const TileScratch scratch = workers[static_cast<std::size_t>(progress.member)].scratch();
   const PackedLayer& packed = layers[layer];
   const LayerPlan& plan = plans[layer];
   const bool segmented = plan.order.segment != 0;
@@ -189,12 +192,11 @@ void GatedStack::State::run_layer(Progress& progress, std::size_t layer,
   pass.next_x = layer + 1 < layers.size() ? progress.next_x : nullptr;
   pass.skip = segmented ? skip_in_segments.data() : skip_in_time.data();
   pass.add_to_skip = skip_begun;
-  pass.tiles_ahead = pool.threads();
   pass.gate_constants = constants.data() + static_cast<std::ptrdiff_t>(layer) * packed.constants();
   pass.residual_weights = packed.residual();
   pass.residual_bias = packed.residual_bias();
   pass.skip_weights = packed.skip();
-  team.run_phase(plan.tiles(), [&](std::ptrdiff_t tile) {
+  team.run_phase(progress.member, plan.tiles(), [&](std::ptrdiff_t tile) {
     const Sweep* sweep = plan.sweeps.data();
     for (; tile >= sweep->tiles(); ++sweep) tile -= sweep->tiles();
     LayerPass of_sweep = pass;
@@ -206,12 +208,12 @@ void GatedStack::State::run_layer(Progress& progress, std::size_t layer,
   std::swap(progress.x, progress.next_x);
 }
 
-void GatedStack::State::run_head(const Progress& progress, const TileScratch& scratch,
-                                 std::span<float> output) {
+void GatedStack::State::run_head(const Progress& progress, std::span<float> output) {
+  const TileScratch scratch = workers[static_cast<std::size_t>(progress.member)].scratch();
   if (progress.skip_in_segments) {
     const PlaneOrder segmented{.samples = samples,
                                .segment = round_up(samples, kSegments) / kSegments};
-    team.run_phase(channels, [&](std::ptrdiff_t channel) {
+    team.run_phase(progress.member, channels, [&](std::ptrdiff_t channel) {
       order_in_time(segmented, skip_in_segments.data() + channel * stride,
                     skip_in_time.data() + channel * stride, progress.skip_in_time);
     });
@@ -226,7 +228,7 @@ void GatedStack::State::run_head(const Progress& progress, const TileScratch& sc
                         .second_weights = head.second_weight.data(),
                         .second_bias = head.second_bias.data(),
                         .output = output.data()};
-  team.run_phase(round_up(samples, kTileColumns) / kTileColumns,
+  team.run_phase(progress.member, round_up(samples, kTileColumns) / kTileColumns,
                  [&](std::ptrdiff_t tile) { run_output_tile(pass, tile, scratch); });
 }
 
@@ -252,9 +254,8 @@ void GatedStack::run(std::span<const float> source, std::span<const float> condi
   state.condition(conditioning);
   state.order_source(source);
   state.team.start();
-  state.pool.run(state.pool.threads(), [&](std::ptrdiff_t, int worker) {
-    state.work(state.workers[worker].scratch(), output);
-  });
+  state.pool.run(state.pool.threads(),
+                 [&](std::ptrdiff_t, int worker) { state.work(worker, output); });
 }
 
 }  // namespace earpoint::infer

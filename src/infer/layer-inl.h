@@ -224,7 +224,7 @@ HWY_NOINLINE void run_tile(const LayerPass& pass, const Sweep& sweep, std::ptrdi
                         scratch.gated + group * kGateChannels * kTileColumns);
   }
 
-  const TileRuns next_runs = find_runs(sweep, tile + pass.tiles_ahead);
+  const TileRuns next_runs = find_runs(sweep, tile + 1);
   const std::ptrdiff_t groups = (channels + kGroupRows - 1) / kGroupRows;
   for (std::ptrdiff_t q = 0; q < kShape.outputs; ++q) {
     const float* gated_channels = scratch.gated + q * output_stride;

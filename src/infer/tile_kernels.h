@@ -51,7 +51,6 @@ struct LayerPass {
   float* next_x = nullptr;  ///< (residual + x) / 2; null if nobody reads it
   float* skip = nullptr;
   bool add_to_skip = true;         ///< else it is written
-  std::ptrdiff_t tiles_ahead = 1;  ///< the tile that the thread will likely compute next
 
   /// Packed weights of the filter and gate rows: [group][position][depth][kGroupRows], where the
   /// depth counts channels (or, for Scheme::taps, taps and channels).
