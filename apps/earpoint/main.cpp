@@ -2,6 +2,7 @@
 #include "model_command.h"
 #include "render_command.h"
 #include "trace_command.h"
+#include "view_command.h"
 
 #include <cstdio>
 #include <exception>
@@ -18,6 +19,7 @@ int main(int argc, char** argv) {
   earpoint::add_render_command(app);
   add_model_command(app);
   add_trace_command(app);
+  add_view_command(app);
   try {
     app.parse(argc, argv);
     return 0;

@@ -1,0 +1,8 @@
+#pragma once
+
+namespace CLI {
+class App;
+}
+
+/// Adds `earpoint view`: the picture that a camera takes of a scene, its depth and its mask.
+void add_view_command(CLI::App& app);
