@@ -46,7 +46,6 @@ std::string trace_report(const earpoint::TraceResult& traced, std::span<const fl
   const earpoint::PointResponse& response = traced.responses[0][0];
   std::string text = fmt::format("{:>8} {:>8} {:>8} {:>8} {:>10}\n", "band Hz", "T30 s", "EDT s",
                                  "C50 dB", "direct dB");
-  const bool direct = !response.arrivals.empty() && response.arrivals[0].order == 0;
   for (int band = 0; band < earpoint::kOctaveBands; ++band) {
     const double centre_hz = earpoint::kOctaveBandCentresHz[band];
     if (centre_hz > sample_rate_hz / 2.0) break;
@@ -54,13 +53,14 @@ std::string trace_report(const earpoint::TraceResult& traced, std::span<const fl
     const auto measure = [&](auto function) {
       return [&, function] { return function(octave, sample_rate_hz); };
     };
-    text += fmt::format(
-        "{:>8g} {:>8} {:>8} {:>8} {:>10}\n", centre_hz,
-        text_of(measure(earpoint::reverberation_time_t30_s), "{:.2f}"),
-        text_of(measure(earpoint::early_decay_time_s), "{:.2f}"),
-        text_of(measure(earpoint::clarity_c50_db), "{:.1f}"),
-        direct ? fmt::format("{:.1f}", 20.0 * std::log10(response.arrivals[0].gain[band]))
-               : "none");
+    text +=
+        fmt::format("{:>8g} {:>8} {:>8} {:>8} {:>10}\n", centre_hz,
+                    text_of(measure(earpoint::reverberation_time_t30_s), "{:.2f}"),
+                    text_of(measure(earpoint::early_decay_time_s), "{:.2f}"),
+                    text_of(measure(earpoint::clarity_c50_db), "{:.1f}"),
+                    response.sees_source
+                        ? fmt::format("{:.1f}", 20.0 * std::log10(response.arrivals[0].gain[band]))
+                        : "none");
   }
   text += fmt::format(
       "distance {:.3f} m, first arrival {}, {} sharp arrivals\n", response.distance_m,

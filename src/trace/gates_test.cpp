@@ -40,6 +40,11 @@ TEST(TraceGates, EnergyDoesNotDependOnTheNumberOfRays) {
   expect_passed(gates::ray_count_gate(pool, gates::Effort::quick));
 }
 
+TEST(TraceGates, SoundBendsRoundADoor) {
+  ThreadPool pool(available_cores());
+  expect_passed(gates::diffraction_gate(pool));
+}
+
 TEST(TraceGates, ThreadsDoNotChangeAByteAndHolesAreRefused) {
   expect_passed(gates::determinism_gate());
 }

@@ -13,7 +13,7 @@ namespace {
 
 // Below this a plane is smaller than the first Fresnel zone of most of the audible range at the
 // distances of a room, and does not act as a mirror.
-constexpr double kSmallestMirror_m2 = 0.25;
+constexpr double kSmallestMirrorSquareMetres = 0.25;
 
 std::vector<BounceSurface> make_surfaces(const Scene& scene) {
   std::vector<BounceSurface> surfaces;
@@ -88,7 +88,7 @@ std::vector<BounceFacet> make_facets(const Mesh& mesh) {
     plane_area[i] = &area_m2;
   }
   for (std::size_t i = 0; i < facets.size(); ++i) {
-    facets[i].mirror = *plane_area[i] >= kSmallestMirror_m2;
+    facets[i].mirror = *plane_area[i] >= kSmallestMirrorSquareMetres;
   }
   return facets;
 }
@@ -116,6 +116,9 @@ SceneGeometry::SceneGeometry(const Scene& scene)
       rays_(mesh_, make_layers(mesh_, surfaces_, instance_layers_)) {
   mesh_.normals.clear();
   mesh_.uvs.clear();
+  for (const Instance& instance : scene.instances) instance_kinds_.push_back(instance.kind);
+  edges_ = find_diffraction_edges(*this);
+  edge_pairs_ = find_edge_pairs(edges_);
 }
 
 LayerMask SceneGeometry::mask_without(std::optional<std::uint32_t> body) const {

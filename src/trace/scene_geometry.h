@@ -1,5 +1,6 @@
 #pragma once
 
+#include "diffraction_edges.h"
 #include "triangle_tree.h"
 
 #include <array>
@@ -53,6 +54,13 @@ class SceneGeometry {
   /// @return whether anything arrives
   bool transmit(const Vector3& from, const Vector3& to, LayerMask mask, BandArray& energy) const;
 
+  /// @return the layers of everything but people
+  [[nodiscard]] static LayerMask still_layers() { return kOpaqueLayer | kTransmissiveLayer; }
+
+  [[nodiscard]] const std::vector<InstanceKind>& instance_kinds() const { return instance_kinds_; }
+  [[nodiscard]] const std::vector<DiffractionEdge>& edges() const { return edges_; }
+  [[nodiscard]] const std::vector<EdgePair>& edge_pairs() const { return edge_pairs_; }
+
   /// How far a ray starts above the surface that it leaves, so that it does not hit it again.
   [[nodiscard]] double surface_offset_m() const { return surface_offset_m_; }
 
@@ -60,10 +68,13 @@ class SceneGeometry {
   Mesh mesh_;
   std::vector<BounceSurface> surfaces_;
   std::vector<BounceFacet> facets_;
+  std::vector<InstanceKind> instance_kinds_;
   std::vector<LayerMask> instance_layers_;
   bool transmits_ = false;
   double surface_offset_m_;
   TriangleTree rays_;
+  std::vector<DiffractionEdge> edges_;
+  std::vector<EdgePair> edge_pairs_;
 };
 
 }  // namespace earpoint

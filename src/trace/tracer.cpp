@@ -1,9 +1,11 @@
+#include "diffraction_paths.h"
 #include "propagation.h"
 #include "ray_walk.h"
 #include "specular_paths.h"
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include <fmt/core.h>
@@ -40,15 +42,66 @@ void add_direct(const SceneGeometry& scene, const Source& source, const Vector3&
   const Vector3 departure = way / response.distance_m;
   BandArray energy = sent_energy(source, departure);
   if (!scene.transmit(source_m, listener, scene.mask_without(source.body), energy)) return;
-  response.arrivals.insert(response.arrivals.begin(),
-                           make_arrival(propagation, listener, source_m, departure, energy));
+  response.arrivals.push_back(make_arrival(propagation, listener, source_m, departure, energy));
+  response.sees_source = true;
 }
+
+// Sharp arrivals of one source at all listeners.
+class ArrivalFinder {
+ public:
+  ArrivalFinder(const SceneGeometry& scene, std::span<const Vector3> listeners,
+                const TraceOptions& options, const MirrorLimits& mirrors)
+      : scene_(scene),
+        options_(options),
+        mirrors_(mirrors),
+        propagation_(make_propagation(options)),
+        listeners_(listeners) {
+    if (!options.diffracts) return;
+    for (const Vector3& listener : listeners) {
+      views_.emplace_back(scene, listener, kAllLayers, rays_cast_);
+    }
+  }
+
+  void find(const Source& source, ThreadPool& pool, std::vector<PointResponse>& responses) {
+    const std::vector<ImageSource> images =
+        find_image_sources(scene_, source, mirrors_, options_.mirror_rays, pool);
+    std::optional<EdgeView> from;
+    if (options_.diffracts) {
+      from.emplace(scene_, source.world_from_source.position_m, scene_.mask_without(source.body),
+                   rays_cast_);
+    }
+    for (std::size_t i = 0; i < listeners_.size(); ++i) {
+      PointResponse& response = responses[i];
+      response.arrivals = specular_arrivals(scene_, source, listeners_[i], images, mirrors_,
+                                            propagation_, pool, rays_cast_);
+      add_direct(scene_, source, listeners_[i], propagation_, response);
+      if (from) {
+        const std::vector<Arrival> round =
+            diffracted_arrivals(scene_, source, *from, views_[i], propagation_);
+        response.arrivals.insert(response.arrivals.end(), round.begin(), round.end());
+      }
+      std::stable_sort(response.arrivals.begin(), response.arrivals.end(),
+                       [](const Arrival& a, const Arrival& b) { return a.delay_s < b.delay_s; });
+    }
+  }
+
+  [[nodiscard]] std::int64_t rays_cast() const { return rays_cast_; }
+
+ private:
+  const SceneGeometry& scene_;
+  const TraceOptions& options_;
+  const MirrorLimits& mirrors_;
+  Propagation propagation_;
+  std::span<const Vector3> listeners_;
+  std::vector<EdgeView> views_;
+  std::int64_t rays_cast_ = 0;
+};
 
 // How far mirror rays are trusted to find every image source: out to where an opening of this area
 // catches three of them.
 MirrorLimits mirror_limits(const TraceOptions& options, double speed_m_per_s) {
-  constexpr double kOpening_m2 = 4.0;
-  const double reach_m = std::sqrt(options.mirror_rays * kOpening_m2 / (3.0 * 4.0 * kPi));
+  constexpr double kOpeningSquareMetres = 4.0;
+  const double reach_m = std::sqrt(options.mirror_rays * kOpeningSquareMetres / (3.0 * 4.0 * kPi));
   return {.max_reflections = options.mirror_rays > 0 ? options.max_mirrors : 0,
           .max_distance_m = std::min(reach_m, options.duration_s * speed_m_per_s),
           .min_energy = 1e-4,
@@ -119,23 +172,20 @@ TraceResult trace(const AcousticScene& scene, std::span<const Source> sources,
   std::vector<WalkTally> tallies = walk_sources(setup, sources, pool);
 
   TraceResult result;
+  ArrivalFinder finder(geometry, listeners, options, setup.mirrors);
   for (std::size_t i = 0; i < sources.size(); ++i) {
     WalkTally& tally = tallies[i];
     result.escape_fraction.push_back(tally.emitted > 0.0 ? tally.escaped / tally.emitted : 0.0);
     check_escape(result.escape_fraction.back(), options.max_escape_fraction);
     result.rays_cast += tally.rays_cast;
-    const std::vector<ImageSource> images =
-        find_image_sources(geometry, sources[i], setup.mirrors, options.mirror_rays, pool);
     std::vector<PointResponse>& responses = result.responses.emplace_back(listeners.size());
+    finder.find(sources[i], pool, responses);
     for (std::size_t j = 0; j < listeners.size(); ++j) {
-      PointResponse& response = responses[j];
-      response.arrivals = specular_arrivals(geometry, sources[i], listeners[j], images,
-                                            setup.mirrors, propagation, pool, result.rays_cast);
-      add_direct(geometry, sources[i], listeners[j], propagation, response);
-      response.late = std::move(tally.late[j]);
-      absorb_in_air(propagation, response.late);
+      responses[j].late = std::move(tally.late[j]);
+      absorb_in_air(propagation, responses[j].late);
     }
   }
+  result.rays_cast += finder.rays_cast();
   return result;
 }
 

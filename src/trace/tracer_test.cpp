@@ -149,6 +149,28 @@ TEST(Tracer, DirectivityWeighsWhatLeavesTheSource) {
   EXPECT_FLOAT_EQ(trace_one(open_air(), source, {0, 1, 0}).arrivals[0].gain[0], 1.0F);
 }
 
+TEST(Tracer, ReverberationGetsTheMeanOfTheDirectivity) {
+  // Walls that reflect all and scatter it: after some bounces nothing tells of the first direction.
+  const Scene room = make_shoebox({5, 4, 3}, all_bands(0.02F), all_bands(1.0F));
+  Source source = omni({1, 1, 1});
+  const PointResponse omnidirectional = trace_one(room, source, {3, 3, 2});
+  source.directivity = speech_directivity();
+  const PointResponse speech = trace_one(room, source, {3, 3, 2});
+  const BandArray mean = source.directivity.mean_energy();
+  for (int band = 0; band < kOctaveBands; ++band) {
+    double with = 0.0;
+    double without = 0.0;
+    for (int bin = speech.late.bins() / 4; bin < speech.late.bins(); ++bin) {
+      with += static_cast<double>(speech.late.bin_energy(bin)[band]);
+      without += static_cast<double>(omnidirectional.late.bin_energy(bin)[band]);
+    }
+    // The same rays with other weights: what is left of chance is about 1 %.
+    EXPECT_NEAR(with / without, static_cast<double>(mean[band]),
+                0.04 * static_cast<double>(mean[band]))
+        << band;
+  }
+}
+
 TEST(Tracer, SameDirectivityInAllDirectionsIsOmnidirectional) {
   const Scene room = make_shoebox({5, 4, 3}, all_bands(0.3F), all_bands(0.5F));
   Source source = omni({1, 1, 1});

@@ -34,6 +34,10 @@ enum class Effort { quick, thorough };
 /// Mean and spread over the number of rays.
 std::vector<GateRow> ray_count_gate(ThreadPool& pool, Effort effort);
 
+/// A wall with an open door, a closed one, and none; the level behind it against the uniform theory
+/// of diffraction.
+std::vector<GateRow> diffraction_gate(ThreadPool& pool);
+
 /// Equal bytes for any number of threads; meshes with holes are refused.
 std::vector<GateRow> determinism_gate();
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <complex>
 #include <vector>
 
 #include <earpoint/core/octave_bands.h>
@@ -57,5 +58,16 @@ void absorb_in_air(const Box& box, int band, double bin_s, std::vector<double>& 
 /// 5).
 double lambert_sphere_time_s(double radius_m, double absorption, double air_db_per_m,
                              double speed_m_per_s);
+
+/// Pressure that a rigid wedge with an endless edge diffracts, by the uniform theory of diffraction
+/// (Kouyoumjian and Pathak, Proc. IEEE 62, 1974): another theory than the tracer's, good where the
+/// ways are longer than a wave.
+/// @param open_angle_rad  of the air; 2 pi for a half-plane
+/// @param source_angle_rad, receiver_angle_rad  from one face
+/// @param source_m, receiver_m  distances from the edge, in the plane across it
+/// @return  complex pressure relative to 1 m in free field, its phase with the way's
+std::complex<double> wedge_pressure(double open_angle_rad, double source_angle_rad, double source_m,
+                                    double receiver_angle_rad, double receiver_m,
+                                    double wave_number);
 
 }  // namespace earpoint::gates

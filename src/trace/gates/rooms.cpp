@@ -1,8 +1,36 @@
 #include "rooms.h"
 
+#include <array>
 #include <cstdint>
+#include <utility>
+#include <vector>
 
 namespace earpoint::gates {
+namespace {
+
+void add_mesh(Scene& scene, const std::vector<std::array<float, 3>>& positions,
+              const std::vector<std::array<std::uint32_t, 3>>& triangles,
+              const AcousticMaterial& material) {
+  const auto first_vertex = static_cast<std::uint32_t>(scene.mesh.positions.size());
+  scene.mesh.positions.insert(scene.mesh.positions.end(), positions.begin(), positions.end());
+  for (const auto& [a, b, c] : triangles) {
+    scene.mesh.triangles.push_back({a + first_vertex, b + first_vertex, c + first_vertex});
+  }
+  const auto material_index = static_cast<std::uint32_t>(scene.materials.size());
+  const auto instance_index = static_cast<std::uint32_t>(scene.instances.size());
+  scene.materials.push_back({.acoustic = material, .look = {}});
+  scene.instances.push_back({.name = material.name, .kind = InstanceKind::structure});
+  scene.mesh.triangle_material.insert(scene.mesh.triangle_material.end(), triangles.size(),
+                                      material_index);
+  scene.mesh.triangle_instance.insert(scene.mesh.triangle_instance.end(), triangles.size(),
+                                      instance_index);
+}
+
+std::array<float, 3> position(const Vector3& point) {
+  return {static_cast<float>(point.x), static_cast<float>(point.y), static_cast<float>(point.z)};
+}
+
+}  // namespace
 
 Source omni(const Vector3& position_m) {
   return {.world_from_source = {.position_m = position_m, .orientation = {}}};
@@ -10,23 +38,49 @@ Source omni(const Vector3& position_m) {
 
 void add_block(Scene& scene, const Vector3& low, const Vector3& high,
                const AcousticMaterial& material) {
-  const Vector3 size = high - low;
-  Scene block = make_shoebox(size, all_bands(0.0F), all_bands(0.0F));
-  const auto first_vertex = static_cast<std::uint32_t>(scene.mesh.positions.size());
-  for (const auto& [x, y, z] : block.mesh.positions) {
-    scene.mesh.positions.push_back({x + static_cast<float>(low.x), y + static_cast<float>(low.y),
-                                    z + static_cast<float>(low.z)});
+  Scene block = make_shoebox(high - low, all_bands(0.0F), all_bands(0.0F));
+  for (auto& [x, y, z] : block.mesh.positions) {
+    x += static_cast<float>(low.x);
+    y += static_cast<float>(low.y);
+    z += static_cast<float>(low.z);
   }
-  for (const auto& [a, b, c] : block.mesh.triangles) {
-    scene.mesh.triangles.push_back({a + first_vertex, c + first_vertex, b + first_vertex});
+  for (auto& triangle : block.mesh.triangles) std::swap(triangle[1], triangle[2]);
+  add_mesh(scene, block.mesh.positions, block.mesh.triangles, material);
+}
+
+void add_panel(Scene& scene, const Vector3& corner, const Vector3& along, const Vector3& up,
+               const AcousticMaterial& material) {
+  add_mesh(scene,
+           {position(corner), position(corner + along), position(corner + along + up),
+            position(corner + up)},
+           {{0, 1, 2}, {0, 2, 3}}, material);
+}
+
+Scene wall_with_door(Door door, double thickness_m) {
+  Scene scene = open_air();
+  if (door == Door::none) return scene;
+  const AcousticMaterial rigid{.name = "wall",
+                               .absorption = all_bands(0.0F),
+                               .scattering = all_bands(0.0F),
+                               .transmission = {},
+                               .source = {}};
+  const AcousticMaterial leaf{.name = "door",
+                              .absorption = all_bands(1.0F),
+                              .scattering = all_bands(0.0F),
+                              .transmission = all_bands(1.0F / 3000.0F),
+                              .source = {}};
+  // Left of the door, right of it, above and below.
+  const std::array<std::array<double, 4>, 4> parts = {
+      {{-30, 0, -30, 30}, {1, 30, -30, 30}, {0, 1, 2, 30}, {0, 1, -30, 0}}};
+  for (const auto& [y_low, y_high, z_low, z_high] : parts) {
+    if (thickness_m > 0.0) {
+      add_block(scene, {0, y_low, z_low}, {thickness_m, y_high, z_high}, rigid);
+    } else {
+      add_panel(scene, {0, y_low, z_low}, {0, y_high - y_low, 0}, {0, 0, z_high - z_low}, rigid);
+    }
   }
-  const auto count = block.mesh.triangles.size();
-  const auto material_index = static_cast<std::uint32_t>(scene.materials.size());
-  const auto instance_index = static_cast<std::uint32_t>(scene.instances.size());
-  scene.materials.push_back({.acoustic = material, .look = {}});
-  scene.instances.push_back({.name = material.name, .kind = InstanceKind::structure});
-  scene.mesh.triangle_material.insert(scene.mesh.triangle_material.end(), count, material_index);
-  scene.mesh.triangle_instance.insert(scene.mesh.triangle_instance.end(), count, instance_index);
+  if (door == Door::closed) add_panel(scene, {0, 0, 0}, {0, 1, 0}, {0, 0, 2}, leaf);
+  return scene;
 }
 
 Scene open_air() {

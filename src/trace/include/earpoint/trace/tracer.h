@@ -16,10 +16,13 @@ namespace earpoint {
 
 /// How a scene is traced.
 struct TraceOptions {
-  int rays = 5000;                    ///< that leave each source, > 0
-  int max_bounces = 1000;             ///< of a ray, > 0; most end earlier, by time or energy
-  int mirror_rays = 20000;            ///< that look for image sources, >= 0
-  int max_mirrors = 60;               ///< reflections of an image source, >= 0
+  int rays = 5000;          ///< that leave each source, > 0
+  int max_bounces = 1000;   ///< of a ray, > 0; most end earlier, by time or energy
+  int mirror_rays = 20000;  ///< that look for image sources, >= 0
+  int max_mirrors = 60;     ///< reflections of an image source, >= 0
+  /// Whether sound bends round edges on its straight way: round one, or both of a wall's end. Long
+  /// edges of walls, doors and furniture alone; what reflections bring is not diffracted.
+  bool diffracts = true;
   double duration_s = 1.0;            ///< of the response, > 0
   std::uint64_t seed = 1;             ///< the same seed gives the same bytes
   Air air{};                          ///< its speed of sound and absorption
@@ -30,7 +33,8 @@ struct TraceOptions {
 /// What one listener hears of one source: sharp arrivals, and the energy of all the rest. No sound
 /// is in both.
 struct PointResponse {
-  double distance_m = 0.0;  ///< straight from source to listener
+  double distance_m = 0.0;   ///< straight from source to listener
+  bool sees_source = false;  ///< whether the straight way is free, or through what transmits
   /// Sound along sharp paths, by delay; its directions are in the world's frame.
   std::vector<Arrival> arrivals;
   EnergyHistogram late;
@@ -47,10 +51,9 @@ struct TraceResult {
 
 /// Traces sound from every source to every listener, source-centred: one bundle of rays per source
 /// serves all listeners.
-/// @param listeners  positions; the head's turn comes later (`Renderer`)
-/// @throws InputError if more than `max_escape_fraction` of the energy escapes, or the air is out
-/// of
-///         range
+/// @param listeners  positions; the head's turn comes later (`ResponseRenderer`)
+/// @throws InputError if more than `max_escape_fraction` of the energy escapes, or the air is
+///         out of range
 /// @throws std::logic_error if an option is out of range
 TraceResult trace(const AcousticScene& scene, std::span<const Source> sources,
                   std::span<const Vector3> listeners, const TraceOptions& options,

@@ -1,0 +1,239 @@
+#include "diffraction_edges.h"
+
+#include "mesh_edges.h"
+#include "scene_geometry.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include <earpoint/core/pose.h>
+
+namespace earpoint {
+namespace {
+
+// Shorter edges scatter, which the materials' scattering stands for; furniture is full of them.
+constexpr double kShortestOfStructure_m = 0.4;
+constexpr double kShortestOfFurniture_m = 1.0;
+
+// An edge is looked at in stretches of about this length.
+constexpr double kStretch_m = 0.3;
+
+constexpr double kRing_m = 0.02;  // radius of the circles of rays around an edge
+constexpr int kRingRays = 24;
+constexpr double kOnEdge_m = 0.004;  // a face this close to the circle's middle meets the edge
+
+// Wedges that open less than this beyond flat hardly shadow anything.
+constexpr double kLeastOpen_rad = kPi + 0.35;
+
+// Faces whose angles around the edge differ less are one face.
+constexpr double kSameAngle_rad = 0.1;
+
+// How thick a wall is whose two edges diffract one after the other.
+constexpr double kThinnest_m = 0.01;
+constexpr double kThickest_m = 0.7;
+
+// A face that meets an edge.
+struct Spoke {
+  double angle_rad = 0.0;
+  std::uint32_t triangle = 0;
+};
+
+// Two directions across an edge.
+struct Across {
+  Vector3 u;
+  Vector3 v;
+};
+
+Across across(const Vector3& direction) {
+  const Vector3 aside = std::abs(direction.z) < 0.9 ? Vector3{0, 0, 1} : Vector3{1, 0, 0};
+  const Vector3 u = normalized(cross(aside, direction));
+  return {u, cross(direction, u)};
+}
+
+// The faces around a point of an edge, by angle; nothing if something else is in the way.
+std::optional<std::vector<Spoke>> find_spokes(const SceneGeometry& scene, const Vector3& point,
+                                              const Vector3& direction) {
+  const auto [u, v] = across(direction);
+  const auto on_ring = [&](int i) {
+    // Turned off the axes: faces often lie along them, and would run through a ray's end.
+    const double angle_rad = 2.0 * kPi * (i + 0.37) / kRingRays;
+    return point + u * (kRing_m * std::cos(angle_rad)) + v * (kRing_m * std::sin(angle_rad));
+  };
+  std::vector<Spoke> spokes;
+  for (int i = 0; i < kRingRays; ++i) {
+    const Vector3 from = on_ring(i);
+    const Vector3 to = on_ring(i + 1);
+    const Vector3 way = normalized(to - from);
+    const std::optional<TriangleHit> hit =
+        scene.rays().closest(from, way, norm(to - from), scene.still_layers());
+    if (!hit) continue;
+    const BounceFacet& facet = scene.facet(hit->triangle);
+    if (std::abs(dot(facet.exact_normal, point) - facet.offset_m) > kOnEdge_m) return std::nullopt;
+    const Vector3 met = from + way * static_cast<double>(hit->distance_m) - point;
+    spokes.push_back({std::atan2(dot(met, v), dot(met, u)), hit->triangle});
+  }
+  std::sort(spokes.begin(), spokes.end(),
+            [](const Spoke& a, const Spoke& b) { return a.angle_rad < b.angle_rad; });
+  return spokes;
+}
+
+BandArray face_reflection(const SceneGeometry& scene, std::uint32_t triangle) {
+  const BounceSurface& surface = scene.surface(scene.facet(triangle));
+  BandArray reflection;
+  for (int band = 0; band < kOctaveBands; ++band) {
+    reflection[band] = std::sqrt(surface.diffuse[band] + surface.specular[band]);
+  }
+  return reflection;
+}
+
+// The widest room between neighbouring spokes, if it is wide enough.
+std::optional<DiffractionEdge> widest_wedge(const SceneGeometry& scene, const Vector3& direction,
+                                            const std::vector<Spoke>& spokes) {
+  if (spokes.empty()) return std::nullopt;
+  double widest_rad = 0.0;
+  std::size_t first = 0;
+  for (std::size_t i = 0; i < spokes.size(); ++i) {
+    const bool wraps = i + 1 == spokes.size();
+    const double next_rad = spokes[(i + 1) % spokes.size()].angle_rad + (wraps ? 2.0 * kPi : 0.0);
+    if (next_rad - spokes[i].angle_rad > widest_rad) {
+      widest_rad = next_rad - spokes[i].angle_rad;
+      first = i;
+    }
+  }
+  if (widest_rad < kLeastOpen_rad) return std::nullopt;
+  const auto [u, v] = across(direction);
+  const double angle_rad = spokes[first].angle_rad;
+  DiffractionEdge edge;
+  edge.direction = direction;
+  edge.first_face = u * std::cos(angle_rad) + v * std::sin(angle_rad);
+  edge.into_air = v * std::cos(angle_rad) - u * std::sin(angle_rad);
+  edge.wedge.open_angle_rad = std::min(widest_rad, 2.0 * kPi);
+  edge.wedge.reflection = {face_reflection(scene, spokes[first].triangle),
+                           face_reflection(scene, spokes[(first + 1) % spokes.size()].triangle)};
+  return edge;
+}
+
+// Sound can only be there if the room around is closed: some ray out of the wedge's middle hits.
+bool is_inside(const SceneGeometry& scene, const DiffractionEdge& edge) {
+  const Vector3 from = point_on_edge(edge, edge.length_m / 2.0, kRing_m);
+  const Vector3 middle =
+      normalized(from - (edge.origin_m + edge.direction * (edge.length_m / 2.0)));
+  for (const Vector3& direction :
+       {middle, normalized(middle + edge.direction), normalized(middle - edge.direction)}) {
+    if (scene.rays().closest(from, direction, 1e5, scene.still_layers())) return true;
+  }
+  return false;
+}
+
+bool same_wedge(const DiffractionEdge& a, const DiffractionEdge& b) {
+  return std::abs(a.wedge.open_angle_rad - b.wedge.open_angle_rad) < kSameAngle_rad &&
+         dot(a.first_face, b.first_face) > std::cos(kSameAngle_rad);
+}
+
+// Looks at a crease stretch by stretch; neighbours alike are one edge.
+void add_edges(const SceneGeometry& scene, const Crease& crease,
+               std::vector<DiffractionEdge>& edges) {
+  const double length_m = norm(crease.end_m - crease.begin_m);
+  const Vector3 direction = (crease.end_m - crease.begin_m) / length_m;
+  const int count = std::max(1, static_cast<int>(std::lround(length_m / kStretch_m)));
+  std::optional<DiffractionEdge> open;
+  const auto finish = [&] {
+    if (open && is_inside(scene, *open)) edges.push_back(*open);
+    open.reset();
+  };
+  for (int i = 0; i < count; ++i) {
+    const double step_m = length_m / count;
+    const Vector3 middle = crease.begin_m + direction * ((i + 0.5) * step_m);
+    const std::optional<std::vector<Spoke>> spokes = find_spokes(scene, middle, direction);
+    std::optional<DiffractionEdge> stretch;
+    if (spokes) stretch = widest_wedge(scene, direction, *spokes);
+    if (stretch && open && same_wedge(*open, *stretch)) {
+      open->length_m += step_m;
+      continue;
+    }
+    finish();
+    if (!stretch) continue;
+    open = stretch;
+    open->origin_m = crease.begin_m + direction * (i * step_m);
+    open->length_m = step_m;
+  }
+  finish();
+}
+
+// The angle of the face that lies along a direction around an edge, if one does.
+std::optional<double> face_angle(const DiffractionEdge& edge, double angle_rad) {
+  const double open_rad = edge.wedge.open_angle_rad;
+  for (const double face_rad : {0.0, open_rad}) {
+    if (std::abs(wrap_angle(angle_rad - face_rad)) < kSameAngle_rad) return face_rad;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+EdgePoint edge_point(const DiffractionEdge& edge, const Vector3& point) {
+  const Vector3 offset = point - edge.origin_m;
+  EdgePoint result;
+  result.z_m = dot(offset, edge.direction);
+  const double x = dot(offset, edge.first_face);
+  const double y = dot(offset, edge.into_air);
+  result.radius_m = std::hypot(x, y);
+  result.angle_rad = std::atan2(y, x);
+  if (result.angle_rad < 0.0) result.angle_rad += 2.0 * kPi;
+  return result;
+}
+
+Vector3 point_on_edge(const DiffractionEdge& edge, double z_m, double clearance_m) {
+  const double middle_rad = edge.wedge.open_angle_rad / 2.0;
+  return edge.origin_m + edge.direction * z_m +
+         edge.first_face * (clearance_m * std::cos(middle_rad)) +
+         edge.into_air * (clearance_m * std::sin(middle_rad));
+}
+
+std::vector<DiffractionEdge> find_diffraction_edges(const SceneGeometry& scene) {
+  std::vector<DiffractionEdge> edges;
+  for (const bool structure : {true, false}) {
+    std::vector<bool> counts;
+    for (const InstanceKind kind : scene.instance_kinds()) {
+      counts.push_back(kind == (structure ? InstanceKind::structure : InstanceKind::furniture));
+    }
+    const double shortest_m = structure ? kShortestOfStructure_m : kShortestOfFurniture_m;
+    for (const Crease& crease : find_creases(scene.mesh(), counts, shortest_m)) {
+      add_edges(scene, crease, edges);
+    }
+  }
+  return edges;
+}
+
+std::vector<EdgePair> find_edge_pairs(std::span<const DiffractionEdge> edges) {
+  constexpr double kParallel = 0.9995;
+  std::vector<EdgePair> pairs;
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    for (std::size_t j = 0; j < edges.size(); ++j) {
+      if (i == j) continue;
+      const double cosine = dot(edges[i].direction, edges[j].direction);
+      if (std::abs(cosine) < kParallel) continue;
+      const Vector3 middle = point_on_edge(edges[j], edges[j].length_m / 2.0, 0.0);
+      const EdgePoint second = edge_point(edges[i], middle);
+      if (second.radius_m < kThinnest_m || second.radius_m > kThickest_m) continue;
+      EdgePair pair{.first = i, .second = j, .width_m = second.radius_m};
+      pair.z_sign = cosine > 0.0 ? 1.0 : -1.0;
+      pair.z_offset_m = edge_point(edges[i], edges[j].origin_m).z_m;
+      const double low = std::min(pair.z_offset_m, pair.first_from_second_z(edges[j].length_m));
+      const double high = std::max(pair.z_offset_m, pair.first_from_second_z(edges[j].length_m));
+      if (low >= edges[i].length_m || high <= 0.0) continue;
+      const Vector3 opposite = point_on_edge(edges[i], second.z_m, 0.0);
+      const EdgePoint first = edge_point(edges[j], opposite);
+      const std::optional<double> first_angle = face_angle(edges[i], second.angle_rad);
+      const std::optional<double> second_angle = face_angle(edges[j], first.angle_rad);
+      if (!first_angle || !second_angle) continue;
+      pair.first_angle_rad = *first_angle;
+      pair.second_angle_rad = *second_angle;
+      pairs.push_back(pair);
+    }
+  }
+  return pairs;
+}
+
+}  // namespace earpoint

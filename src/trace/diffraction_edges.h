@@ -1,0 +1,59 @@
+#pragma once
+
+#include "triangle_tree.h"
+#include "wedge_diffraction.h"
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include <earpoint/core/vector3.h>
+
+namespace earpoint {
+
+class SceneGeometry;
+
+/// A straight edge that sound bends round: a door frame, the end of a wall, the rim of a wardrobe.
+struct DiffractionEdge {
+  Vector3 origin_m;    ///< z = 0 of the edge's coordinates
+  Vector3 direction;   ///< unit vector along the edge
+  Vector3 first_face;  ///< unit vector from the edge into its first face
+  Vector3 into_air;    ///< unit vector across the edge, turned from `first_face` by 90 degrees into
+                       ///< the air
+  double length_m = 0.0;
+  Wedge wedge;
+};
+
+/// @return a point in an edge's coordinates
+EdgePoint edge_point(const DiffractionEdge& edge, const Vector3& point);
+
+/// @return a point on an edge, moved by `clearance_m` into the middle of its air
+Vector3 point_on_edge(const DiffractionEdge& edge, double z_m, double clearance_m);
+
+/// Two parallel edges with a face between them: the end of a thick wall, passed from the first to
+/// the second.
+struct EdgePair {
+  std::size_t first = 0;
+  std::size_t second = 0;
+  double width_m = 0.0;           ///< of the face
+  double first_angle_rad = 0.0;   ///< of the face, around the first edge
+  double second_angle_rad = 0.0;  ///< of the face, around the second edge
+  double z_offset_m = 0.0;        ///< of the second edge's origin, along the first edge
+  double z_sign = 1.0;            ///< -1 if the second edge runs the other way
+
+  [[nodiscard]] double first_from_second_z(double z) const { return z_offset_m + z_sign * z; }
+  [[nodiscard]] double second_from_first_z(double z) const { return z_sign * (z - z_offset_m); }
+};
+
+/// @return every pair in both orders
+std::vector<EdgePair> find_edge_pairs(std::span<const DiffractionEdge> edges);
+
+/// Finds the edges of a mesh that are long enough and open enough to matter: creases of walls and
+/// doors from 0.4 m on, of furniture from 1 m on (shorter ones scatter, which the materials'
+/// scattering stands for), where the air opens by 20 degrees or more beyond flat. People have none.
+/// Whether faces meet at an edge is not asked of the mesh's indices but of rays on small circles
+/// around it: parts that touch without sharing vertices, or stand in one another, count as they
+/// lie.
+std::vector<DiffractionEdge> find_diffraction_edges(const SceneGeometry& scene);
+
+}  // namespace earpoint

@@ -1,0 +1,179 @@
+#include "wedge_diffraction.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <limits>
+#include <vector>
+
+#include <earpoint/core/error.h>
+#include <earpoint/core/pose.h>
+
+namespace earpoint {
+namespace {
+
+// Parts of the diffracted sound: past the edge, and off either face.
+constexpr int kParts = 3;
+using Parts = std::array<double, kParts>;
+
+constexpr int kFrequenciesPerBand = 3;
+
+// Secondary sources are gathered by their time of arrival into bins of this length: a phase error
+// of 0.04 of a period at 8 kHz, shared between two bins.
+constexpr double kBin_m = 0.0035;
+
+// Near a shadow boundary the integrand peaks at the apex; steps grow from this size with distance.
+constexpr double kFinestStep_m = 1e-5;
+constexpr double kGrowth = 0.12;
+constexpr double kCoarsestStep_m = 0.01;
+
+class Integrand {
+ public:
+  Integrand(const Wedge& wedge, const EdgePoint& source, const EdgePoint& receiver)
+      : source_(source), receiver_(receiver), index_(kPi / wedge.open_angle_rad) {
+    const double sum = source.angle_rad + receiver.angle_rad;
+    const double difference = source.angle_rad - receiver.angle_rad;
+    angles_ = {kPi + sum, kPi + difference, kPi - difference, kPi - sum};
+    for (int i = 0; i < 4; ++i) {
+      sines_[i] = std::sin(index_ * angles_[i]);
+      cosines_[i] = std::cos(index_ * angles_[i]);
+    }
+  }
+
+  // The ways to and from a point of the edge.
+  [[nodiscard]] double path_m(double z) const {
+    return std::hypot(source_.radius_m, z - source_.z_m) +
+           std::hypot(receiver_.radius_m, z - receiver_.z_m);
+  }
+
+  // Pressure per metre of edge.
+  [[nodiscard]] Parts at(double z) const {
+    const double in_m = std::hypot(source_.radius_m, z - source_.z_m);
+    const double out_m = std::hypot(receiver_.radius_m, z - receiver_.z_m);
+    const double ratio = (in_m * out_m + (z - source_.z_m) * (z - receiver_.z_m)) /
+                         (source_.radius_m * receiver_.radius_m);
+    // 1 at the apex; rounding may take it below.
+    const double cosh_eta = std::max(1.0, ratio);
+    const double power = std::pow(cosh_eta + std::sqrt(cosh_eta * cosh_eta - 1.0), index_);
+    const double cosh_index_eta = (power + 1.0 / power) / 2.0;
+    std::array<double, 4> beta;
+    for (int i = 0; i < 4; ++i) {
+      const double below = cosh_index_eta - cosines_[i];
+      beta[i] = below > 0.0 ? sines_[i] / below : 0.0;
+    }
+    const double scale = -index_ / (4.0 * kPi * in_m * out_m);
+    return {scale * (beta[1] + beta[2]), scale * beta[3], scale * beta[0]};
+  }
+
+ private:
+  EdgePoint source_;
+  EdgePoint receiver_;
+  double index_;
+  std::array<double, 4> angles_{};
+  std::array<double, 4> sines_{};
+  std::array<double, 4> cosines_{};
+};
+
+// The impulse response from the first arrival on, in bins of distance.
+class BinnedResponse {
+ public:
+  explicit BinnedResponse(double first_m) : first_m_(first_m) {}
+
+  void add(double path_m, const Parts& parts) {
+    const double place = std::max(0.0, (path_m - first_m_) / kBin_m);
+    const auto bin = static_cast<std::size_t>(place);
+    const double upper = place - static_cast<double>(bin);
+    if (bin + 2 > bins_.size()) bins_.resize(bin + 2);
+    for (int part = 0; part < kParts; ++part) {
+      bins_[bin][part] += (1.0 - upper) * parts[part];
+      bins_[bin + 1][part] += upper * parts[part];
+    }
+  }
+
+  [[nodiscard]] std::array<std::complex<double>, kParts> spectrum(double wave_number) const {
+    std::array<std::complex<double>, kParts> sum{};
+    const std::complex<double> step = std::polar(1.0, -wave_number * kBin_m);
+    std::complex<double> turn = 1.0;
+    for (const Parts& bin : bins_) {
+      for (int part = 0; part < kParts; ++part) sum[part] += bin[part] * turn;
+      turn *= step;
+    }
+    return sum;
+  }
+
+ private:
+  double first_m_;
+  std::vector<Parts> bins_;
+};
+
+double apex_z(const EdgePoint& source, const EdgePoint& receiver,
+              std::span<const EdgeInterval> intervals) {
+  // On the unfolded plane the way is straight.
+  const double unbounded = source.z_m + (receiver.z_m - source.z_m) * source.radius_m /
+                                            (source.radius_m + receiver.radius_m);
+  double nearest = intervals.front().begin_m;
+  for (const EdgeInterval& interval : intervals) {
+    const double z = std::clamp(unbounded, interval.begin_m, interval.end_m);
+    if (std::abs(z - unbounded) < std::abs(nearest - unbounded)) nearest = z;
+  }
+  return nearest;
+}
+
+// From `begin` towards `end`, away from the apex: midpoint rule over growing steps.
+void integrate(const Integrand& integrand, double apex, double begin, double end,
+               BinnedResponse& response) {
+  const double direction = end > begin ? 1.0 : -1.0;
+  double z = begin;
+  while (z != end) {
+    const double wanted = std::min(kFinestStep_m + kGrowth * std::abs(z - apex), kCoarsestStep_m);
+    const double step = std::min(wanted, std::abs(end - z));
+    const double next = step == std::abs(end - z) ? end : z + direction * step;
+    const double middle = (z + next) / 2.0;
+    Parts parts = integrand.at(middle);
+    for (double& part : parts) part *= std::abs(next - z);
+    response.add(integrand.path_m(middle), parts);
+    z = next;
+  }
+}
+
+BandArray band_gains(const Wedge& wedge, const BinnedResponse& response, double speed_m_per_s) {
+  BandArray gains;
+  for (int band = 0; band < kOctaveBands; ++band) {
+    double energy = 0.0;
+    double real = 0.0;
+    for (int i = 0; i < kFrequenciesPerBand; ++i) {
+      const double octaves = (i - (kFrequenciesPerBand - 1) / 2.0) / kFrequenciesPerBand;
+      const double frequency_hz = kOctaveBandCentresHz[band] * std::exp2(octaves);
+      const auto parts = response.spectrum(2.0 * kPi * frequency_hz / speed_m_per_s);
+      const std::complex<double> sum = parts[0] +
+                                       static_cast<double>(wedge.reflection[0][band]) * parts[1] +
+                                       static_cast<double>(wedge.reflection[1][band]) * parts[2];
+      energy += std::norm(sum) / kFrequenciesPerBand;
+      real += sum.real();
+    }
+    gains[band] = static_cast<float>(std::copysign(std::sqrt(energy), real));
+  }
+  return gains;
+}
+
+}  // namespace
+
+DiffractedSound diffract(const Wedge& wedge, const EdgePoint& source, const EdgePoint& receiver,
+                         std::span<const EdgeInterval> intervals, double speed_m_per_s) {
+  EARPOINT_CHECK(!intervals.empty() && wedge.open_angle_rad > 0.0);
+  EARPOINT_CHECK(source.radius_m > 0.0 && receiver.radius_m > 0.0);
+  const Integrand integrand(wedge, source, receiver);
+  DiffractedSound sound;
+  sound.apex_z_m = apex_z(source, receiver, intervals);
+  sound.distance_m = integrand.path_m(sound.apex_z_m);
+  BinnedResponse response(sound.distance_m);
+  for (const EdgeInterval& interval : intervals) {
+    const double apex = std::clamp(sound.apex_z_m, interval.begin_m, interval.end_m);
+    integrate(integrand, sound.apex_z_m, apex, interval.end_m, response);
+    integrate(integrand, sound.apex_z_m, apex, interval.begin_m, response);
+  }
+  sound.gain = band_gains(wedge, response, speed_m_per_s);
+  return sound;
+}
+
+}  // namespace earpoint

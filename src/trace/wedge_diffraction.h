@@ -1,0 +1,48 @@
+#pragma once
+
+#include <array>
+#include <span>
+
+#include <earpoint/core/octave_bands.h>
+
+namespace earpoint {
+
+/// A straight edge where two faces meet, seen along the edge: the air fills the angle from the
+/// first face (0) to the second (`open_angle_rad`).
+struct Wedge {
+  double open_angle_rad = 0.0;  ///< in (0, 2 pi]; below pi nothing is diffracted that needs it
+  /// Pressure that each face reflects, per band; 1 for a rigid one.
+  std::array<BandArray, 2> reflection{all_bands(1.0F), all_bands(1.0F)};
+};
+
+/// A point in the edge's own coordinates.
+struct EdgePoint {
+  double radius_m = 0.0;   ///< from the edge, > 0
+  double angle_rad = 0.0;  ///< from the first face, in [0, open angle]
+  double z_m = 0.0;        ///< along the edge
+};
+
+/// A stretch of the edge that both points see.
+struct EdgeInterval {
+  double begin_m = 0.0;
+  double end_m = 0.0;
+};
+
+/// What comes round an edge.
+struct DiffractedSound {
+  double distance_m = 0.0;  ///< the shortest way over the edge
+  double apex_z_m = 0.0;    ///< where that way touches it
+  BandArray gain{};  ///< pressure relative to 1 m in free field; negative where it takes away
+                     ///< from sound that the geometry lets through whole
+};
+
+/// First-order diffraction by the parts of a wedge that are in sight, as in Biot, Tolstoy and
+/// Medwin: every point of the edge is a secondary source (Svensson, Fred and Vanderkooy, JASA 106,
+/// 1999, equations 2 to 5). Integrated over the edge, and per octave averaged over three
+/// frequencies. For faces that are not rigid, the two terms that belong to a reflection are weighed
+/// by the face's reflection, as Luebbers (IEEE Trans. Antennas Propag. 32, 1984) does.
+/// @param intervals  in ascending order, not empty
+DiffractedSound diffract(const Wedge& wedge, const EdgePoint& source, const EdgePoint& receiver,
+                         std::span<const EdgeInterval> intervals, double speed_m_per_s);
+
+}  // namespace earpoint
