@@ -4,6 +4,7 @@
 The clip is the bundled one, looped by ffmpeg (picture and sound). Prints one JSON object.
 
 usage: bench/render_memory.py EARPOINT CLIP [MODEL]
+  MODEL  dsp (the default), or the file of a ViGAS network
 """
 import json
 import os
@@ -46,7 +47,7 @@ def main():
         if not text:
             sys.exit("render failed")
         print(json.dumps({
-            "model": model,
+            "model": "vigas" if os.path.isfile(model) else model,
             "clip_s": MINUTES * 60,
             "peak_mb": int(text) / 1024,
             "wall_s": time.monotonic() - start,

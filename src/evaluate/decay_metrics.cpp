@@ -33,6 +33,7 @@ bool reaches_t30(const Waveform& wave) {
 
 std::vector<ChannelDecay> decays_of(const Waveform& wave, std::string_view name, DecayRange range) {
   std::vector<ChannelDecay> result;
+  result.reserve(static_cast<std::size_t>(wave.channels()));
   for (int c = 0; c < wave.channels(); ++c) {
     result.push_back(
         {measure(wave, name, c,

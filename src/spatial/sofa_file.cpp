@@ -234,7 +234,7 @@ std::filesystem::path default_hrtf_path() {
   std::size_t begin = 0;
   while (begin <= folders.size()) {
     const std::size_t end = std::min(folders.find(':', begin), folders.size());
-    const std::filesystem::path path =
+    std::filesystem::path path =
         std::filesystem::path(folders.substr(begin, end - begin)) / kDefaultSet;
     std::error_code ignored;
     if (end > begin && std::filesystem::is_regular_file(path, ignored)) return path;

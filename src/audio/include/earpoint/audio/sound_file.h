@@ -61,7 +61,7 @@ class SoundWriter {
   /// @param sample_rate_hz  > 0
   /// @throws InputError for an unknown extension, a sample format that the file format cannot hold,
   ///         or a place that cannot be written
-  SoundWriter(std::filesystem::path path, int channels, int sample_rate_hz,
+  SoundWriter(const std::filesystem::path& path, int channels, int sample_rate_hz,
               SampleFormat format = SampleFormat::pcm24);
   ~SoundWriter();
   SoundWriter(SoundWriter&&) noexcept;
