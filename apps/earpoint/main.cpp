@@ -1,6 +1,7 @@
 #include "metrics_command.h"
 #include "model_command.h"
 #include "render_command.h"
+#include "simulate_command.h"
 #include "trace_command.h"
 #include "view_command.h"
 
@@ -18,6 +19,7 @@ int main(int argc, char** argv) {
   add_metrics_command(app);
   earpoint::add_render_command(app);
   add_model_command(app);
+  add_simulate_command(app);
   add_trace_command(app);
   add_view_command(app);
   try {

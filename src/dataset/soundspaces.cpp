@@ -1,11 +1,8 @@
-#include "json_field.h"
-
 #include <algorithm>
-#include <charconv>
 #include <cmath>
+#include <iterator>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <earpoint/audio/convolution.h>
 #include <earpoint/audio/resample.h>
@@ -26,56 +23,6 @@ constexpr int kImageSize = 256;
 constexpr double kCutoff_hz = 80.0;
 // Below this a response counts as silence and keeps its delay, as in the released loader.
 constexpr float kSilence = 1e-8F;
-
-int parse_id(const std::string& key, const std::string& where) {
-  int id = 0;
-  const auto [end, error] = std::from_chars(key.data(), key.data() + key.size(), id);
-  if (error != std::errc() || end != key.data() + key.size()) {
-    throw InputError(where, "expected a speaker's number as key, found '" + key + "'");
-  }
-  return id;
-}
-
-SoundSpacesViewpoint parse_viewpoint(const JsonField& json) {
-  SoundSpacesViewpoint viewpoint;
-  viewpoint.location = json.field("location").vector3();
-  viewpoint.rotation_rad = json.field("rotation").number();
-  viewpoint.image = json.field("image").text();
-  for (const auto& [key, value] : json.field("rir").fields()) {
-    viewpoint.rir[parse_id(key, json.where())] = value.text();
-  }
-  for (const auto& [key, value] : json.field("bboxes").fields()) {
-    const std::vector<JsonField> edges = value.items();
-    if (edges.size() != 4) {
-      throw InputError(value.where(), fmt::format("expected 4 numbers, found {}", edges.size()));
-    }
-    auto& box = viewpoint.bboxes[parse_id(key, json.where())];
-    std::transform(edges.begin(), edges.end(), box.begin(),
-                   [](const JsonField& edge) { return edge.integer(); });
-  }
-  return viewpoint;
-}
-
-SoundSpacesSpeaker parse_speaker(const JsonField& json) {
-  SoundSpacesSpeaker speaker;
-  speaker.id = json.field("id").integer();
-  speaker.location = json.field("location").vector3();
-  const JsonField speech = json.field("speech");
-  if (!speech.is_null()) speaker.speech = speech.text();
-  return speaker;
-}
-
-SoundSpacesClip parse_clip(const JsonField& json, const std::string& scene, int index) {
-  SoundSpacesClip clip{scene, index, {}, {}};
-  for (const JsonField& item : json.field("viewpoints").items()) {
-    clip.viewpoints.push_back(parse_viewpoint(item));
-  }
-  for (const JsonField& item : json.field("speakers").items()) {
-    clip.speakers.push_back(parse_speaker(item));
-  }
-  if (clip.viewpoints.size() < 2) throw InputError(json.where(), "fewer than two viewpoints");
-  return clip;
-}
 
 /// Drops what lies before the earlier ear's first sample that is not zero.
 Waveform without_delay(const Waveform& response, const std::string& where) {
@@ -139,12 +86,9 @@ SoundSpacesDataset::SoundSpacesDataset(Options options) : options_(std::move(opt
   }
   for (const fs::path& scene : scenes) {
     const fs::path path = scene / options_.metadata_file;
-    const nlohmann::json document = nlohmann::json::parse(read_text_file(path), nullptr, false);
-    if (document.is_discarded()) throw InputError(path.string(), "is not valid JSON");
-    int index = 0;
-    for (const JsonField& item : JsonField(document, path.string()).items()) {
-      clips_.push_back(parse_clip(item, scene.filename().string(), index++));
-    }
+    std::vector<SoundSpacesClip> clips =
+        parse_soundspaces_metadata(read_text_file(path), path.string(), scene.filename().string());
+    std::move(clips.begin(), clips.end(), std::back_inserter(clips_));
   }
 }
 
@@ -171,16 +115,7 @@ SoundSpacesChoice SoundSpacesDataset::draw(const SoundSpacesClip& clip, NumpyRan
 }
 
 fs::path SoundSpacesDataset::speech_path(const std::string& speech) const {
-  const std::string part = options_.split == "train"           ? "train-clean-360"
-                           : options_.split.starts_with("val") ? "dev-clean"
-                                                               : "test-clean";
-  const auto first = speech.find('-');
-  const auto second = speech.find('-', first == std::string::npos ? first : first + 1);
-  if (second == std::string::npos) {
-    throw InputError("speech '" + speech + "'", "expected a name like book-chapter-section");
-  }
-  return options_.root / options_.speech_folder / part / speech.substr(0, first) /
-         speech.substr(first + 1, second - first - 1) / (speech + ".flac");
+  return options_.root / options_.speech_folder / soundspaces_speech_file(options_.split, speech);
 }
 
 Waveform SoundSpacesDataset::speech(const std::string& name) const {
@@ -236,12 +171,6 @@ std::array<double, 2> soundspaces_rotation(const SoundSpacesViewpoint& from,
                                            const SoundSpacesViewpoint& to) {
   const double turn_rad = wrapped(to.rotation_rad - from.rotation_rad);
   return {std::sin(turn_rad), std::cos(turn_rad)};
-}
-
-Vector3 from_soundspaces(const Vector3& location) { return {-location.z, -location.x, location.y}; }
-
-Vector3 to_soundspaces(const Vector3& position_m) {
-  return {-position_m.y, position_m.z, -position_m.x};
 }
 
 }  // namespace earpoint

@@ -2,42 +2,14 @@
 
 #include <array>
 #include <filesystem>
-#include <map>
-#include <optional>
 #include <string>
 #include <vector>
 
-#include <earpoint/core/image.h>
-#include <earpoint/core/pose.h>
 #include <earpoint/dataset/numpy_random.h>
 #include <earpoint/dataset/sample.h>
+#include <earpoint/dataset/soundspaces_metadata.h>
 
 namespace earpoint {
-
-/// One viewpoint of a clip in the SoundSpaces-NVAS layout: numbers as the file has them.
-struct SoundSpacesViewpoint {
-  Vector3 location;                ///< their frame: metres, y up
-  double rotation_rad = 0.0;       ///< about y, to the left; 0 looks along -z
-  std::map<int, std::string> rir;  ///< speaker id -> path of a 2-channel sound
-  std::string image;               ///< path of a PNG
-  std::map<int, std::array<int, 4>>
-      bboxes;  ///< speaker id -> y_min, y_max, x_min, x_max; pixels of 256
-};
-
-/// One speaker of a clip.
-struct SoundSpacesSpeaker {
-  int id = 0;
-  std::optional<std::string> speech;  ///< "book-chapter-section", or none
-  Vector3 location;
-};
-
-/// One conversation in a scene: an item of the data set.
-struct SoundSpacesClip {
-  std::string scene;
-  int index = 0;  ///< within the scene's file
-  std::vector<SoundSpacesViewpoint> viewpoints;
-  std::vector<SoundSpacesSpeaker> speakers;
-};
 
 /// Which sample is made of a clip.
 struct SoundSpacesChoice {
@@ -54,7 +26,7 @@ class SoundSpacesDataset {
     std::filesystem::path root;  ///< the folder that the paths in the files start from
     std::filesystem::path folder = "data/synthetic_dataset/v16";  ///< under root
     std::string split = "test";
-    std::string metadata_file = "cleaned_metadata_v3.json";
+    std::string metadata_file{kSoundSpacesMetadata};
     std::filesystem::path speech_folder = "data/LibriSpeech-wav";  ///< under root
   };
 
@@ -89,9 +61,5 @@ class SoundSpacesDataset {
 std::array<double, 3> soundspaces_pose(const SoundSpacesViewpoint& from, const Vector3& to);
 std::array<double, 2> soundspaces_rotation(const SoundSpacesViewpoint& from,
                                            const SoundSpacesViewpoint& to);
-
-/// Their frame (y up, -z ahead at rotation 0) as ours (x front, y left, z up).
-Vector3 from_soundspaces(const Vector3& location);
-Vector3 to_soundspaces(const Vector3& position_m);
 
 }  // namespace earpoint

@@ -1,0 +1,174 @@
+#include "simulate_command.h"
+
+#include "simulate_report.h"
+
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <earpoint/core/error.h>
+#include <earpoint/core/parallel.h>
+#include <earpoint/core/progress.h>
+#include <earpoint/generate/generation.h>
+#include <earpoint/generate/scene_source.h>
+#include <earpoint/scene/material_table.h>
+#include <earpoint/scene/model_pack.h>
+
+namespace {
+
+namespace fs = std::filesystem;
+using earpoint::InputError;
+
+struct Options {
+  earpoint::GenerationOptions generation;
+  std::vector<fs::path> scenes;
+  std::optional<fs::path> materials;
+  std::optional<fs::path> speech;
+  std::string split;
+  std::string shard;
+  int jobs = 0;
+  bool close_ceiling = false;
+  bool released_speech = false;
+  bool quiet = false;
+  bool json = false;
+};
+
+void check_at_least(const char* flag, double value, double least) {
+  if (value >= least) return;
+  throw InputError(flag, fmt::format("expected {:g} or more, found {:g}", least, value));
+}
+
+void check(const Options& options) {
+  const earpoint::GenerationOptions& generation = options.generation;
+  check_at_least("--scenes", generation.order.scenes, 1);
+  check_at_least("--conversations", generation.order.conversations, 1);
+  check_at_least("--viewpoints", generation.conversation.viewpoints, 2);
+  check_at_least("--rays", generation.quality.rays, 1);
+  check_at_least("--rate", generation.quality.sample_rate_hz, 8000);
+  check_at_least("--jobs", options.jobs, 0);
+  if (!(generation.quality.duration_s > 0.0 && generation.quality.duration_s <= 30.0)) {
+    throw InputError("--duration", fmt::format("expected more than 0 and at most 30 s, found {:g}",
+                                               generation.quality.duration_s));
+  }
+  if (options.split.find_first_of("/\\") != std::string::npos || options.split.starts_with('.')) {
+    throw InputError("--split", "expected a folder's name, found '" + options.split + "'");
+  }
+  if (options.scenes.empty() && (options.materials || options.close_ceiling)) {
+    throw InputError(options.materials ? "--materials" : "--close-ceiling",
+                     "homes that are drawn need none", "name a file with --scene");
+  }
+}
+
+std::unique_ptr<earpoint::SceneSource> scene_source(const Options& options,
+                                                    earpoint::ModelPack& models,
+                                                    const earpoint::MaterialTable* materials) {
+  if (options.scenes.empty()) {
+    return std::make_unique<earpoint::HomeSource>(
+        options.generation.seed, earpoint::FurnitureLibrary(std::move(models.furniture)));
+  }
+  return std::make_unique<earpoint::FileSource>(
+      options.scenes,
+      earpoint::ImportOptions{.materials = materials, .close_ceiling = options.close_ceiling});
+}
+
+void run(Options options) {
+  if (!options.scenes.empty()) {
+    options.generation.order.scenes = static_cast<int>(options.scenes.size());
+  }
+  check(options);
+  earpoint::GenerationOptions& generation = options.generation;
+  if (!options.split.empty()) generation.order.split = options.split;
+  if (!options.shard.empty()) generation.shard = earpoint::parse_shard(options.shard);
+  if (options.released_speech) generation.speech_form = earpoint::SpeechForm::released;
+  generation.jobs = options.jobs > 0 ? options.jobs : earpoint::available_cores();
+
+  const earpoint::SpeechCorpus corpus =
+      earpoint::SpeechCorpus::load(options.speech.value_or(earpoint::default_speech_folder()));
+  std::optional<earpoint::MaterialTable> materials;
+  if (options.materials) materials = earpoint::load_material_table(*options.materials);
+  earpoint::ModelPack models = earpoint::installed_models();
+  const std::unique_ptr<earpoint::SceneSource> scenes =
+      scene_source(options, models, materials ? &*materials : nullptr);
+  // The voices are those of adults.
+  std::erase_if(models.figures, [](const auto& figure) { return !figure.is_adult; });
+  const earpoint::FigureLibrary figures(std::move(models.figures));
+
+  earpoint::SilentProgress silent;
+  earpoint::StreamProgress bar(stderr);
+  earpoint::ProgressSink& progress =
+      options.quiet ? static_cast<earpoint::ProgressSink&>(silent) : bar;
+  const earpoint::GenerationSummary summary =
+      generate_dataset(generation, *scenes, figures, corpus, progress);
+  if (options.json) {
+    fmt::print("{}", json_of(summary));
+  } else if (!options.quiet) {
+    fmt::print("{}", simulation_report(summary));
+  }
+}
+
+void add_what(CLI::App& command, Options& options) {
+  earpoint::WorkOrder& order = options.generation.order;
+  command
+      .add_option("--scenes", order.scenes,
+                  "Homes to draw, split 90 : 10 : 20 into train, val and test; a single one's "
+                  "conversations are split instead")
+      ->capture_default_str();
+  command
+      .add_option("--scene", options.scenes,
+                  "Scans or models of your own instead (.glb, .gltf, .obj, .ply)")
+      ->excludes("--scenes");
+  command.add_option("--materials", options.materials,
+                     "How the surfaces of --scene sound (JSON); default: the standard table");
+  command.add_flag("--close-ceiling", options.close_ceiling,
+                   "Put a lid on --scene where it is open");
+  command.add_option("--conversations", order.conversations, "Conversations in each scene")
+      ->capture_default_str();
+  command.add_option("--split", options.split, "Put everything into this split");
+  command.add_option("--speech", options.speech,
+                     "Folder of recorded speech: LibriSpeech, or with a speech.csv (file, speaker, "
+                     "gender); default: what ./dev speech gathers");
+}
+
+void add_how(CLI::App& command, Options& options) {
+  earpoint::GenerationOptions& generation = options.generation;
+  command.add_option("--seed", generation.seed, "The same seed gives the same bytes")
+      ->capture_default_str();
+  command.add_option("--viewpoints", generation.conversation.viewpoints, "Of each conversation")
+      ->capture_default_str();
+  command.add_option("--rays", generation.quality.rays, "Rays that leave each speaker")
+      ->capture_default_str();
+  command.add_option("--rate", generation.quality.sample_rate_hz, "Of the responses")
+      ->capture_default_str();
+  command.add_option("--duration", generation.quality.duration_s, "Of the responses, seconds")
+      ->capture_default_str();
+  command.add_option("--path-prefix", generation.path_prefix,
+                     "Put before every path in the metadata, e.g. data/synthetic_dataset/v16");
+  command.add_flag("--released-speech", options.released_speech,
+                   "Write the used speech as the released loader reads it");
+  command.add_option("--jobs", options.jobs, "Threads; 0 takes all cores")->capture_default_str();
+  command.add_option("--shard", options.shard, "Make the i-th of n parts only: i/n, from 0");
+  command.add_flag("--quiet", options.quiet, "No progress, no summary");
+  command.add_flag("--json", options.json, "Print the summary as JSON");
+}
+
+}  // namespace
+
+void add_simulate_command(CLI::App& app) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand(
+      "simulate",
+      "Simulate a data set: homes, people who talk in them, pictures and binaural responses.");
+  command
+      ->add_option("--out", options->generation.folder,
+                   "Folder of the data set; a run that was interrupted goes on there")
+      ->required();
+  add_what(*command, *options);
+  add_how(*command, *options);
+  command->callback([options] { run(*options); });
+}

@@ -1,0 +1,130 @@
+#include "conversation_folder.h"
+
+#include <array>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include <earpoint/audio/sound_file.h>
+#include <earpoint/core/error.h>
+#include <earpoint/core/file.h>
+#include <earpoint/video/image_file.h>
+
+namespace earpoint {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kClip = "clip.json";
+constexpr const char* kReport = "report.json";
+
+/// A folder that is filled aside: without commit() nothing of it is left.
+class AtomicFolder {
+ public:
+  explicit AtomicFolder(fs::path path) : path_(std::move(path)) {
+    aside_ = path_.parent_path() / fmt::format(".{}.partial", path_.filename().string());
+    std::error_code error;
+    fs::remove_all(aside_, error);  // of a run that was killed
+    fs::create_directories(aside_, error);
+    if (error) throw InputError(path_.string(), "cannot be made: " + error.message());
+  }
+  ~AtomicFolder() {
+    if (committed_) return;
+    std::error_code ignored;
+    fs::remove_all(aside_, ignored);
+  }
+  AtomicFolder(const AtomicFolder&) = delete;
+  AtomicFolder& operator=(const AtomicFolder&) = delete;
+
+  [[nodiscard]] const fs::path& aside() const { return aside_; }
+
+  void commit() {
+    std::error_code error;
+    fs::rename(aside_, path_, error);
+    if (error) throw InputError(path_.string(), "cannot be made: " + error.message());
+    committed_ = true;
+  }
+
+ private:
+  fs::path path_;
+  fs::path aside_;
+  bool committed_ = false;
+};
+
+std::string image_name(std::size_t viewpoint) { return fmt::format("view_{}.png", viewpoint); }
+
+std::string response_name(std::size_t viewpoint, std::size_t speaker) {
+  return fmt::format("rir_{}_{}.wav", viewpoint, speaker);
+}
+
+SoundSpacesClip clip_of(const SimulatedConversation& conversation, const std::string& path,
+                        const std::vector<std::string>& voices) {
+  SoundSpacesClip clip;
+  for (std::size_t v = 0; v < conversation.viewpoints.size(); ++v) {
+    const SimulatedViewpoint& seen = conversation.viewpoints[v];
+    SoundSpacesViewpoint& viewpoint = clip.viewpoints.emplace_back();
+    viewpoint.location = to_soundspaces(seen.world_from_listener.position_m);
+    viewpoint.rotation_rad = soundspaces_heading_rad(seen.world_from_listener.orientation);
+    viewpoint.image = path + image_name(v);
+    for (std::size_t s = 0; s < seen.responses.size(); ++s) {
+      viewpoint.rir[static_cast<int>(s)] = path + response_name(v, s);
+      viewpoint.bboxes[static_cast<int>(s)] = soundspaces_box(seen.boxes[s]);
+    }
+  }
+  for (std::size_t s = 0; s < conversation.people.size(); ++s) {
+    const Person& person = conversation.people[s];
+    SoundSpacesSpeaker& speaker = clip.speakers.emplace_back();
+    speaker.id = static_cast<int>(s);
+    speaker.speech = voices.at(s);
+    speaker.location = to_soundspaces(person.world_from_head.position_m);
+    speaker.rotation_rad = soundspaces_heading_rad(person.world_from_head.orientation);
+    speaker.gender = name_of(person.gender);
+    speaker.figure = person.name;
+  }
+  return clip;
+}
+
+}  // namespace
+
+fs::path conversation_folder(const WorkItem& item, const std::string& scene) {
+  return fs::path(item.split) / scene / std::to_string(item.folder);
+}
+
+void write_conversation(const fs::path& root, const WorkItem& item, const std::string& scene,
+                        const std::string& prefix, const SimulatedConversation& conversation,
+                        const std::vector<std::string>& voices, const ConversationReport& report) {
+  const fs::path place = conversation_folder(item, scene);
+  AtomicFolder folder(root / place);
+  for (std::size_t v = 0; v < conversation.viewpoints.size(); ++v) {
+    const SimulatedViewpoint& viewpoint = conversation.viewpoints[v];
+    write_image(folder.aside() / image_name(v), viewpoint.rgb);
+    for (std::size_t s = 0; s < viewpoint.responses.size(); ++s) {
+      write_sound(folder.aside() / response_name(v, s), viewpoint.responses[s],
+                  SampleFormat::float32);
+    }
+  }
+  const std::string path = (fs::path(prefix) / place).generic_string() + "/";
+  const SoundSpacesClip clip = clip_of(conversation, path, voices);
+  write_file(folder.aside() / kClip, soundspaces_metadata({&clip, 1}));
+  write_file(folder.aside() / kReport, json_of(report));
+  folder.commit();
+}
+
+bool is_stored(const fs::path& root, const WorkItem& item, const std::string& scene) {
+  return fs::exists(root / conversation_folder(item, scene) / kReport);
+}
+
+StoredConversation read_conversation(const fs::path& root, const WorkItem& item,
+                                     const std::string& scene) {
+  const fs::path folder = root / conversation_folder(item, scene);
+  StoredConversation stored;
+  const std::string clip_path = (folder / kClip).string();
+  auto clips = parse_soundspaces_metadata(read_text_file(clip_path), clip_path, scene);
+  if (clips.size() != 1) throw InputError(clip_path, "expected one clip");
+  stored.clip = std::move(clips.front());
+  stored.report =
+      parse_conversation_report(read_text_file(folder / kReport), (folder / kReport).string());
+  return stored;
+}
+
+}  // namespace earpoint

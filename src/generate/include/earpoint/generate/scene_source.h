@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <earpoint/generate/generation.h>
+#include <earpoint/scene/furniture.h>
+#include <earpoint/scene/import.h>
+
+namespace earpoint {
+
+/// Procedural homes, drawn from the seed and their index.
+class HomeSource : public SceneSource {
+ public:
+  HomeSource(std::uint64_t seed, FurnitureLibrary library)
+      : seed_(seed), library_(std::move(library)) {}
+
+  [[nodiscard]] std::shared_ptr<const PreparedScene> make(int scene) const override;
+  [[nodiscard]] std::string name(int scene) const override;
+  [[nodiscard]] std::string description() const override;
+
+ private:
+  std::uint64_t seed_;
+  FurnitureLibrary library_;
+};
+
+/// Scans and models from files.
+class FileSource : public SceneSource {
+ public:
+  /// @param paths  at least one
+  /// @throws InputError if two files have the same name
+  FileSource(std::vector<std::filesystem::path> paths, ImportOptions options);
+
+  /// @throws InputError if the file cannot be imported
+  [[nodiscard]] std::shared_ptr<const PreparedScene> make(int scene) const override;
+  [[nodiscard]] std::string name(int scene) const override;
+  [[nodiscard]] std::string description() const override;
+
+ private:
+  std::vector<std::filesystem::path> paths_;
+  ImportOptions options_;
+};
+
+}  // namespace earpoint

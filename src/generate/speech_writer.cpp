@@ -1,0 +1,56 @@
+#include "speech_writer.h"
+
+#include <system_error>
+
+#include <earpoint/audio/sound_file.h>
+#include <earpoint/core/error.h>
+#include <earpoint/dataset/soundspaces_metadata.h>
+
+namespace earpoint {
+namespace {
+
+namespace fs = std::filesystem;
+
+void write_speech(const fs::path& path, const Waveform& speech, SpeechForm form) {
+  std::error_code error;
+  fs::create_directories(path.parent_path(), error);
+  if (error) throw InputError(path.parent_path().string(), "cannot be made: " + error.message());
+  if (form == SpeechForm::flac) {
+    write_sound(path, speech, SampleFormat::pcm24);
+    return;
+  }
+  // The released loader wants WAV under a name that ends in .flac. Floats, since it does not scale
+  // integers.
+  fs::path aside = path;
+  aside.replace_extension(".wav");
+  write_sound(aside, speech, SampleFormat::float32);
+  fs::rename(aside, path, error);
+  if (error) throw InputError(path.string(), "cannot be renamed into place: " + error.message());
+}
+
+}  // namespace
+
+fs::path SpeechWriter::path_of(std::string_view split, const std::string& id) const {
+  return folder_ / soundspaces_speech_file(split, id);
+}
+
+double SpeechWriter::write(std::string_view split, const SpeechRecording& recording) {
+  const fs::path path = path_of(split, recording.id);
+  {
+    const std::lock_guard lock(mutex_);
+    if (!begun_.insert(path).second || fs::exists(path)) {
+      // Whoever began it writes the same.
+      return read_speech(recording.path).duration_s();
+    }
+  }
+  const Waveform speech = read_speech(recording.path);
+  write_speech(path, speech, form_);
+  return speech.duration_s();
+}
+
+void SpeechWriter::write_missing(std::string_view split, const SpeechCorpus& corpus,
+                                 const std::string& id) {
+  if (!fs::exists(path_of(split, id))) write(split, corpus.recording(id));
+}
+
+}  // namespace earpoint
