@@ -19,6 +19,7 @@ std::array<Source, 2> mouths(const std::array<Person, 2>& people) {
   std::array<Source, 2> sources;
   for (std::size_t i = 0; i < 2; ++i) {
     sources[i].world_from_source = people[i].world_from_head;
+    sources[i].directivity = speech_directivity();
     sources[i].body = people[i].instance;
   }
   return sources;
