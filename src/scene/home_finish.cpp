@@ -156,6 +156,9 @@ constexpr std::array<Finish, 6> kCeilings = {{
      {{{0.93F, 0.93F, 0.92F}, {0.90F, 0.90F, 0.88F}, {0.94F, 0.94F, 0.94F}}}},
 }};
 
+// Radiance of a white patch outside: a window is the brightest thing of a room by day.
+constexpr float kDaylight = 2.5F;
+
 constexpr double kAcousticCeilings = 0.8;
 constexpr double kFabricWalls = 0.95;
 
@@ -173,7 +176,7 @@ class FinishPainter {
     material.look.roughness = finish.roughness;
     material.look.texture =
         builder_.add_texture(make_texture(finish.pattern, finish.colours[colour], random_.next()));
-    if (emits) material.look.emission = {1.1F, 1.1F, 1.1F};
+    if (emits) material.look.emission = {kDaylight, kDaylight, kDaylight};
     return builder_.add_surface(key, material, texture_span_m(finish.pattern));
   }
 

@@ -31,6 +31,9 @@ struct HomeFinish {
 /// single sheet that sound may pass through), and no ray can slip between faces.
 void add_shell(const FloorPlan& plan, const HomeFinish& finish, SceneBuilder& builder);
 
+/// Adds a skirting board along every wall but those of baths, from doorway to doorway.
+void add_skirting(const FloorPlan& plan, const HomeFinish& finish, SceneBuilder& builder);
+
 /// Adds the leaves of open doors as boxes of their own, and frames to windows.
 void add_leaves_and_frames(const FloorPlan& plan, const HomeFinish& finish, SceneBuilder& builder);
 

@@ -22,6 +22,9 @@ constexpr double kHardestHome = 0.42;
 constexpr double kSoftestHome = 0.92;
 constexpr double kEmptiestHome = 0.45;
 
+/// Lamps shine from below their fixtures, which would keep the light off the ceiling.
+constexpr double kLampDrop_m = 0.25;
+
 constexpr double kStepOver_m = 0.03;
 constexpr double kPassUnder_m = 2.0;
 
@@ -36,10 +39,10 @@ void add_lamps(const FloorPlan& plan, const std::vector<PlacedFurniture>& furnit
                SceneBuilder& builder) {
   for (std::size_t i = 0; i < plan.rooms.size(); ++i) {
     const Room& room = plan.rooms[i];
-    Vector3 at{room.floor.centre_x(), room.floor.centre_y(), room.ceiling_m - 0.08};
+    Vector3 at{room.floor.centre_x(), room.floor.centre_y(), room.ceiling_m - kLampDrop_m};
     for (const PlacedFurniture& piece : furniture) {
       if (piece.kind != FurnitureKind::ceiling_lamp || piece.room != static_cast<int>(i)) continue;
-      at = {piece.footprint.centre_x(), piece.footprint.centre_y(), piece.z_low_m - 0.04};
+      at = {piece.footprint.centre_x(), piece.footprint.centre_y(), piece.z_low_m - kLampDrop_m};
     }
     // Bright enough that a white floor below looks white in a picture exposed as it is.
     const double height_m = room.ceiling_m;
@@ -78,6 +81,7 @@ Home make_home(std::uint64_t seed, const HomeOptions& options, const FurnitureLi
   RandomStream finish_random(seed, {kFinishKey});
   const HomeFinish finish = draw_home_finish(home.plan, home.softness, finish_random, builder);
   add_shell(home.plan, finish, builder);
+  add_skirting(home.plan, finish, builder);
   add_leaves_and_frames(home.plan, finish, builder);
   RoomFurnisher::Shared shared{home.plan, library,        style,
                                builder,   home.furniture, options.most_triangles};

@@ -1,6 +1,7 @@
 #include "mannequin.h"
 
 #include <cmath>
+#include <limits>
 
 #include <earpoint/scene/material_table.h>
 #include <earpoint/scene/texture.h>
@@ -115,22 +116,20 @@ FigureModel make_mannequin(Gender gender, Posture posture) {
 
 void add_stool(FigureModel& figure) {
   if (figure.posture != Posture::sitting) return;
-  // The seat lies under what is lowest of the body there: below the trunk, behind the shins.
+  // The seat begins under the back of the hips and ends before the shins.
   const Mesh& body = figure.scene.mesh;
-  double x_sum = 0.0;
-  int count = 0;
+  double back = std::numeric_limits<double>::infinity();
   for (const auto& p : body.positions) {
-    if (p[2] < figure.seat_m + 0.15 || p[2] > figure.seat_m + 0.4) continue;
-    x_sum += p[0];
-    ++count;
+    if (p[2] < figure.seat_m + 0.02 || p[2] > figure.seat_m + 0.16) continue;
+    if (std::abs(p[1]) < 0.12) back = std::min(back, static_cast<double>(p[0]));
   }
-  const double x = count > 0 ? x_sum / count : 0.0;
+  if (!std::isfinite(back)) back = -0.2;
   SceneBuilder builder;
   builder.begin_instance("stool", InstanceKind::person);
   Material cover{.acoustic = standard_material("upholstery_fabric"), .look = {}};
   cover.look.base_colour = linear_colour({0.42F, 0.38F, 0.36F});
   const Surface surface = builder.add_surface("cover", cover);
-  builder.add_box({x - 0.24, -0.22, 0.0}, {x + 0.16, 0.22, figure.seat_m - 0.004}, surface);
+  builder.add_box({back, -0.22, 0.0}, {back + 0.38, 0.22, figure.seat_m - 0.004}, surface);
   const Scene stool = builder.take();
   Mesh& mesh = figure.scene.mesh;
   const auto first = static_cast<std::uint32_t>(mesh.positions.size());

@@ -66,14 +66,17 @@ FigureLibrary::FigureLibrary(std::vector<FigureModel> models) : models_(std::mov
 
 const FigureModel& FigureLibrary::draw(Gender gender, Posture posture, FigureSplit split,
                                        RandomStream& random) const {
-  std::vector<const FigureModel*> found;
-  for (const FigureModel& model : models_) {
-    if (model.gender == gender && model.posture == posture &&
-        model.for_test == (split == FigureSplit::test)) {
-      found.push_back(&model);
+  // Where nobody of that posture is kept for the split, somebody who stands.
+  for (const Posture wanted : {posture, Posture::standing}) {
+    std::vector<const FigureModel*> found;
+    for (const FigureModel& model : models_) {
+      if (model.gender == gender && model.posture == wanted &&
+          model.for_test == (split == FigureSplit::test)) {
+        found.push_back(&model);
+      }
     }
+    if (!found.empty()) return *found[random.index(found.size())];
   }
-  if (!found.empty()) return *found[random.index(found.size())];
   const auto stand_in = std::find_if(
       stand_ins_.begin(), stand_ins_.end(),
       [&](const FigureModel& model) { return model.gender == gender && model.posture == posture; });

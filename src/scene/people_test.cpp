@@ -117,8 +117,17 @@ TEST(FigureLibrary, HasAStandInWhereNoFigureFits) {
   RandomStream random(3);
   EXPECT_EQ(library.draw(Gender::male, Posture::standing, FigureSplit::train, random).name,
             "male mannequin");
-  EXPECT_EQ(library.draw(Gender::female, Posture::sitting, FigureSplit::train, random).name,
+  EXPECT_EQ(library.draw(Gender::female, Posture::standing, FigureSplit::test, random).name,
             "female mannequin");
+}
+
+TEST(FigureLibrary, LetsSomebodyStandWhereNobodySits) {
+  const FigureLibrary library({figure_named("a", false)});
+  RandomStream random(3);
+  const FigureModel& figure =
+      library.draw(Gender::female, Posture::sitting, FigureSplit::train, random);
+  EXPECT_EQ(figure.name, "a");
+  EXPECT_EQ(figure.posture, Posture::standing);
 }
 
 TEST(AddPerson, PutsMouthAndBodyWhereTheyAreSaidToBe) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <set>
 #include <vector>
 
 #include <meshoptimizer.h>
@@ -74,6 +75,31 @@ void join_vertices(Mesh& mesh) {
   mesh.positions = std::move(joined.positions);
   mesh.normals = std::move(joined.normals);
   mesh.uvs = std::move(joined.uvs);
+}
+
+std::size_t drop_doubled_faces(Mesh& mesh) {
+  std::map<std::array<float, 3>, std::uint32_t> places;
+  std::set<std::array<std::uint32_t, 3>> known;
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    std::array<std::uint32_t, 3> face{};
+    for (std::size_t corner = 0; corner < 3; ++corner) {
+      const auto next = static_cast<std::uint32_t>(places.size());
+      face[corner] =
+          places.try_emplace(mesh.positions[mesh.triangles[i][corner]], next).first->second;
+    }
+    std::sort(face.begin(), face.end());
+    if (!known.insert(face).second) continue;
+    mesh.triangles[kept] = mesh.triangles[i];
+    mesh.triangle_material[kept] = mesh.triangle_material[i];
+    mesh.triangle_instance[kept] = mesh.triangle_instance[i];
+    ++kept;
+  }
+  const std::size_t dropped = mesh.triangles.size() - kept;
+  mesh.triangles.resize(kept);
+  mesh.triangle_material.resize(kept);
+  mesh.triangle_instance.resize(kept);
+  return dropped;
 }
 
 void simplify(Mesh& mesh, std::size_t most_triangles) {

@@ -6,6 +6,11 @@
 
 namespace earpoint {
 
+/// Drops faces between the same three corners as an earlier one: models often draw cloth twice,
+/// once for each side, which hides its hems from simplify(). All our faces have two sides.
+/// @return how many were dropped
+std::size_t drop_doubled_faces(Mesh& mesh);
+
 /// Joins vertices that are alike in position, normal and texture coordinates, and drops those that
 /// no triangle uses.
 void join_vertices(Mesh& mesh);

@@ -185,6 +185,7 @@ Scene read_scene(const CatalogueEntry& entry, const MaterialTable& table, std::s
   rotate_model(scene.mesh, entry.rotation);
   fit_to_box(scene.mesh, entry.size_m);
   drop_unused_uvs(scene);
+  drop_doubled_faces(scene.mesh);
   join_vertices(scene.mesh);
   simplify(scene.mesh, triangles);
   fit_to_box(scene.mesh, entry.size_m);

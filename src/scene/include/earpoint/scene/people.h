@@ -48,12 +48,13 @@ class FigureLibrary {
  public:
   /// Stand-ins alone.
   FigureLibrary();
-  /// Stand-ins are taken only where no model has that gender, posture and split.
+  /// Stand-ins are taken only where no model has that gender and split.
   explicit FigureLibrary(std::vector<FigureModel> models);
 
   [[nodiscard]] const std::vector<FigureModel>& models() const { return models_; }
 
-  /// Draws a figure among those that fit.
+  /// Draws a figure among those of that gender, posture and split; among those who stand, if there
+  /// is none of that posture (the installed figures have no man on the floor for tests).
   [[nodiscard]] const FigureModel& draw(Gender gender, Posture posture, FigureSplit split,
                                         RandomStream& random) const;
 
