@@ -62,6 +62,22 @@ def reverberation_table(text):
     return "\n".join(rows)
 
 
+def trace_table(text):
+    run = json.loads(text)
+    home = run["home"]
+    rows = ["| | measured | aim |", "|---|---|---|",
+            f"| rays per second on one core, synthesis of the responses included | "
+            f"{run['rays_per_s'] / 1e6:.2f} M | |",
+            f"| a bare Embree loop, the same mesh and run | {run['bare_rays_per_s'] / 1e6:.2f} M | |",
+            f"| share | {100 * run['rays_per_s'] / run['bare_rays_per_s']:.0f} % | 60 % |",
+            f"| one BRIR of 1 s: {home['triangles']} triangles, {home['rays']} rays, 60 bounces, "
+            f"one of {home['pairs']} pairs | {home['core_s_per_pair']:.3f} core-s | 0.25 core-s |",
+            f"| of that, tracing | {home['trace_s'] / home['pairs']:.3f} core-s | |",
+            f"| a home's tree and edges, once | {home['build_s']:.3f} core-s | |",
+            "", "![Core-seconds per pair over triangles, rays and pairs](images/trace-cost.png)"]
+    return "\n".join(rows)
+
+
 SECTIONS = [
     ("Exactness: our engine against the authors' code", "oracle_errors.md", None,
      "The same weights and inputs through `earpoint model run` and through the released code. "
@@ -77,6 +93,9 @@ SECTIONS = [
      "no comparison of methods."),
     ("The path tracer against physics", "trace_gates.md", None,
      "`trace_gates`: measured on the final impulse responses."),
+    ("Speed: tracing a furnished home", "trace_bench.json", trace_table,
+     "`trace_bench`: medians on one core. Both the tracer's rays and Embree's own end at the nearest "
+     "surface; the tracer's include those that ask whether a listener is in sight."),
     ("Reverberation of homes", "home_reverberation.jsonl", reverberation_table,
      "`home_reverberation`: homes of the seeds 0 to 119, 500 and 1000 Hz. By Eyring's formula, the "
      "mean over a home's rooms by volume; and T30 of a traced response between two places 1 m or "

@@ -24,33 +24,29 @@ struct ResponseShape {
   int fft_size = 0;  ///< room for the bank's ringing on both sides
 };
 
-/// Sound without a path of its own: the noise of the energy histogram, and arrivals too many to be
-/// told apart, by sector.
+/// The noise of the energy histogram, and arrivals as an omnidirectional microphone hears them.
 class LateField {
  public:
   LateField(const ResponseShape& shape, std::uint64_t seed);
 
-  /// Adds what an omnidirectional microphone hears.
-  /// @param dense     arrivals, by delay
-  /// @param signal    shape [samples]
-  void add_mono(const EnergyHistogram& late, std::span<const Arrival> dense, std::uint64_t stream,
-                std::span<float> signal) const;
+  /// The bank of octave bands, of the shape's size.
+  [[nodiscard]] const OctaveBank& bank() const { return bank_; }
 
-  /// Adds what two ears hear: each sector's sound through the HRTF of its middle.
+  /// Adds what an omnidirectional microphone hears.
+  /// @param arrivals  pulses at their exact times
+  /// @param signal    shape [samples]
+  void add_mono(const EnergyHistogram& late, std::span<const Arrival> arrivals,
+                std::uint64_t stream, std::span<float> signal) const;
+
+  /// Adds what two ears hear of the noise: each sector's through the HRTF of its middle.
   /// @param ears  [ear][samples]
-  void add_binaural(const EnergyHistogram& late, std::span<const Arrival> dense,
-                    const Quaternion& world_from_listener, const HrtfSet& hrtf,
-                    std::uint64_t stream, std::span<std::vector<float>> ears) const;
+  void add_binaural(const EnergyHistogram& late, const Quaternion& world_from_listener,
+                    const HrtfSet& hrtf, std::uint64_t stream,
+                    std::span<std::vector<float>> ears) const;
 
  private:
-  struct SectorFilters;
-  using Spectrum = std::vector<std::complex<float>>;
-
   void add_noise(const EnergyHistogram& late, int sector, std::ptrdiff_t offset,
                  std::span<float> signal) const;
-  void add_pulses(std::span<const Arrival> arrivals, PulseTrain& train, Spectrum& sum) const;
-  [[nodiscard]] SectorFilters sector_filters(const Quaternion& world_from_listener,
-                                             const HrtfSet& hrtf, RealFft<float>& fft) const;
 
   ResponseShape shape_;
   OctaveBank bank_;

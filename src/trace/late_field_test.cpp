@@ -93,15 +93,14 @@ TEST_F(LateFieldTest, SoundFromTheLeftIsLouderOnTheLeft) {
   const HrtfSet hrtf = HrtfSet::load(kRate_hz);
   const int left = sector_of(0.0F, 1.0F, 0.0F);
   std::vector<std::vector<float>> ears(2, std::vector<float>(shape_.samples));
-  field_.add_binaural(decay(0.3, left), {}, {}, hrtf, 1, ears);
+  field_.add_binaural(decay(0.3, left), {}, hrtf, 1, ears);
   const auto energy = [](const std::vector<float>& ear) {
     return std::inner_product(ear.begin(), ear.end(), ear.begin(), 0.0);
   };
   EXPECT_GT(energy(ears[0]), 4.0 * energy(ears[1]));
   // Turned round, the same sound comes from the right.
   std::vector<std::vector<float>> turned(2, std::vector<float>(shape_.samples));
-  field_.add_binaural(decay(0.3, left), {}, quaternion_from_euler({.yaw_rad = kPi}), hrtf, 1,
-                      turned);
+  field_.add_binaural(decay(0.3, left), quaternion_from_euler({.yaw_rad = kPi}), hrtf, 1, turned);
   EXPECT_GT(energy(turned[1]), 4.0 * energy(turned[0]));
 }
 
@@ -115,7 +114,7 @@ TEST_F(LateFieldTest, EarsInADiffuseFieldAreAlikeInLevelAndUnlikeInPhase) {
   const std::array<double, 3> centres_hz = {250.0, 2000.0, 4000.0};
   for (int draw = 0; draw < kDraws; ++draw) {
     std::vector<std::vector<float>> ears(2, std::vector<float>(shape_.samples));
-    field_.add_binaural(late, {}, {}, hrtf, draw, ears);
+    field_.add_binaural(late, {}, hrtf, draw, ears);
     for (std::size_t i = 0; i < centres_hz.size(); ++i) {
       const std::vector<double> a = gates::band_of(ears[0], kRate_hz, centres_hz[i], 1.0);
       const std::vector<double> b = gates::band_of(ears[1], kRate_hz, centres_hz[i], 1.0);

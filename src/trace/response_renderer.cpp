@@ -1,7 +1,6 @@
 #include "early_field.h"
 #include "late_field.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>
@@ -11,10 +10,6 @@
 
 namespace earpoint {
 namespace {
-
-// So many arrivals get the HRTF of their exact direction; the ear does not tell later ones apart,
-// and they share their sector's.
-constexpr std::size_t kSharpArrivals = 256;
 
 ResponseShape make_shape(const RenderOptions& options) {
   ResponseShape shape{.sample_rate_hz = options.sample_rate_hz};
@@ -54,13 +49,11 @@ Waveform ResponseRenderer::binaural(const PointResponse& response,
                                     std::uint64_t stream) const {
   const ResponseShape& shape = state_->shape;
   EARPOINT_CHECK(hrtf.sample_rate_hz() == shape.sample_rate_hz);
-  const std::span<const Arrival> arrivals = response.arrivals;
-  const std::size_t sharp = std::min(arrivals.size(), kSharpArrivals);
   std::array<std::vector<float>, 2> ears;
   for (std::vector<float>& ear : ears) ear.assign(shape.samples, 0.0F);
-  state_->late.add_binaural(response.late, arrivals.subspan(sharp), world_from_listener, hrtf,
-                            stream, ears);
-  add_early_binaural(shape, arrivals.first(sharp), world_from_listener, hrtf, ears);
+  state_->late.add_binaural(response.late, world_from_listener, hrtf, stream, ears);
+  add_early_binaural(shape, state_->late.bank(), response.arrivals, world_from_listener, hrtf,
+                     ears);
   Waveform waveform(2, shape.samples, shape.sample_rate_hz);
   for (int ear = 0; ear < 2; ++ear) std::ranges::copy(ears[ear], waveform.channel(ear).begin());
   return waveform;

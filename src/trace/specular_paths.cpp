@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <optional>
 
 #include <earpoint/core/error.h>
@@ -52,13 +53,14 @@ void drop_duplicates(std::vector<ImageSource>& images) {
 }
 
 void follow_ray(const SceneGeometry& scene, const Source& source, const MirrorLimits& limits,
-                Vector3 direction, std::vector<ImageSource>& images) {
+                Vector3 direction, std::vector<ImageSource>& images, std::int64_t& rays_cast) {
   Vector3 point = source.world_from_source.position_m;
   Vector3 image = point;
   LayerMask mask = scene.mask_without(source.body);
   double travelled_m = 0.0;
   MirrorChain chain;
   for (;;) {
+    ++rays_cast;
     const std::optional<TriangleHit> hit =
         scene.rays().closest(point, direction, limits.max_distance_m - travelled_m, mask);
     if (!hit) return;
@@ -80,8 +82,10 @@ class BackwardPath {
   BackwardPath(const SceneGeometry& scene, const Source& source, const MirrorLimits& limits)
       : scene_(scene), source_(source), limits_(limits) {}
 
+  // @param first_hit  of the ray from the listener to the image
   // @return whether the listener sees the image
-  bool follow(const Vector3& listener, const ImageSource& image, std::int64_t& rays_cast);
+  bool follow(const Vector3& listener, const ImageSource& image,
+              std::optional<TriangleHit> first_hit, std::int64_t& rays_cast);
 
   [[nodiscard]] const BandArray& energy() const { return energy_; }
   [[nodiscard]] const Vector3& last_mirror() const { return point_; }
@@ -95,7 +99,7 @@ class BackwardPath {
 };
 
 bool BackwardPath::follow(const Vector3& listener, const ImageSource& image,
-                          std::int64_t& rays_cast) {
+                          std::optional<TriangleHit> hit, std::int64_t& rays_cast) {
   const Vector3& source_m = source_.world_from_source.position_m;
   point_ = listener;
   energy_ = all_bands(1.0F);
@@ -104,9 +108,10 @@ bool BackwardPath::follow(const Vector3& listener, const ImageSource& image,
   while (chain.reflections() < image.reflections) {
     const double remaining_m = norm(target - point_);
     const Vector3 direction = (target - point_) / remaining_m;
-    ++rays_cast;
-    const std::optional<TriangleHit> hit =
-        scene_.rays().closest(point_, direction, remaining_m, kAllLayers);
+    if (chain.reflections() > 0) {
+      ++rays_cast;
+      hit = scene_.rays().closest(point_, direction, remaining_m, kAllLayers);
+    }
     if (!hit) return false;
     const BounceFacet& facet = scene_.facet(hit->triangle);
     const BounceSurface& surface = scene_.surface(facet);
@@ -120,6 +125,35 @@ bool BackwardPath::follow(const Vector3& listener, const ImageSource& image,
   return !scene_.rays().occluded(point_, source_m, scene_.mask_without(source_.body));
 }
 
+using Hits = std::array<std::optional<TriangleHit>, kPacketSize>;
+
+// What the listener's rays to some images first meet, all at once: neighbours in the list lie in
+// much the same direction.
+Hits first_hits(const SceneGeometry& scene, const Vector3& listener,
+                std::span<const ImageSource> images) {
+  SoundRayPacket packet;
+  const std::array<float, 3> origin = {static_cast<float>(listener.x),
+                                       static_cast<float>(listener.y),
+                                       static_cast<float>(listener.z)};
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    const Vector3 way = images[i].position_m - listener;
+    const double distance_m = norm(way);
+    const Vector3 direction = way / distance_m;
+    packet.set(static_cast<int>(i), origin,
+               {static_cast<float>(direction.x), static_cast<float>(direction.y),
+                static_cast<float>(direction.z)},
+               static_cast<float>(distance_m), kAllLayers);
+  }
+  scene.rays().closest(packet);
+  Hits hits;
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    const int lane = static_cast<int>(i);
+    if (!packet.hit(lane)) continue;
+    hits[i] = TriangleHit{packet.rays.ray.tfar[lane], scene.rays().triangle(packet, lane)};
+  }
+  return hits;
+}
+
 bool same_path(const Arrival& a, const Arrival& b, double speed_m_per_s) {
   return a.order == b.order && std::abs(a.delay_s - b.delay_s) * speed_m_per_s < kSameImage_m &&
          norm(a.direction - b.direction) * a.delay_s * speed_m_per_s < 4.0 * kSameImage_m;
@@ -128,21 +162,25 @@ bool same_path(const Arrival& a, const Arrival& b, double speed_m_per_s) {
 }  // namespace
 
 std::vector<ImageSource> find_image_sources(const SceneGeometry& scene, const Source& source,
-                                            const MirrorLimits& limits, int rays,
-                                            ThreadPool& pool) {
+                                            const MirrorLimits& limits, int rays, ThreadPool& pool,
+                                            std::int64_t& rays_cast) {
   if (limits.max_reflections == 0) return {};
   std::array<std::vector<ImageSource>, kShares> found;
+  std::array<std::int64_t, kShares> cast{};
   pool.run(kShares, [&](std::ptrdiff_t share, int) {
     const auto first = static_cast<int>(static_cast<std::int64_t>(share) * rays / kShares);
     const auto last = static_cast<int>(static_cast<std::int64_t>(share + 1) * rays / kShares);
     for (int ray = first; ray < last; ++ray) {
       const Vector3 direction = spiral_direction(ray, 0.5, rays, 0.0);
-      follow_ray(scene, source, limits, direction, found[share]);
+      follow_ray(scene, source, limits, direction, found[share], cast[share]);
     }
     drop_duplicates(found[share]);
   });
   std::vector<ImageSource> images;
-  for (const auto& share : found) images.insert(images.end(), share.begin(), share.end());
+  for (int share = 0; share < kShares; ++share) {
+    rays_cast += cast[share];
+    images.insert(images.end(), found[share].begin(), found[share].end());
+  }
   drop_duplicates(images);
   return images;
 }
@@ -151,21 +189,31 @@ std::vector<Arrival> specular_arrivals(const SceneGeometry& scene, const Source&
                                        const Vector3& listener, std::span<const ImageSource> images,
                                        const MirrorLimits& limits, const Propagation& propagation,
                                        ThreadPool& pool, std::int64_t& rays_cast) {
+  std::vector<ImageSource> near;
+  std::copy_if(images.begin(), images.end(), std::back_inserter(near),
+               [&](const ImageSource& image) {
+                 return norm(image.position_m - listener) <= limits.max_distance_m;
+               });
   std::array<std::vector<Arrival>, kShares> found;
   std::array<std::int64_t, kShares> cast{};
   pool.run(kShares, [&](std::ptrdiff_t share, int) {
     BackwardPath path(scene, source, limits);
-    const std::size_t last = images.size() * (share + 1) / kShares;
-    for (std::size_t i = images.size() * share / kShares; i < last; ++i) {
-      const Vector3& image = images[i].position_m;
-      if (norm(image - listener) > limits.max_distance_m) continue;
-      if (!path.follow(listener, images[i], cast[share])) continue;
-      const Vector3 departure =
-          normalized(path.last_mirror() - source.world_from_source.position_m);
-      BandArray energy = sent_energy(source, departure);
-      for (int band = 0; band < kOctaveBands; ++band) energy[band] *= path.energy()[band];
-      found[share].push_back(make_arrival(propagation, listener, image, departure, energy));
-      found[share].back().order = images[i].reflections;
+    const std::size_t last = near.size() * (share + 1) / kShares;
+    for (std::size_t begin = near.size() * share / kShares; begin < last; begin += kPacketSize) {
+      const std::size_t count = std::min<std::size_t>(kPacketSize, last - begin);
+      const std::span<const ImageSource> pack = std::span(near).subspan(begin, count);
+      const Hits hits = first_hits(scene, listener, pack);
+      cast[share] += static_cast<std::int64_t>(count);
+      for (std::size_t i = 0; i < count; ++i) {
+        if (!path.follow(listener, pack[i], hits[i], cast[share])) continue;
+        const Vector3 departure =
+            normalized(path.last_mirror() - source.world_from_source.position_m);
+        BandArray energy = sent_energy(source, departure);
+        for (int band = 0; band < kOctaveBands; ++band) energy[band] *= path.energy()[band];
+        found[share].push_back(
+            make_arrival(propagation, listener, pack[i].position_m, departure, energy));
+        found[share].back().order = pack[i].reflections;
+      }
     }
   });
 

@@ -22,9 +22,11 @@ struct ImageSource {
 /// a ray passes through a place where it could be heard; whether a listener does hear it,
 /// `specular_arrivals` decides exactly.
 /// @param rays  evenly spread; the more, the smaller the openings through which an image is found
+/// @param rays_cast  counts on
 /// @return  without duplicates, in an order that depends on nothing but the arguments
 std::vector<ImageSource> find_image_sources(const SceneGeometry& scene, const Source& source,
-                                            const MirrorLimits& limits, int rays, ThreadPool& pool);
+                                            const MirrorLimits& limits, int rays, ThreadPool& pool,
+                                            std::int64_t& rays_cast);
 
 /// Follows the path from the listener back to the source, exactly: each image source that the
 /// listener sees through the mirrors gives one arrival at its exact time and level, its direction

@@ -64,7 +64,7 @@ class ArrivalFinder {
 
   void find(const Source& source, ThreadPool& pool, std::vector<PointResponse>& responses) {
     const std::vector<ImageSource> images =
-        find_image_sources(scene_, source, mirrors_, options_.mirror_rays, pool);
+        find_image_sources(scene_, source, mirrors_, options_.mirror_rays, pool, rays_cast_);
     std::optional<EdgeView> from;
     if (options_.diffracts) {
       from.emplace(scene_, source.world_from_source.position_m, scene_.mask_without(source.body),

@@ -1,0 +1,75 @@
+#include "gates/measurement.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include <earpoint/spatial/hrtf.h>
+#include <earpoint/trace/response_renderer.h>
+
+namespace earpoint {
+namespace {
+
+constexpr int kRate_hz = 16000;
+
+PointResponse one_arrival(double delay_s, const Vector3& direction, const BandArray& gain) {
+  PointResponse response;
+  response.arrivals = {{.delay_s = delay_s, .direction = direction, .departure = {}, .gain = gain}};
+  response.late = EnergyHistogram(50, 0.002);
+  return response;
+}
+
+double energy(std::span<const float> signal) {
+  double sum = 0.0;
+  for (const float s : signal) sum += static_cast<double>(s) * static_cast<double>(s);
+  return sum;
+}
+
+TEST(ResponseRenderer, ArrivalIsTheHeadsResponseAtItsSample) {
+  const HrtfSet hrtf = HrtfSet::load(kRate_hz);
+  const ResponseRenderer renderer({.sample_rate_hz = kRate_hz, .duration_s = 0.1});
+  // At a whole sample after the head's own delay, no fraction is left.
+  const double centre = hrtf.centre_delay_samples();
+  const int place = 400;
+  const Vector3 direction{0.6, 0.8, 0.0};
+  const Waveform ears = renderer.binaural(
+      one_arrival((place + centre) / kRate_hz, direction, all_bands(0.5F)), {}, hrtf, 0);
+  const Hrir hrir = hrtf.interpolated(direction);
+  for (int ear = 0; ear < 2; ++ear) {
+    double error = 0.0;
+    for (int i = 0; i < hrtf.taps(); ++i) {
+      const double wanted = 0.5 * static_cast<double>(hrir.taps[ear][i]);
+      error += std::pow(static_cast<double>(ears.channel(ear)[place + i]) - wanted, 2);
+    }
+    // Rounding of the transforms, in float.
+    EXPECT_LT(error, 1e-8 * energy(hrir.taps[ear])) << ear;
+  }
+}
+
+TEST(ResponseRenderer, ArrivalsPastTheInterpolatedOnesAreAsLoud) {
+  const HrtfSet hrtf = HrtfSet::load(kRate_hz);
+  const ResponseRenderer renderer({.sample_rate_hz = kRate_hz, .duration_s = 0.2});
+  PointResponse response = one_arrival(0.1, {0.0, 1.0, 0.0}, all_bands(1.0F));
+  const Waveform first = renderer.binaural(response, {}, hrtf, 0);
+  // 256 silent ones before it.
+  const Arrival arrival = response.arrivals[0];
+  response.arrivals.assign(256, arrival);
+  for (Arrival& silent : response.arrivals) silent.gain = all_bands(0.0F);
+  response.arrivals.push_back(arrival);
+  const Waveform last = renderer.binaural(response, {}, hrtf, 0);
+  for (int ear = 0; ear < 2; ++ear) {
+    // The direction is a measured one, where interpolation keeps -60 dB.
+    EXPECT_NEAR(gates::decibels(energy(last.channel(ear)) / energy(first.channel(ear))), 0.0, 0.05);
+  }
+}
+
+TEST(ResponseRenderer, WhatStartsBeforeTheResponseDoesNotComeRoundItsEnd) {
+  const HrtfSet hrtf = HrtfSet::load(kRate_hz);
+  const ResponseRenderer renderer({.sample_rate_hz = kRate_hz, .duration_s = 0.1});
+  const Waveform ears =
+      renderer.binaural(one_arrival(0.0, {1.0, 0.0, 0.0}, all_bands(1.0F)), {}, hrtf, 0);
+  EXPECT_LT(energy(ears.channel(0).subspan(1200)), 1e-5 * energy(ears.channel(0)));
+}
+
+}  // namespace
+}  // namespace earpoint
