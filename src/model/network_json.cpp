@@ -1,5 +1,4 @@
 #include "quote.h"
-#include "strict_json.h"
 
 #include <array>
 #include <utility>
@@ -9,6 +8,7 @@
 
 #include <earpoint/core/error.h>
 #include <earpoint/model/network.h>
+#include <earpoint/model/strict_json.h>
 
 namespace earpoint {
 namespace {

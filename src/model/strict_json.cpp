@@ -1,12 +1,12 @@
-#include "strict_json.h"
-
 #include "quote.h"
 
 #include <vector>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <earpoint/core/error.h>
+#include <earpoint/model/strict_json.h>
 
 namespace earpoint {
 

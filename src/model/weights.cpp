@@ -1,5 +1,4 @@
 #include "quote.h"
-#include "strict_json.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include <earpoint/core/error.h>
+#include <earpoint/model/strict_json.h>
 #include <earpoint/model/weights.h>
 
 namespace earpoint {

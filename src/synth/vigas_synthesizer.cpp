@@ -3,7 +3,7 @@
 #include <string_view>
 
 #include <earpoint/core/error.h>
-#include <earpoint/synth/pose_encoding.h>
+#include <earpoint/model/pose_encoding.h>
 #include <earpoint/synth/vigas_synthesizer.h>
 
 namespace earpoint {

@@ -7,7 +7,7 @@
 #include <earpoint/core/error.h>
 #include <earpoint/core/random.h>
 #include <earpoint/model/network.h>
-#include <earpoint/synth/pose_encoding.h>
+#include <earpoint/model/pose_encoding.h>
 #include <earpoint/synth/vigas_synthesizer.h>
 
 namespace earpoint {

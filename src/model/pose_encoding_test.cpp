@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <earpoint/core/pose.h>
+#include <earpoint/model/pose_encoding.h>
 #include <earpoint/model/safetensors.h>
-#include <earpoint/synth/pose_encoding.h>
 
 namespace earpoint {
 namespace {

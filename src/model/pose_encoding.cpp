@@ -1,7 +1,7 @@
 #include <cmath>
 
 #include <earpoint/core/error.h>
-#include <earpoint/synth/pose_encoding.h>
+#include <earpoint/model/pose_encoding.h>
 
 namespace earpoint {
 namespace {
