@@ -28,6 +28,7 @@ using earpoint::InputError;
 struct Options {
   SceneArgument scene;
   std::string source;
+  std::string directivity = "omni";
   std::string listener;
   fs::path output;
   std::optional<fs::path> hrtf;
@@ -69,7 +70,8 @@ bool is_silent(const earpoint::PointResponse& response) {
 void run(const Options& options) {
   check(options);
   const auto start = std::chrono::steady_clock::now();
-  const earpoint::Source source{.world_from_source = parse_pose("--source", options.source)};
+  earpoint::Source source{.world_from_source = parse_pose("--source", options.source)};
+  if (options.directivity == "speech") source.directivity = earpoint::speech_directivity();
   const earpoint::Pose listener = parse_pose("--listener", options.listener);
   if (norm(listener.position_m - source.world_from_source.position_m) < 1e-3) {
     throw InputError("--listener", "stands where the source is", "move one of them");
@@ -136,8 +138,16 @@ void add_trace_command(CLI::App& app) {
                          "Trace sound through a scene: the impulse response from a source "
                          "to a listener's two ears.");
   add_scene_argument(*command, options->scene);
-  command->add_option("--source", options->source, "Where the sound starts: X,Y,Z, metres, z up")
+  command
+      ->add_option("--source", options->source,
+                   "Where the sound starts: X,Y,Z[,yaw=DEG][,pitch=DEG][,roll=DEG], metres, z up; "
+                   "its level is that in front")
       ->required();
+  command
+      ->add_option("--directivity", options->directivity,
+                   "How it spreads: omni, or speech, louder in front")
+      ->check(CLI::IsMember({"omni", "speech"}))
+      ->capture_default_str();
   command
       ->add_option(
           "--listener", options->listener,

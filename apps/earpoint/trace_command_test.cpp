@@ -132,6 +132,18 @@ TEST_F(TraceCommand, TracesAModelFileWithItsOptions) {
   EXPECT_GT(energy(brir.channel(1)), 1.5 * energy(brir.channel(0)));
 }
 
+TEST_F(TraceCommand, TalkerIsLouderInFront) {
+  // The listener stands towards -y of the source.
+  const auto level = [&](const std::string& source) {
+    std::vector<std::string> all = arguments({"--mono", "--directivity", "speech"});
+    std::replace(all.begin(), all.end(), std::string("3,4,1.5"), source);
+    const ProgramOutcome outcome = run_earpoint(all);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
+    return energy(earpoint::read_sound(output_).channel(0));
+  };
+  EXPECT_GT(level("3,4,1.5,yaw=-90"), 1.5 * level("3,4,1.5,yaw=90"));
+}
+
 TEST_F(TraceCommand, TracesAHomeDrawnFromASeed) {
   EXPECT_NE(refusal({"trace", "--home", "3", "--source", "-100,0,1", "--listener", "-100,1,1", "-o",
                      output_})

@@ -40,6 +40,8 @@ TEST(TraceGates, EnergyDoesNotDependOnTheNumberOfRays) {
   expect_passed(gates::ray_count_gate(pool, gates::Effort::quick));
 }
 
+TEST(TraceGates, LeftIsLeftFrontIsFrontAndAboveIsAbove) { expect_passed(gates::ear_gate()); }
+
 TEST(TraceGates, SoundBendsRoundADoor) {
   ThreadPool pool(available_cores());
   expect_passed(gates::diffraction_gate(pool));

@@ -34,6 +34,9 @@ enum class Effort { quick, thorough };
 /// Mean and spread over the number of rays.
 std::vector<GateRow> ray_count_gate(ThreadPool& pool, Effort effort);
 
+/// The default HRTF: left and right, front and back, above and below, turns of the head.
+std::vector<GateRow> ear_gate();
+
 /// A wall with an open door, a closed one, and none; the level behind it against the uniform theory
 /// of diffraction.
 std::vector<GateRow> diffraction_gate(ThreadPool& pool);
