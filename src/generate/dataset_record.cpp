@@ -3,14 +3,17 @@
 #include "conversation_folder.h"
 #include "speech_writer.h"
 
+#include <cmath>
 #include <map>
 #include <system_error>
 #include <utility>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
+#include <earpoint/dataset/pair_list.h>
 
 namespace earpoint {
 namespace {
@@ -68,6 +71,10 @@ std::map<SceneKey, std::vector<StoredConversation>> stored_conversations(
   return stored;
 }
 
+void write_if_new(const fs::path& path, const std::string& text) {
+  if (!fs::exists(path) || read_text_file(path) != text) write_file(path, text);
+}
+
 void write_metadata(const fs::path& root,
                     const std::map<SceneKey, std::vector<StoredConversation>>& stored) {
   for (const auto& [key, conversations] : stored) {
@@ -75,8 +82,35 @@ void write_metadata(const fs::path& root,
     clips.reserve(conversations.size());
     for (const StoredConversation& conversation : conversations) clips.push_back(conversation.clip);
     const fs::path path = root / key.first / key.second / kSoundSpacesMetadata;
-    const std::string text = soundspaces_metadata(clips);
-    if (!fs::exists(path) || read_text_file(path) != text) write_file(path, text);
+    write_if_new(path, soundspaces_metadata(clips));
+  }
+}
+
+/// The pair lists of what is held out, once a split is whole.
+void write_pair_lists(const fs::path& root, const std::vector<WorkItem>& items, std::uint64_t seed,
+                      const std::map<SceneKey, std::vector<StoredConversation>>& stored) {
+  std::map<std::string, std::size_t> missing;
+  for (const WorkItem& item : items) ++missing[item.split];
+  std::map<std::string, std::vector<SoundSpacesClip>> clips;
+  std::map<std::string, double> speech_s;
+  for (const auto& [key, conversations] : stored) {
+    for (const StoredConversation& conversation : conversations) {
+      SoundSpacesClip clip = conversation.clip;
+      clip.index = static_cast<int>(&conversation - conversations.data());
+      for (std::size_t i = 0; i < clip.speakers.size(); ++i) {
+        speech_s[*clip.speakers[i].speech] = conversation.report.speech_s.at(i);
+      }
+      clips[key.first].push_back(std::move(clip));
+      --missing[key.first];
+    }
+  }
+  for (const auto& [split, list] : clips) {
+    if (voices_of_split(split) == DataSplit::train || missing[split] > 0) continue;
+    const PairList pairs = draw_pair_list(
+        split, list,
+        [&](const std::string& speech) { return std::lround(speech_s.at(speech) * 16000.0); },
+        seed);
+    write_if_new(root / fmt::format("pairs-{}.json", split), text_of(pairs));
   }
 }
 
@@ -118,6 +152,7 @@ void complete_dataset(const GenerationOptions& options, const SceneSource& scene
     if (count(again) == count(stored)) break;
     stored = std::move(again);
   }
+  write_pair_lists(options.folder, items, options.seed, stored);
   SpeechWriter speech(options.folder / speech_folder_of(options.speech_form), options.speech_form);
   for (const auto& [key, conversations] : stored) {
     ++summary.scenes[key.first];

@@ -1,0 +1,129 @@
+#include "json_field.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <earpoint/core/error.h>
+#include <earpoint/core/file.h>
+#include <earpoint/core/random.h>
+#include <earpoint/dataset/pair_list.h>
+
+namespace earpoint {
+namespace {
+
+constexpr const char* kFormat = "earpoint-pairs-1";
+constexpr std::ptrdiff_t kWindow = 16000;
+
+/// FNV-1a: a number for a scene's name, the same on every machine.
+std::uint64_t number_of(std::string_view name) {
+  std::uint64_t hash = 0xCBF29CE484222325U;
+  for (const char c : name) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001B3U;
+  return hash;
+}
+
+ViewPair draw_pair(const SoundSpacesClip& clip, int target, const std::vector<int>& speakers,
+                   const std::function<std::ptrdiff_t(const std::string&)>& speech_samples,
+                   RandomStream& random) {
+  ViewPair pair{.scene = clip.scene, .clip = clip.index, .choice = {}};
+  pair.choice.target = target;
+  pair.choice.source = static_cast<int>(random.index(clip.viewpoints.size() - 1));
+  if (pair.choice.source >= target) ++pair.choice.source;
+  pair.choice.speaker = speakers[random.index(speakers.size())];
+  const std::ptrdiff_t spare = speech_samples(*clip.speakers[pair.choice.speaker].speech) - kWindow;
+  if (spare > 0) {
+    pair.choice.window_start =
+        static_cast<std::ptrdiff_t>(random.index(static_cast<std::uint64_t>(spare) + 1));
+  }
+  return pair;
+}
+
+ViewPair parse_pair(const JsonField& json) {
+  ViewPair pair{
+      .scene = json.field("scene").text(), .clip = json.field("clip").integer(), .choice = {}};
+  pair.choice.source = json.field("source").integer();
+  pair.choice.target = json.field("target").integer();
+  pair.choice.speaker = json.field("speaker").integer();
+  pair.choice.window_start = json.field("window_start").integer();
+  if (pair.choice.source == pair.choice.target || pair.choice.window_start < 0) {
+    throw InputError(json.where(),
+                     "expected two viewpoints and a window that starts at 0 or later");
+  }
+  return pair;
+}
+
+}  // namespace
+
+PairList draw_pair_list(const std::string& split, std::span<const SoundSpacesClip> clips,
+                        const std::function<std::ptrdiff_t(const std::string&)>& speech_samples,
+                        std::uint64_t seed) {
+  PairList list{.split = split, .pairs = {}};
+  for (const SoundSpacesClip& clip : clips) {
+    RandomStream random(seed, {number_of(clip.scene), static_cast<std::uint64_t>(clip.index)});
+    std::vector<int> speakers;
+    for (std::size_t i = 0; i < clip.speakers.size(); ++i) {
+      if (clip.speakers[i].speech) speakers.push_back(static_cast<int>(i));
+    }
+    if (speakers.empty()) continue;
+    for (std::size_t target = 0; target < clip.viewpoints.size(); ++target) {
+      list.pairs.push_back(
+          draw_pair(clip, static_cast<int>(target), speakers, speech_samples, random));
+    }
+  }
+  return list;
+}
+
+std::string text_of(const PairList& list) {
+  std::string text = fmt::format("{{\n \"format\": {},\n \"split\": {},\n \"pairs\": [",
+                                 nlohmann::json(kFormat).dump(), nlohmann::json(list.split).dump());
+  const char* separator = "\n";
+  for (const ViewPair& pair : list.pairs) {
+    nlohmann::ordered_json json;
+    json["scene"] = pair.scene;
+    json["clip"] = pair.clip;
+    json["source"] = pair.choice.source;
+    json["target"] = pair.choice.target;
+    json["speaker"] = pair.choice.speaker;
+    json["window_start"] = pair.choice.window_start;
+    text += separator + ("  " + json.dump());
+    separator = ",\n";
+  }
+  return text + "\n ]\n}\n";
+}
+
+PairList read_pair_list(const std::filesystem::path& path) {
+  const nlohmann::json document = nlohmann::json::parse(read_text_file(path), nullptr, false);
+  if (document.is_discarded()) throw InputError(path.string(), "is not valid JSON");
+  const JsonField json(document, path.string());
+  const std::string format = json.field("format").text();
+  if (format != kFormat) {
+    throw InputError(path.string(), fmt::format("expected format {}, found {}", kFormat, format));
+  }
+  PairList list{.split = json.field("split").text(), .pairs = {}};
+  for (const JsonField& item : json.field("pairs").items()) list.pairs.push_back(parse_pair(item));
+  return list;
+}
+
+const SoundSpacesClip& clip_of(const ViewPair& pair, std::span<const SoundSpacesClip> clips,
+                               std::string_view where) {
+  const auto found = std::find_if(clips.begin(), clips.end(), [&](const SoundSpacesClip& clip) {
+    return clip.scene == pair.scene && clip.index == pair.clip;
+  });
+  if (found == clips.end()) {
+    throw InputError(where,
+                     fmt::format("the data set has no clip {} of scene {}", pair.clip, pair.scene));
+  }
+  const auto has = [](const auto& list, int index) {
+    return index >= 0 && index < std::ssize(list);
+  };
+  if (!has(found->viewpoints, pair.choice.source) || !has(found->viewpoints, pair.choice.target) ||
+      !has(found->speakers, pair.choice.speaker) || !found->speakers[pair.choice.speaker].speech) {
+    throw InputError(where, fmt::format("clip {} of scene {} lacks a viewpoint or speaker of its "
+                                        "pair",
+                                        pair.clip, pair.scene));
+  }
+  return *found;
+}
+
+}  // namespace earpoint
