@@ -3,8 +3,8 @@
 
 usage: bench/write_results.py MEASURED RESULTS.md
 
-MEASURED holds vigas.md, oracle_errors.md, render_memory.jsonl, demo.jsonl, trace_gates.md and
-home_reverberation.jsonl; a section whose file is missing says so.
+MEASURED holds vigas.md, oracle_errors.md, render_memory.jsonl, demo.jsonl, trace_gates.md,
+home_reverberation.jsonl and camera_bench.jsonl; a section whose file is missing says so.
 """
 import json
 import os
@@ -78,6 +78,17 @@ def trace_table(text):
     return "\n".join(rows)
 
 
+def camera_table(text):
+    rows = ["| homes | triangles | light of a home | with two people | views/s | views/s, light included |",
+            "|---|---|---|---|---|---|"]
+    for line in text.splitlines():
+        run = json.loads(line)
+        rows.append(f"| {run['homes']} | {run['triangles']} | {run['home_light_s']:.2f} s | "
+                    f"{run['people_light_s']:.3f} s | {run['views_per_s']:.1f} | "
+                    f"{run['views_per_s_with_light']:.1f} |")
+    return "\n".join(rows)
+
+
 SECTIONS = [
     ("Exactness: our engine against the authors' code", "oracle_errors.md", None,
      "The same weights and inputs through `earpoint model run` and through the released code. "
@@ -96,6 +107,10 @@ SECTIONS = [
     ("Speed: tracing a furnished home", "trace_bench.json", trace_table,
      "`trace_bench`: medians on one core. Both the tracer's rays and Embree's own end at the nearest "
      "surface; the tracer's include those that ask whether a listener is in sight."),
+    ("Pictures per second on one core", "camera_bench.jsonl", camera_table,
+     "`camera_bench`: 256 x 256 pixels, 4 rays per pixel, smoothed; seconds of processor time of one "
+     "thread. The light of a home is solved once for its 10 conversations, that of two people once "
+     "for the 4 views of a conversation; the last column counts both."),
     ("Reverberation of homes", "home_reverberation.jsonl", reverberation_table,
      "`home_reverberation`: homes of the seeds 0 to 119, 500 and 1000 Hz. By Eyring's formula, the "
      "mean over a home's rooms by volume; and T30 of a traced response between two places 1 m or "

@@ -32,11 +32,23 @@ std::vector<std::vector<PatchSample>> points_of_regions(const Patches& patches) 
 LightGuide::LightGuide(const Lights& lights, const Patches& patches, const Surfaces& surfaces,
                        const RayTracer& tracer, ThreadPool& pool)
     : lights_(lights.size()) {
+  add_regions(lights, patches, surfaces, tracer, pool);
+}
+
+LightGuide::LightGuide(const LightGuide& base, const Lights& lights, const Patches& patches,
+                       const Surfaces& surfaces, const RayTracer& tracer, ThreadPool& pool)
+    : LightGuide(base) {
+  add_regions(lights, patches, surfaces, tracer, pool);
+}
+
+void LightGuide::add_regions(const Lights& lights, const Patches& patches, const Surfaces& surfaces,
+                             const RayTracer& tracer, ThreadPool& pool) {
   if (lights_ == 0) return;
+  const auto first = static_cast<std::uint32_t>(cumulative_.size() / lights_);
   cumulative_.resize(static_cast<std::size_t>(patches.regions()) * lights_);
   const std::vector<std::vector<PatchSample>> points = points_of_regions(patches);
-  pool.run(patches.regions(), [&](std::ptrdiff_t task, int) {
-    const auto region = static_cast<std::uint32_t>(task);
+  pool.run(patches.regions() - first, [&](std::ptrdiff_t task, int) {
+    const auto region = first + static_cast<std::uint32_t>(task);
     estimate(region, lights, surfaces, tracer, points[region]);
   });
 }

@@ -19,6 +19,10 @@ class LightGuide {
   LightGuide(const Lights& lights, const Patches& patches, const Surfaces& surfaces,
              const RayTracer& tracer, ThreadPool& pool);
 
+  /// Keeps what `base` found out and looks at the regions that `patches` has beyond it.
+  LightGuide(const LightGuide& base, const Lights& lights, const Patches& patches,
+             const Surfaces& surfaces, const RayTracer& tracer, ThreadPool& pool);
+
   struct Choice {
     int light = 0;
     float probability = 0.0F;  ///< 0 if nothing shines
@@ -30,6 +34,8 @@ class LightGuide {
   [[nodiscard]] float probability(std::uint32_t region, int light) const;
 
  private:
+  void add_regions(const Lights& lights, const Patches& patches, const Surfaces& surfaces,
+                   const RayTracer& tracer, ThreadPool& pool);
   void estimate(std::uint32_t region, const Lights& lights, const Surfaces& surfaces,
                 const RayTracer& tracer, const std::vector<PatchSample>& points);
 

@@ -4,6 +4,8 @@
 #include <map>
 #include <tuple>
 
+#include <earpoint/core/error.h>
+
 namespace earpoint {
 namespace {
 
@@ -24,6 +26,14 @@ Lights::Lights(const Surfaces& surfaces, std::span<const Lamp> lamps) : surfaces
   }
   lamps_ = size();
   gather_groups();
+}
+
+Lights::Lights(const Lights& base, const Surfaces& surfaces) : Lights(base) {
+  for (std::uint32_t i = base.surfaces_->triangles(); i < surfaces.triangles(); ++i) {
+    EARPOINT_CHECK(!(largest(surfaces.material(i).mean_emission) > 0.0F));
+  }
+  surfaces_ = &surfaces;
+  if (!triangle_light_.empty()) triangle_light_.resize(surfaces.triangles(), -1);
 }
 
 void Lights::gather_groups() {

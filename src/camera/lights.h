@@ -26,6 +26,9 @@ class Lights {
  public:
   Lights(const Surfaces& surfaces, std::span<const Lamp> lamps);
 
+  /// The same lights among more surfaces, none of which shines.
+  Lights(const Lights& base, const Surfaces& surfaces);
+
   [[nodiscard]] int size() const { return static_cast<int>(lights_.size()); }
 
   /// Lamps are never met by rays; their light comes by sample() alone.

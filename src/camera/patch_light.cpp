@@ -1,5 +1,6 @@
 #include "patch_light.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -25,8 +26,10 @@ struct Link {
 // The starting light and the links of one patch.
 class PatchGatherer {
  public:
-  PatchGatherer(const LitScene& scene, std::uint32_t patch)
+  // @param known  light of the first triangles, or null
+  PatchGatherer(const LitScene& scene, const SolvedLight* known, std::uint32_t patch)
       : scene_(scene),
+        known_(known),
         patch_(patch),
         region_(scene.patches.region(patch)),
         seed_(hash_words(kSeed, patch)) {}
@@ -53,10 +56,13 @@ class PatchGatherer {
     return sum * (1.0F / kDirectRays);
   }
 
-  // Fills the links; returns the light that the rays brought from the sky and from what shines.
-  Rgb gather(Link* links) {
+  // Fills the links; `rays` tells how many. Returns the light that the rays brought from the sky,
+  // from what shines and from what is known.
+  Rgb gather(Link* links, int& rays) {
     Rgb sum;
-    for (int first = 0; first < kGatheringRays; first += RayPacket::kRays) {
+    for (rays = 0; rays < kGatheringRays && !(rays > 0 && sees_no_front_);
+         rays += RayPacket::kRays) {
+      const int first = rays;
       RayPacket packet;
       std::array<Float3, RayPacket::kRays> directions;
       std::array<float, RayPacket::kRays> cosines{};
@@ -75,7 +81,7 @@ class PatchGatherer {
         sum += take(packet, lane, directions[lane], cosines[lane], links[first + lane]);
       }
     }
-    return sum * (kPiF / kGatheringRays);
+    return sum * (kPiF / static_cast<float>(rays));
   }
 
  private:
@@ -83,14 +89,26 @@ class PatchGatherer {
     Hit hit;
     if (!scene_.tracer.hit(packet, lane, hit)) return scene_.sky;
     const bool front = dot(scene_.surfaces.face_normal(hit.triangle), direction) <= 0.0F;
+    sees_no_front_ = sees_no_front_ && !front;
+    if (known_ != nullptr && hit.triangle < known_->triangles()) {
+      return known_->radiance(hit, direction, {0.5F, 0.5F}) + shining(hit, direction, cosine);
+    }
     link.patch = scene_.patches.at(hit.triangle, hit.u, hit.v, front);
     link.material = scene_.surfaces.material_index(hit.triangle);
+    return shining(hit, direction, cosine);
+  }
+
+  [[nodiscard]] Rgb shining(const Hit& hit, const Float3& direction, float cosine) const {
     const float share =
         shining_weight(scene_, region_, cosine, direction, hit, kBouncesPerDirectRay);
     return scene_.surfaces.material(hit.triangle).mean_emission * share;
   }
 
   const LitScene& scene_;
+  const SolvedLight* known_;
+  // Inside of things and behind walls rays meet back sides alone, or nothing: nobody looks there,
+  // and the first packet of rays will do.
+  bool sees_no_front_ = true;
   std::uint32_t patch_;
   std::uint32_t region_;
   std::uint32_t seed_;
@@ -127,9 +145,14 @@ float shining_weight(const LitScene& scene, std::uint32_t region, float cosine,
   return own > 0.0F ? own / (own + rival) : 0.0F;
 }
 
-std::vector<Rgb> solve_patch_light(const LitScene& scene, ThreadPool& pool) {
-  const std::size_t patches = scene.patches.size();
+namespace {
+
+// What the patches from the first on receive, by links among themselves.
+std::vector<Rgb> solve(const LitScene& scene, const SolvedLight* known, std::uint32_t first_patch,
+                       ThreadPool& pool) {
+  const std::size_t patches = scene.patches.size() - first_patch;
   std::vector<Link> links(patches * kGatheringRays);
+  std::vector<int> rays(patches);
   std::vector<Rgb> start(patches);
   constexpr std::size_t kPatchesPerTask = 64;
   const std::size_t tasks = (patches + kPatchesPerTask - 1) / kPatchesPerTask;
@@ -140,8 +163,8 @@ std::vector<Rgb> solve_patch_light(const LitScene& scene, ThreadPool& pool) {
     });
   };
   each_patch([&](std::size_t i) {
-    PatchGatherer gatherer(scene, static_cast<std::uint32_t>(i));
-    start[i] = gatherer.direct() + gatherer.gather(&links[i * kGatheringRays]);
+    PatchGatherer gatherer(scene, known, first_patch + static_cast<std::uint32_t>(i));
+    start[i] = gatherer.direct() + gatherer.gather(&links[i * kGatheringRays], rays[i]);
   });
 
   // Jacobi's iteration adds one bounce each time; a new array each, so that the order of work
@@ -149,21 +172,33 @@ std::vector<Rgb> solve_patch_light(const LitScene& scene, ThreadPool& pool) {
   std::vector<Rgb> light = start;
   std::vector<Rgb> next(patches);
   std::vector<float> change(patches);
-  for (int bounce = 0; bounce < kMostBounces; ++bounce) {
+  for (int bounce = 0; bounce < kMostBounces && patches > 0; ++bounce) {
     each_patch([&](std::size_t i) {
       Rgb sum;
-      for (const Link* link = &links[i * kGatheringRays];
-           link != &links[i * kGatheringRays] + kGatheringRays; ++link) {
+      const Link* first = &links[i * kGatheringRays];
+      for (const Link* link = first; link != first + rays[i]; ++link) {
         if (link->patch == Link::kNothing) continue;
-        sum += scene.surfaces.materials()[link->material].reflectance * light[link->patch];
+        sum += scene.surfaces.materials()[link->material].reflectance *
+               light[link->patch - first_patch];
       }
-      next[i] = start[i] + sum * (1.0F / kGatheringRays);
+      next[i] = start[i] + sum * (1.0F / static_cast<float>(rays[i]));
       change[i] = largest(next[i] - light[i]) - kConverged * largest(next[i]);
     });
     light.swap(next);
     if (*std::max_element(change.begin(), change.end()) <= 0.0F) break;
   }
   return light;
+}
+
+}  // namespace
+
+std::vector<Rgb> solve_patch_light(const LitScene& scene, ThreadPool& pool) {
+  return solve(scene, nullptr, 0, pool);
+}
+
+std::vector<Rgb> solve_added_light(const LitScene& scene, const SolvedLight& known,
+                                   std::uint32_t first_patch, ThreadPool& pool) {
+  return solve(scene, &known, first_patch, pool);
 }
 
 }  // namespace earpoint

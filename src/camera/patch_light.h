@@ -1,10 +1,7 @@
 #pragma once
 
-#include "light_guide.h"
-#include "lights.h"
-#include "patches.h"
-#include "ray_tracer.h"
-#include "surfaces.h"
+#include "lit_scene.h"
+#include "solved_light.h"
 
 #include <cstdint>
 #include <vector>
@@ -12,16 +9,6 @@
 #include <earpoint/core/parallel.h>
 
 namespace earpoint {
-
-/// The parts of a scene that light sampling needs, together.
-struct LitScene {
-  const Surfaces& surfaces;
-  const RayTracer& tracer;
-  const Patches& patches;
-  const Lights& lights;
-  const LightGuide& guide;
-  Rgb sky;  ///< radiance of what lies outside
-};
 
 /// A ray towards a light, and the irradiance that it brings if nothing is in the way.
 struct DirectRay {
@@ -46,5 +33,14 @@ float shining_weight(const LitScene& scene, std::uint32_t region, float cosine,
 /// Source: the radiosity equation, with form factors from cosine-distributed rays.
 /// @return  [patches]
 std::vector<Rgb> solve_patch_light(const LitScene& scene, ThreadPool& pool);
+
+/// The irradiance of the patches that a scene has beyond one whose light is known, and is taken to
+/// stay as it is: the shadow of what came in shows in pictures, whose direct light and first bounce
+/// are traced anew, but not in the second bounce.
+/// @param known        light of the first triangles
+/// @param first_patch  the first that is not known
+/// @return  [patches from first_patch on]
+std::vector<Rgb> solve_added_light(const LitScene& scene, const SolvedLight& known,
+                                   std::uint32_t first_patch, ThreadPool& pool);
 
 }  // namespace earpoint

@@ -50,8 +50,25 @@ float longest_edge(const Surfaces& surfaces, std::uint32_t triangle) {
 
 Patches::Patches(const Surfaces& surfaces) {
   choose_width(surfaces);
-  fill(surfaces);
+  fill(surfaces, 0);
   group_regions();
+}
+
+Patches::Patches(const Patches& base, const Surfaces& surfaces) : Patches(base) {
+  const auto first = static_cast<std::uint32_t>(cuts_.size());
+  std::size_t bins = bin_patch_.size() / 2;
+  for (std::uint32_t i = first; i < surfaces.triangles(); ++i) cut_triangle(surfaces, i, bins);
+  bin_patch_.resize(2 * bins);
+  fill(surfaces, first);
+  group_regions();
+}
+
+void Patches::cut_triangle(const Surfaces& surfaces, std::uint32_t triangle, std::size_t& bins) {
+  const int divisions = divisions_of(longest_edge(surfaces, triangle), width_m_);
+  cuts_.push_back({.first = static_cast<std::uint32_t>(bins),
+                   .divisions = divisions,
+                   .step = 1.0F / static_cast<float>(divisions)});
+  bins += bins_of(static_cast<std::size_t>(divisions));
 }
 
 void Patches::choose_width(const Surfaces& surfaces) {
@@ -62,13 +79,7 @@ void Patches::choose_width(const Surfaces& surfaces) {
   while (true) {
     cuts_.clear();
     std::size_t bins = 0;
-    for (std::uint32_t i = 0; i < surfaces.triangles(); ++i) {
-      const int divisions = divisions_of(longest_edge(surfaces, i), width_m_);
-      cuts_.push_back({.first = static_cast<std::uint32_t>(bins),
-                       .divisions = divisions,
-                       .step = 1.0F / static_cast<float>(divisions)});
-      bins += bins_of(static_cast<std::size_t>(divisions));
-    }
+    for (std::uint32_t i = 0; i < surfaces.triangles(); ++i) cut_triangle(surfaces, i, bins);
     if (bins <= kMostBins + surfaces.triangles()) {
       bin_patch_.resize(2 * bins);
       return;
@@ -77,10 +88,10 @@ void Patches::choose_width(const Surfaces& surfaces) {
   }
 }
 
-void Patches::fill(const Surfaces& surfaces) {
+void Patches::fill(const Surfaces& surfaces, std::uint32_t first_triangle) {
   std::unordered_map<std::uint64_t, std::uint32_t> patch_of_key;
-  std::vector<float> weights;  // [patches], area of all bins so far
-  for (std::uint32_t triangle = 0; triangle < surfaces.triangles(); ++triangle) {
+  std::vector<float> weights(size_);  // [patches], area of all bins so far
+  for (std::uint32_t triangle = first_triangle; triangle < surfaces.triangles(); ++triangle) {
     const int n = cuts_[triangle].divisions;
     const float bin_area = surfaces.area_m2(triangle) / static_cast<float>(n * n);
     std::uint32_t number = cuts_[triangle].first;
@@ -130,7 +141,7 @@ void Patches::group_regions() {
   // Wide scenes get wide regions.
   const float width_m = kRegionWidthM * width_m_ / 0.25F;
   std::unordered_map<std::uint64_t, std::uint32_t> region_of_key;
-  for (std::uint32_t patch = 0; patch < size_; ++patch) {
+  for (auto patch = static_cast<std::uint32_t>(regions_.size()); patch < size_; ++patch) {
     const std::uint64_t key = cube_key(samples(patch)[0].position, width_m);
     const auto [entry, is_new] = region_of_key.try_emplace(key, region_count_);
     if (is_new) ++region_count_;

@@ -46,6 +46,10 @@ class Patches {
 
   explicit Patches(const Surfaces& surfaces);
 
+  /// Keeps the patches of `base` and adds those of the triangles that `surfaces` has beyond it, in
+  /// regions of their own.
+  Patches(const Patches& base, const Surfaces& surfaces);
+
   [[nodiscard]] std::uint32_t size() const { return size_; }
 
   /// @param u, v  weights of the triangle's second and third vertex
@@ -67,7 +71,8 @@ class Patches {
 
  private:
   void choose_width(const Surfaces& surfaces);
-  void fill(const Surfaces& surfaces);
+  void cut_triangle(const Surfaces& surfaces, std::uint32_t triangle, std::size_t& bins);
+  void fill(const Surfaces& surfaces, std::uint32_t first_triangle);
   void group_regions();
 
   float width_m_ = 0.25F;

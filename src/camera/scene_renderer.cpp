@@ -37,7 +37,22 @@ struct SceneRenderer::Parts {
         lights(surfaces, lamps_of(scene, surfaces, tracer, lighting.light_dark_scenes)),
         guide(lights, patches, surfaces, tracer, pool),
         sky(float3(lighting.sky_radiance)),
+        own_lamps(scene.lamps.size()),
         solved(lit_scene(), solve_patch_light(lit_scene(), pool)) {}
+
+  /// Of a scene that begins with that of `base`.
+  Parts(const Parts& base, const Scene& scene, ThreadPool& pool)
+      : surfaces(base.surfaces, scene),
+        tracer(surfaces),
+        patches(base.patches, surfaces),
+        lights(base.lights, surfaces),
+        guide(base.guide, lights, patches, surfaces, tracer, pool),
+        sky(base.sky),
+        own_lamps(base.own_lamps),
+        solved(base.solved, lit_scene(), base.patches.size(),
+               solve_added_light(lit_scene(), base.solved, base.patches.size(), pool)) {
+    EARPOINT_CHECK(scene.lamps.size() == own_lamps);
+  }
 
   [[nodiscard]] LitScene lit_scene() const {
     return {surfaces, tracer, patches, lights, guide, sky};
@@ -52,6 +67,7 @@ struct SceneRenderer::Parts {
   Lights lights;
   LightGuide guide;
   Rgb sky;
+  std::size_t own_lamps;  // of the scene, not those that were put into the dark
   SolvedLight solved;
 };
 
@@ -85,6 +101,17 @@ SceneRenderer::SceneRenderer(const Scene& scene, const Lighting& lighting) {
 
 SceneRenderer::SceneRenderer(const Scene& scene, const Lighting& lighting, ThreadPool& pool)
     : parts_(std::make_unique<const Parts>(scene, lighting, pool)) {}
+
+SceneRenderer::SceneRenderer(std::unique_ptr<const Parts> parts) : parts_(std::move(parts)) {}
+
+SceneRenderer SceneRenderer::extended(const Scene& scene) const {
+  ThreadPool pool(1);
+  return extended(scene, pool);
+}
+
+SceneRenderer SceneRenderer::extended(const Scene& scene, ThreadPool& pool) const {
+  return SceneRenderer(std::make_unique<const Parts>(*parts_, scene, pool));
+}
 
 SceneRenderer::~SceneRenderer() = default;
 SceneRenderer::SceneRenderer(SceneRenderer&&) noexcept = default;

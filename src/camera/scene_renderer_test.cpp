@@ -204,6 +204,68 @@ TEST(SceneRenderer, LightsASceneThatHasNoLight) {
   EXPECT_EQ(*std::ranges::max_element(view.rgb.pixels()), 0);
 }
 
+/// A furnished room, and the same with a red box that stands in it.
+struct RoomAndGuest {
+  Scene room = furnished_room();
+  Scene with_guest = room;
+  int guest =
+      add_box(with_guest, "guest", InstanceKind::person, {3.2, 1.6, 0.0}, {3.6, 2.1, 1.75}, kRed);
+};
+
+TEST(ExtendedRenderer, LightsWhatIsAddedAsAFreshRendererDoes) {
+  const RoomAndGuest scenes;
+  const Camera camera{
+      .world_from_camera = look_at({0.8, 0.8, 1.5}, {3.6, 2.0, 1.0}), .width = 64, .height = 64};
+  ThreadPool pool(1);
+  const SceneRenderer fresh(scenes.with_guest);
+  const SceneRenderer extended = SceneRenderer(scenes.room).extended(scenes.with_guest);
+  const View fresh_view = fresh.render(camera, {}, 1);
+  const View extended_view = extended.render(camera, {}, 1);
+  EXPECT_TRUE(std::ranges::equal(fresh_view.depth_m.pixels(), extended_view.depth_m.pixels()));
+  EXPECT_TRUE(std::ranges::equal(fresh_view.instance.pixels(), extended_view.instance.pixels()));
+  ASSERT_GT(count(fresh_view, scenes.guest), 100);
+
+  const FloatImage expected = fresh.radiance(camera, {.samples_per_side = 8}, 2, pool);
+  const FloatImage found = extended.radiance(camera, {.samples_per_side = 8}, 2, pool);
+  double on_guest = 0.0;
+  double on_guest_expected = 0.0;
+  double elsewhere = 0.0;
+  double elsewhere_expected = 0.0;
+  for (int y = 0; y < 64; ++y) {
+    for (int x = 0; x < 64; ++x) {
+      const bool is_guest = fresh_view.instance.at(x, y) == scenes.guest;
+      (is_guest ? on_guest : elsewhere) += found.at(x, y, 0);
+      (is_guest ? on_guest_expected : elsewhere_expected) += expected.at(x, y, 0);
+    }
+  }
+  // What the guest darkens is missing from the second bounce alone: some percent of the light.
+  EXPECT_NEAR(on_guest / on_guest_expected, 1.0, 0.05);
+  EXPECT_NEAR(elsewhere / elsewhere_expected, 1.0, 0.05);
+}
+
+TEST(ExtendedRenderer, OfTheSceneItselfGivesTheSameBytes) {
+  const Scene room = furnished_room();
+  const Camera camera{
+      .world_from_camera = look_at({0.8, 0.8, 1.5}, {3.6, 2.0, 1.0}), .width = 32, .height = 32};
+  const SceneRenderer renderer(room);
+  EXPECT_TRUE(same(renderer.extended(room).render(camera, {}, 3), renderer.render(camera, {}, 3)));
+}
+
+TEST(ExtendedRenderer, RefusesAnotherSceneAndNewLight) {
+  const RoomAndGuest scenes;
+  const SceneRenderer renderer(scenes.room);
+  EXPECT_THROW(static_cast<void>(renderer.extended(wall_in_front())), std::logic_error);
+  Scene other = scenes.with_guest;
+  std::swap(other.mesh.triangles[0], other.mesh.triangles[1]);
+  EXPECT_THROW(static_cast<void>(renderer.extended(other)), std::logic_error);
+  Scene shining = scenes.with_guest;
+  shining.materials.back().look.emission = {1.0F, 1.0F, 1.0F};
+  EXPECT_THROW(static_cast<void>(renderer.extended(shining)), std::logic_error);
+  Scene lamp = scenes.with_guest;
+  lamp.lamps.push_back({.position_m = {1, 1, 1}, .intensity = {1, 1, 1}});
+  EXPECT_THROW(static_cast<void>(renderer.extended(lamp)), std::logic_error);
+}
+
 TEST(SceneRenderer, RefusesQualityOutOfRange) {
   const SceneRenderer renderer(wall_in_front());
   EXPECT_THROW(static_cast<void>(renderer.render({}, {.samples_per_side = 0}, 1)),

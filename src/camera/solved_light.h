@@ -1,6 +1,6 @@
 #pragma once
 
-#include "patch_light.h"
+#include "lit_scene.h"
 
 #include <cstdint>
 #include <vector>
@@ -13,6 +13,17 @@ class SolvedLight {
  public:
   /// @param irradiance  as solve_patch_light gives it
   SolvedLight(const LitScene& scene, const std::vector<Rgb>& irradiance);
+
+  /// Keeps the light of `base` and adds that of the triangles that the scene has beyond it.
+  /// @param first_patch  of those triangles
+  /// @param irradiance   of the patches from `first_patch` on
+  SolvedLight(const SolvedLight& base, const LitScene& scene, std::uint32_t first_patch,
+              const std::vector<Rgb>& irradiance);
+
+  /// How many triangles it knows.
+  [[nodiscard]] std::uint32_t triangles() const {
+    return static_cast<std::uint32_t>(records_.size());
+  }
 
   /// The radiance that a surface sends back along a ray, without its own emission.
   /// @param aside  uniform; reads the place up to half a patch aside, which blurs the borders
@@ -28,6 +39,8 @@ class SolvedLight {
     TriangleCut cut;
     bool shines = false;
   };
+
+  void append(const LitScene& scene, std::uint32_t first_patch, const std::vector<Rgb>& irradiance);
 
   std::vector<Record> records_;  // [triangles]
   std::vector<Rgb> radiance_;    // [bins]

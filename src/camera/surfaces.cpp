@@ -1,5 +1,6 @@
 #include "surfaces.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <earpoint/core/error.h>
@@ -16,22 +17,41 @@ Rgb clamp_colour(const Rgb& c, float high) {
 
 }  // namespace
 
-Surfaces::Surfaces(const Scene& scene) {
+Surfaces::Surfaces(const Scene& scene) { append(scene); }
+
+Surfaces::Surfaces(const Surfaces& base, const Scene& scene) : Surfaces(base) {
+  const auto begins_alike = [](const auto& part, const auto& whole) {
+    return whole.size() >= part.size() && std::equal(part.begin(), part.end(), whole.begin());
+  };
+  EARPOINT_CHECK(begins_alike(base.triangles_, scene.mesh.triangles));
+  EARPOINT_CHECK(begins_alike(base.triangle_material_, scene.mesh.triangle_material));
+  EARPOINT_CHECK(scene.mesh.positions.size() >= base.positions_.size());
+  EARPOINT_CHECK(scene.materials.size() >= base.materials_.size());
+  EARPOINT_CHECK(scene.textures.size() >= base.textures_.size());
+  append(scene);
+}
+
+void Surfaces::append(const Scene& scene) {
   const Mesh& mesh = scene.mesh;
   EARPOINT_CHECK(!mesh.triangles.empty());
   EARPOINT_CHECK(mesh.triangle_material.size() == mesh.triangles.size());
   EARPOINT_CHECK(mesh.triangle_instance.size() == mesh.triangles.size());
   float extent = 1.0F;
-  for (const std::array<float, 3>& p : mesh.positions) {
-    positions_.push_back(float3(p));
-    for (const float coordinate : p) extent = std::max(extent, std::abs(coordinate));
+  const std::size_t known = positions_.size();
+  positions_.resize(mesh.positions.size());
+  for (std::size_t i = 0; i < positions_.size(); ++i) {
+    if (i >= known) positions_[i] = float3(mesh.positions[i]);
+    extent = std::max(extent, largest({std::abs(positions_[i].x), std::abs(positions_[i].y),
+                                       std::abs(positions_[i].z)}));
   }
   // Far above the rounding of positions, far below what is seen.
   start_offset_m_ = 1e-4F + 4e-6F * extent;
-  for (const std::array<float, 3>& n : mesh.normals) normals_.push_back(float3(n));
-  uvs_ = mesh.uvs;
-  for (std::array<float, 2>& uv : uvs_) {
-    for (float& value : uv) value = std::isfinite(value) ? value : 0.0F;
+  for (std::size_t i = normals_.size(); i < mesh.normals.size(); ++i) {
+    normals_.push_back(float3(mesh.normals[i]));
+  }
+  for (std::size_t i = uvs_.size(); i < mesh.uvs.size(); ++i) {
+    uvs_.push_back(mesh.uvs[i]);
+    for (float& value : uvs_.back()) value = std::isfinite(value) ? value : 0.0F;
   }
   triangles_ = mesh.triangles;
   triangle_material_ = mesh.triangle_material;
@@ -41,9 +61,11 @@ Surfaces::Surfaces(const Scene& scene) {
 }
 
 void Surfaces::take_materials(const Scene& scene) {
-  for (const Image& image : scene.textures) textures_.emplace_back(image);
-  for (const Material& material : scene.materials) {
-    const Look& look = material.look;
+  for (std::size_t i = textures_.size(); i < scene.textures.size(); ++i) {
+    textures_.push_back(std::make_shared<const Texture>(scene.textures[i]));
+  }
+  for (std::size_t i = materials_.size(); i < scene.materials.size(); ++i) {
+    const Look& look = scene.materials[i].look;
     SurfaceMaterial m;
     m.base_colour = clamp_colour(float3(look.base_colour), 1.0F);
     m.emission = float3(look.emission);
@@ -53,7 +75,7 @@ void Surfaces::take_materials(const Scene& scene) {
     m.opacity = std::clamp(look.opacity, 0.0F, 1.0F);
     const Rgb mean = m.texture == Look::kNoTexture
                          ? Rgb{1.0F, 1.0F, 1.0F}
-                         : textures_[static_cast<std::size_t>(m.texture)].mean();
+                         : textures_[static_cast<std::size_t>(m.texture)]->mean();
     m.mean_base = m.base_colour * mean;
     m.mean_emission = m.emission * mean;
     // What a metal reflects is passed on as if it were diffuse: the patches know no direction.
@@ -63,7 +85,7 @@ void Surfaces::take_materials(const Scene& scene) {
 }
 
 void Surfaces::measure_triangles() {
-  for (std::uint32_t i = 0; i < triangles(); ++i) {
+  for (auto i = static_cast<std::uint32_t>(area_m2_.size()); i < triangles(); ++i) {
     const Float3 scaled = cross(corner(i, 1) - corner(i, 0), corner(i, 2) - corner(i, 0));
     const float twice_area = norm(scaled);
     // A sliver whose area is lost in single precision may face anywhere.
@@ -76,7 +98,7 @@ void Surfaces::measure_triangles() {
       const auto& [a, b, c] = triangles_[i];
       const float uv_area = std::abs((uvs_[b][0] - uvs_[a][0]) * (uvs_[c][1] - uvs_[a][1]) -
                                      (uvs_[c][0] - uvs_[a][0]) * (uvs_[b][1] - uvs_[a][1]));
-      const Texture& picture = textures_[static_cast<std::size_t>(texture)];
+      const Texture& picture = *textures_[static_cast<std::size_t>(texture)];
       const float texels =
           static_cast<float>(picture.width()) * static_cast<float>(picture.height());
       density = std::sqrt(uv_area * texels / twice_area);
@@ -121,7 +143,7 @@ Rgb Surfaces::texture_colour(const SurfacePoint& point, float width_m) const {
   const float w = 1.0F - point.u - point.v;
   const float u = uvs_[a][0] * w + uvs_[b][0] * point.u + uvs_[c][0] * point.v;
   const float v = uvs_[a][1] * w + uvs_[b][1] * point.u + uvs_[c][1] * point.v;
-  return textures_[static_cast<std::size_t>(texture)].sample(
+  return textures_[static_cast<std::size_t>(texture)]->sample(
       u, v, width_m * texels_per_m_[point.triangle]);
 }
 

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include <earpoint/scene/scene.h>
@@ -41,6 +42,9 @@ class Surfaces {
  public:
   /// @param scene  as check_scene leaves it
   explicit Surfaces(const Scene& scene);
+
+  /// Those of a scene that begins with the scene of `base`.
+  Surfaces(const Surfaces& base, const Scene& scene);
 
   [[nodiscard]] std::uint32_t triangles() const {
     return static_cast<std::uint32_t>(triangles_.size());
@@ -82,6 +86,7 @@ class Surfaces {
   }
 
  private:
+  void append(const Scene& scene);
   void take_materials(const Scene& scene);
   void measure_triangles();
 
@@ -95,7 +100,7 @@ class Surfaces {
   std::vector<float> area_m2_;        // [triangles]
   std::vector<float> texels_per_m_;   // [triangles]
   std::vector<SurfaceMaterial> materials_;
-  std::vector<Texture> textures_;
+  std::vector<std::shared_ptr<const Texture>> textures_;
   float start_offset_m_ = 1e-4F;
 };
 

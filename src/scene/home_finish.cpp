@@ -159,7 +159,7 @@ constexpr std::array<Finish, 6> kCeilings = {{
 // Radiance of a white patch outside: a window is the brightest thing of a room by day.
 constexpr float kDaylight = 2.5F;
 
-constexpr double kAcousticCeilings = 0.8;
+constexpr double kAcousticCeilings = 0.86;
 constexpr double kFabricWalls = 0.95;
 
 class FinishPainter {
@@ -222,7 +222,8 @@ RoomFinish draw_room_finish(RoomKind kind, double softness, RandomStream& random
       break;
   }
   const std::span<const Finish> usual_walls = softness > kFabricWalls ? walls : walls.first(8);
-  finish.wall = painter.make(painter.pick(usual_walls, softness, 0.2));
+  // Most homes have plaster or wallpaper, not brick or wood.
+  finish.wall = painter.make(painter.pick(usual_walls, 0.85 * softness, 0.18));
   finish.ceiling = painter.make(painter.pick(ceilings, softness, 0.15));
   return finish;
 }

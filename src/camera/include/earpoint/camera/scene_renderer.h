@@ -52,6 +52,15 @@ class SceneRenderer {
   SceneRenderer(SceneRenderer&&) noexcept;
   SceneRenderer& operator=(SceneRenderer&&) noexcept;
 
+  /// A renderer of this scene with more things in it, for a fraction of the time: the people of
+  /// each conversation in one home. The solved light of this scene is kept, and only that of the
+  /// added surfaces is solved; what they darken or colour shows in the direct light and in the
+  /// first bounce, which a picture traces itself.
+  /// @param scene  begins with this renderer's scene: add_person() leaves it so
+  /// @throws std::logic_error if it does not, or if something that was added shines
+  [[nodiscard]] SceneRenderer extended(const Scene& scene) const;
+  [[nodiscard]] SceneRenderer extended(const Scene& scene, ThreadPool& pool) const;
+
   /// @param seed  of the samples: another seed, another noise
   /// @throws std::logic_error if the camera or the quality is out of range
   [[nodiscard]] View render(const Camera& camera, const RenderQuality& quality,
@@ -69,6 +78,8 @@ class SceneRenderer {
 
  private:
   struct Parts;
+  explicit SceneRenderer(std::unique_ptr<const Parts> parts);
+
   std::unique_ptr<const Parts> parts_;
 };
 
