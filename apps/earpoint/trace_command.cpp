@@ -57,6 +57,21 @@ void check(const Options& options) {
   }
 }
 
+// A place outside of the model hears nothing, whatever the mesh.
+void check_place(const char* flag, const earpoint::Vector3& place, const earpoint::Scene& scene) {
+  const earpoint::Bounds box = bounds(scene.mesh);
+  const bool inside = place.x > box.low.x && place.x < box.high.x && place.y > box.low.y &&
+                      place.y < box.high.y && place.z > box.low.z && place.z < box.high.z;
+  if (inside) return;
+  throw InputError(
+      flag,
+      fmt::format("({:g}, {:g}, {:g}) is outside of the scene, which spans x {:.4g} to {:.4g}, y "
+                  "{:.4g} to {:.4g}, z {:.4g} to {:.4g} m",
+                  place.x, place.y, place.z, box.low.x, box.high.x, box.low.y, box.high.y,
+                  box.low.z, box.high.z),
+      "place it inside");
+}
+
 bool is_silent(const earpoint::PointResponse& response) {
   if (!response.arrivals.empty()) return false;
   for (int bin = 0; bin < response.late.bins(); ++bin) {
@@ -80,6 +95,8 @@ void run(const Options& options) {
   for (const std::string& warning : named.warnings) {
     fmt::print(stderr, "earpoint: {}: {}\n", options.scene.file.string(), warning);
   }
+  check_place("--source", source.world_from_source.position_m, named.scene);
+  check_place("--listener", listener.position_m, named.scene);
   const earpoint::AcousticScene scene(named.scene);
 
   const int jobs = options.jobs > 0 ? options.jobs : earpoint::available_cores();

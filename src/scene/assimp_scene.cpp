@@ -1,4 +1,5 @@
 #include "colour_palette.h"
+#include "gltf_floats.h"
 #include "model_reader.h"
 #include "polygon.h"
 
@@ -296,14 +297,15 @@ std::optional<std::string> gltf_json(const std::filesystem::path& path) {
 }
 
 /// Refuses a glTF file on which Assimp would crash instead of complaining.
-void check_gltf(const std::filesystem::path& path) {
+/// @return its JSON
+nlohmann::json check_gltf(const std::filesystem::path& path) {
   const std::optional<std::string> text = gltf_json(path);
-  const auto json = nlohmann::json::parse(text.value_or(""), nullptr, false);
+  auto json = nlohmann::json::parse(text.value_or(""), nullptr, false);
   if (json.is_discarded() || !json.is_object()) {
     throw InputError(path.string(), "is damaged: its JSON cannot be read", kMend);
   }
   const auto images = json.find("images");
-  if (images == json.end() || !images->is_array()) return;
+  if (images == json.end() || !images->is_array()) return json;
   for (std::size_t i = 0; i < images->size(); ++i) {
     const auto& image = (*images)[i];
     if (!image.is_object() || !image.contains("mimeType")) continue;
@@ -314,6 +316,7 @@ void check_gltf(const std::filesystem::path& path) {
         fmt::format("expected a kind like 'image/png', found '{}'",
                     kind.is_string() ? one_line(kind.get<std::string>()) : kind.type_name()));
   }
+  return json;
 }
 
 }  // namespace
@@ -321,15 +324,17 @@ void check_gltf(const std::filesystem::path& path) {
 ImportedScene read_with_assimp(const std::filesystem::path& path, const ImportOptions& options,
                                UpAxis up_axis) {
   unsigned int steps = kSteps;
+  std::optional<std::vector<std::byte>> floats;
   if (path.extension() != ".obj" && path.extension() != ".OBJ") {
-    check_gltf(path);
+    floats = gltf_with_floats(path, check_gltf(path));
     steps |= aiProcess_ValidateDataStructure;  // too strict for OBJ: it refuses stray lines
   }
   Assimp::Importer importer;
   const aiScene* source = nullptr;
   std::string problem;
   try {
-    source = importer.ReadFile(path.string(), steps);
+    source = floats ? importer.ReadFileFromMemory(floats->data(), floats->size(), steps, "glb")
+                    : importer.ReadFile(path.string(), steps);
     problem = importer.GetErrorString();
   } catch (const std::exception& error) {
     problem = error.what();

@@ -12,6 +12,7 @@
 namespace earpoint {
 namespace {
 
+constexpr double kLargest_m = 1000.0;  // no room is larger; sound fades before it crosses it
 constexpr double kLeaky = 0.01;  ///< share of escaping rays above which reverberation is wrong
 
 std::string lower_extension(const std::filesystem::path& path) {
@@ -37,6 +38,12 @@ void check_size(const Scene& scene, const std::filesystem::path& path) {
   if (largest_m < 0.5) {
     throw InputError(path.string(), fmt::format("is only {:.3g} m large", largest_m),
                      "give the length of its unit: --unit 1000 if it is in kilometres");
+  }
+  if (largest_m > kLargest_m) {
+    throw InputError(
+        path.string(),
+        fmt::format("is {:.6g} m large, expected at most {:g} m", largest_m, kLargest_m),
+        "give the length of its unit: --unit 0.01 if it is in centimetres");
   }
 }
 

@@ -246,6 +246,9 @@ TEST_F(Import, RefusesWhatIsNoSceneInOneLine) {
   EXPECT_EQ(refusal("room.obj", {.unit_m = -1.0}), "--unit: expected a length above 0 m, found -1");
   EXPECT_EQ(refusal("room.obj", {.unit_m = 10000.0}),
             "room.obj: is 60000 m long, expected at most 10000 m; check the unit of length");
+  EXPECT_EQ(refusal("room.obj", {.unit_m = 1000.0}),
+            "room.obj: is 6000 m large, expected at most 1000 m; give the length of its unit: "
+            "--unit 0.01 if it is in centimetres");
   EXPECT_EQ(refusal("room.obj", {.unit_m = 1e-3}),
             "room.obj: is only 0.006 m large; give the length of its unit: --unit 1000 if it is in "
             "kilometres");
@@ -281,6 +284,63 @@ TEST_F(Import, RefusesCutFilesOrReadsThemWhole) {
       EXPECT_NE(message, "accepted") << name << " cut to " << length << " bytes";
     }
   }
+}
+
+/// A box of 6 x 3 x 4 m (y up) whose corners are 16-bit shares of 6 m, 8 bytes apart, as
+/// KHR_mesh_quantization allows.
+/// @param count  of vertices, as the accessor claims; there are 8
+std::string quantised_box(int count, const std::string& more = "") {
+  const std::string json =
+      R"({"asset":{"version":"2.0"},"extensionsUsed":["KHR_mesh_quantization"],)"
+      R"("extensionsRequired":["KHR_mesh_quantization")" +
+      more +
+      R"(],)"
+      R"("scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0,"scale":[6,6,6]}],)"
+      R"("meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],)"
+      R"("accessors":[{"bufferView":0,"componentType":5123,"normalized":true,"type":"VEC3","count":)" +
+      std::to_string(count) +
+      R"(,"min":[0,0,0],"max":[65535,32768,43690]},)"
+      R"({"bufferView":1,"componentType":5123,"type":"SCALAR","count":36}],)"
+      R"("bufferViews":[{"buffer":0,"byteLength":64,"byteStride":8},)"
+      R"({"buffer":0,"byteOffset":64,"byteLength":72}],"buffers":[{"byteLength":136}]})";
+  std::vector<std::uint16_t> data;
+  for (int corner = 0; corner < 8; ++corner) {
+    data.insert(data.end(), {static_cast<std::uint16_t>((corner & 1) != 0 ? 65535 : 0),
+                             static_cast<std::uint16_t>((corner & 2) != 0 ? 32768 : 0),
+                             static_cast<std::uint16_t>((corner & 4) != 0 ? 43690 : 0), 0});
+  }
+  for (const int index : {0, 1, 3, 0, 3, 2, 4, 7, 5, 4, 6, 7, 0, 5, 1, 0, 4, 5,
+                          2, 3, 7, 2, 7, 6, 0, 2, 6, 0, 6, 4, 1, 5, 7, 1, 7, 3}) {
+    data.push_back(static_cast<std::uint16_t>(index));
+  }
+  std::string text = json + std::string((4 - json.size() % 4) % 4, ' ');
+  const auto word = [](std::size_t value) {
+    const auto number = static_cast<std::uint32_t>(value);
+    return std::string(reinterpret_cast<const char*>(&number), sizeof number);
+  };
+  const std::string bytes(reinterpret_cast<const char*>(data.data()), 2 * data.size());
+  return "glTF" + word(2) + word(28 + text.size() + bytes.size()) + word(text.size()) + "JSON" +
+         text + word(bytes.size()) + std::string("BIN\0", 4) + bytes;
+}
+
+TEST_F(Import, CoordinatesMayBeSmallIntegers) {
+  write_file(file("box.glb"), std::string_view(quantised_box(8)));
+  const Scene scene = import_scene(file("box.glb")).scene;
+  EXPECT_EQ(scene.mesh.triangles.size(), 12U);
+  const Bounds box = bounds(scene.mesh);
+  // File x is our y, file y our z, file z our x; 16 bits of 6 m are 0.1 mm.
+  EXPECT_NEAR(box.high.y - box.low.y, 6.0, 2e-4);
+  EXPECT_NEAR(box.high.z - box.low.z, 3.0, 2e-4);
+  EXPECT_NEAR(box.high.x - box.low.x, 4.0, 2e-4);
+}
+
+TEST_F(Import, RefusesIntegersThatAreNotThereAndPackedMeshes) {
+  write_file(file("box.glb"), std::string_view(quantised_box(80)));
+  EXPECT_EQ(refusal("box.glb"),
+            "box.glb: accessors[0]: points outside of the file's data; export it again");
+  write_file(file("box.glb"), std::string_view(quantised_box(8, R"(,"EXT_meshopt_compression")")));
+  EXPECT_EQ(refusal("box.glb"),
+            "box.glb: is packed by meshopt, which is not read here; export it without compression");
 }
 
 }  // namespace
