@@ -4,19 +4,22 @@
 #include <cerrno>
 #include <cstddef>
 
+// NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming): not our names
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#include <sanitizer/allocator_interface.h>
+// The sanitizers' libraries have it; GCC's packages lack the header that declares it.
+extern "C" int __sanitizer_install_malloc_and_free_hooks(
+    void (*on_malloc)(const volatile void* memory, std::size_t size),
+    void (*on_free)(const volatile void* memory));
 #else
 // The C library's own functions, under the names by which a replacement may call them.
-// NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming): as it names them
 extern "C" {
 void* __libc_malloc(std::size_t size);
 void* __libc_calloc(std::size_t count, std::size_t size);
 void* __libc_realloc(void* memory, std::size_t size);
 void* __libc_memalign(std::size_t alignment, std::size_t size);
 }
-// NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming)
 #endif
+// NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming)
 
 namespace earpoint::infer {
 namespace {
