@@ -23,31 +23,68 @@ Rgb middle_radiance(const PixelSum& sum, const PlaceLight& light) {
 
 }  // namespace
 
+namespace {
+
+constexpr float kTileReach = 4.0F;  // footprints
+
+/// The light of the pixels around a stray sample whose middles show its surface.
+/// @return false if there are none
+bool borrow_from_middles(const std::vector<PlaceLight>& light, const PixelBuffers& buffers,
+                         StraySample& stray) {
+  const int x = static_cast<int>(stray.pixel) % buffers.width;
+  const int y = static_cast<int>(stray.pixel) / buffers.width;
+  PlaceLight sum;
+  float weights = 0.0F;
+  for (int row = std::max(0, y - 1); row <= std::min(buffers.height - 1, y + 1); ++row) {
+    for (int column = std::max(0, x - 1); column <= std::min(buffers.width - 1, x + 1); ++column) {
+      const std::size_t i = static_cast<std::size_t>(row) * buffers.width + column;
+      if (buffers.sums[i].samples == 0) continue;
+      const float weight = same_surface(buffers.guides[i], stray.place, kNeighbourReach);
+      for (std::size_t part = 0; part < PlaceLight::kParts; ++part) {
+        sum.parts[part] += light[i].parts[part] * weight;
+      }
+      weights += weight;
+    }
+  }
+  if (weights <= 0.0F) return false;
+  for (std::size_t part = 0; part < PlaceLight::kParts; ++part) {
+    stray.light.parts[part] = sum.parts[part] * (1.0F / weights);
+  }
+  return true;
+}
+
+/// The mean light of those samples that lie on the surface of one of them.
+PlaceLight shared_light(const std::vector<const StraySample*>& samples, const StraySample& of) {
+  PlaceLight sum;
+  float weights = 0.0F;
+  for (const StraySample* sample : samples) {
+    const float weight = sample == &of ? 1.0F : same_surface(of.place, sample->place, kTileReach);
+    for (std::size_t part = 0; part < PlaceLight::kParts; ++part) {
+      sum.parts[part] += sample->light.parts[part] * weight;
+    }
+    weights += weight;
+  }
+  for (Rgb& part : sum.parts) part = part * (1.0F / weights);
+  return sum;
+}
+
+}  // namespace
+
 void borrow_light(const std::vector<PlaceLight>& light, PixelBuffers& buffers, ThreadPool& pool) {
   const auto tiles = static_cast<std::ptrdiff_t>(buffers.strays.size());
   pool.run(tiles, [&](std::ptrdiff_t tile, int) {
+    // What no middle shows, a pane before other things for instance, shares its light in the tile.
+    std::vector<const StraySample*> alone;
+    std::vector<StraySample*> waiting;
     for (StraySample& stray : buffers.strays[static_cast<std::size_t>(tile)]) {
-      const int x = static_cast<int>(stray.pixel) % buffers.width;
-      const int y = static_cast<int>(stray.pixel) / buffers.width;
-      PlaceLight sum;
-      float weights = 0.0F;
-      for (int row = std::max(0, y - 1); row <= std::min(buffers.height - 1, y + 1); ++row) {
-        for (int column = std::max(0, x - 1); column <= std::min(buffers.width - 1, x + 1);
-             ++column) {
-          const std::size_t i = static_cast<std::size_t>(row) * buffers.width + column;
-          if (buffers.sums[i].samples == 0) continue;
-          const float weight = same_surface(buffers.guides[i], stray.place, kNeighbourReach);
-          for (std::size_t part = 0; part < PlaceLight::kParts; ++part) {
-            sum.parts[part] += light[i].parts[part] * weight;
-          }
-          weights += weight;
-        }
-      }
-      if (weights <= 0.0F) continue;
-      for (std::size_t part = 0; part < PlaceLight::kParts; ++part) {
-        stray.light.parts[part] = sum.parts[part] * (1.0F / weights);
-      }
+      if (borrow_from_middles(light, buffers, stray)) continue;
+      alone.push_back(&stray);
+      waiting.push_back(&stray);
     }
+    std::vector<PlaceLight> shared;
+    shared.reserve(alone.size());
+    for (const StraySample* stray : alone) shared.push_back(shared_light(alone, *stray));
+    for (std::size_t i = 0; i < waiting.size(); ++i) waiting[i]->light = shared[i];
   });
 }
 

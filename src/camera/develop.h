@@ -9,7 +9,8 @@
 
 namespace earpoint {
 
-/// Gives stray samples the light of a neighbouring pixel on their own surface, where there is one.
+/// Gives stray samples the light of a neighbouring pixel on their own surface; where there is none,
+/// the mean of those in their tile that share the surface.
 /// @param light  [height][width], as smooth_light gives it
 void borrow_light(const std::vector<PlaceLight>& light, PixelBuffers& buffers, ThreadPool& pool);
 

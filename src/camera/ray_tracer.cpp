@@ -18,6 +18,24 @@ struct RayTracer::Context {
   RTCIntersectContext embree;
   std::uint32_t seed = 0;
   SeeThrough see_through = SeeThrough::by_chance;
+  std::uint32_t per_pixel = 1;
+
+  // Whether a ray passes a surface: hangs on the two alone, not on the order of traversal.
+  [[nodiscard]] bool lets_pass(std::uint32_t ray, const Geometry& geometry, unsigned number) const {
+    const float opacity = geometry.opacity[number];
+    switch (see_through) {
+      case SeeThrough::if_mostly_so:
+        return opacity < 0.5F;
+      case SeeThrough::by_turns: {
+        const std::uint32_t turn = (ray + geometry.material[number]) % per_pixel;
+        return (static_cast<float>(turn) + 0.5F) / static_cast<float>(per_pixel) >= opacity;
+      }
+      case SeeThrough::by_chance:
+        break;
+    }
+    const std::uint32_t ray_seed = hash_words(seed, ray);
+    return unit_from_bits(hash_words(ray_seed, geometry.triangles[number])) >= opacity;
+  }
 };
 
 void RayPacket::clear() {
@@ -56,6 +74,7 @@ RayTracer::RayTracer(const Surfaces& surfaces) : positions_(surfaces.positions()
     } else {
       see_through_.triangles.push_back(i);
       see_through_.opacity.push_back(opacity);
+      see_through_.material.push_back(surfaces.material_index(i));
     }
   }
   // One thread builds the tree, so that it is the same tree every time.
@@ -106,25 +125,20 @@ void RayTracer::filter(const RTCFilterFunctionNArguments* arguments) {
   for (unsigned lane = 0; lane < rays; ++lane) {
     if (arguments->valid[lane] != -1) continue;
     const unsigned number = RTCHitN_primID(arguments->hit, rays, lane);
-    const float opacity = geometry.opacity[number];
-    // The draw hangs on the ray and the triangle alone, not on the order of traversal.
-    const std::uint32_t ray_seed = hash_words(context.seed, RTCRayN_id(arguments->ray, rays, lane));
-    const bool passes =
-        context.see_through == SeeThrough::if_mostly_so
-            ? opacity < 0.5F
-            : unit_from_bits(hash_words(ray_seed, geometry.triangles[number])) >= opacity;
-    if (passes) arguments->valid[lane] = 0;
+    const std::uint32_t ray = RTCRayN_id(arguments->ray, rays, lane);
+    if (context.lets_pass(ray, geometry, number)) arguments->valid[lane] = 0;
   }
 }
 
-void RayTracer::trace(RayPacket& packet, Rays rays, SeeThrough see_through,
-                      std::uint32_t seed) const {
+void RayTracer::trace(RayPacket& packet, Rays rays, SeeThrough see_through, std::uint32_t seed,
+                      std::uint32_t per_pixel) const {
   Context context;
   rtcInitIntersectContext(&context.embree);
   context.embree.flags = rays == Rays::alike ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT
                                              : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
   context.seed = seed;
   context.see_through = see_through;
+  context.per_pixel = per_pixel;
   rtcIntersect16(packet.valid_.data(), scene_, &context.embree, &packet.rays_);
 }
 

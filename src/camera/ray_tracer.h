@@ -44,6 +44,8 @@ class RayPacket {
 /// Which ray passes which see-through surface.
 enum class SeeThrough {
   by_chance,    ///< each surface stops its opacity's share of the rays
+  by_turns,     ///< each material stops the same rays of every pixel, as near to its opacity's
+                ///< share as their number allows: free of noise; a pane's two faces count once
   if_mostly_so  ///< surfaces with an opacity below a half stop none, all others stop every ray
 };
 
@@ -59,7 +61,10 @@ class RayTracer {
   enum class Rays { alike, mixed };
 
   /// After this, hit() tells what each ray of the packet meets.
-  void trace(RayPacket& packet, Rays rays, SeeThrough see_through, std::uint32_t seed) const;
+  /// @param per_pixel  for `by_turns`: so many rays whose numbers follow each other, beginning with
+  ///                   a multiple of it, belong to one pixel; > 0
+  void trace(RayPacket& packet, Rays rays, SeeThrough see_through, std::uint32_t seed,
+             std::uint32_t per_pixel = 1) const;
 
   /// @return false if the lane holds no ray or its ray meets nothing
   bool hit(const RayPacket& packet, int lane, Hit& hit) const;
@@ -73,6 +78,7 @@ class RayTracer {
     RayTracer* tracer = nullptr;
     std::vector<std::uint32_t> triangles;  // numbers in the scene, by Embree's number
     std::vector<float> opacity;            // empty when all are opaque
+    std::vector<std::uint32_t> material;   // likewise
   };
   struct Context;
 

@@ -130,7 +130,7 @@ void ViewSampler::trace_light(int tile, PixelBuffers& buffers) const {
   for (int first = 0; first < kTile * kTile * side_ * side_; first += kLanes) {
     Lanes lanes;
     aim(tile, first, lanes);
-    trace_camera_rays(lanes, SeeThrough::by_chance);
+    trace_camera_rays(lanes, SeeThrough::by_turns);
     follow_mirrors(lanes, SeeThrough::by_chance);
     for (Lane& lane : lanes.at) {
       if (lane.used) shade(lane);
@@ -150,7 +150,8 @@ void ViewSampler::trace_camera_rays(Lanes& lanes, SeeThrough see_through) const 
     const Lane& lane = lanes.at[i];
     if (lane.used) packet.set(i, eye_, lane.direction, kInfinity, lanes.indices[i]);
   }
-  scene_.tracer.trace(packet, RayTracer::Rays::alike, see_through, seed_of(kSeeThrough));
+  scene_.tracer.trace(packet, RayTracer::Rays::alike, see_through, seed_of(kSeeThrough),
+                      static_cast<std::uint32_t>(side_ * side_));
   for (int i = 0; i < kLanes; ++i) {
     Lane& lane = lanes.at[i];
     if (!lane.used) continue;
