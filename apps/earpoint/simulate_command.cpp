@@ -30,6 +30,8 @@ struct Options {
   std::vector<fs::path> scenes;
   std::optional<fs::path> materials;
   std::optional<fs::path> speech;
+  std::string up_axis;
+  double unit_m = 1.0;
   std::string split;
   std::string shard;
   int jobs = 0;
@@ -59,10 +61,14 @@ void check(const Options& options) {
   if (options.split.find_first_of("/\\") != std::string::npos || options.split.starts_with('.')) {
     throw InputError("--split", "expected a folder's name, found '" + options.split + "'");
   }
-  if (options.scenes.empty() && (options.materials || options.close_ceiling)) {
-    throw InputError(options.materials ? "--materials" : "--close-ceiling",
-                     "homes that are drawn need none", "name a file with --scene");
-  }
+  if (!options.scenes.empty()) return;
+  const auto refuse = [](const char* flag) {
+    throw InputError(flag, "belongs to a scene that is read from a file", "name one with --scene");
+  };
+  if (options.materials) refuse("--materials");
+  if (!options.up_axis.empty()) refuse("--up");
+  if (options.unit_m != 1.0) refuse("--unit");
+  if (options.close_ceiling) refuse("--close-ceiling");
 }
 
 std::unique_ptr<earpoint::SceneSource> scene_source(const Options& options,
@@ -72,9 +78,12 @@ std::unique_ptr<earpoint::SceneSource> scene_source(const Options& options,
     return std::make_unique<earpoint::HomeSource>(
         options.generation.seed, earpoint::FurnitureLibrary(std::move(models.furniture)));
   }
-  return std::make_unique<earpoint::FileSource>(
-      options.scenes,
-      earpoint::ImportOptions{.materials = materials, .close_ceiling = options.close_ceiling});
+  earpoint::ImportOptions import{
+      .unit_m = options.unit_m, .materials = materials, .close_ceiling = options.close_ceiling};
+  if (!options.up_axis.empty()) {
+    import.up_axis = options.up_axis == "y" ? earpoint::UpAxis::y : earpoint::UpAxis::z;
+  }
+  return std::make_unique<earpoint::FileSource>(options.scenes, import);
 }
 
 void run(Options options) {
@@ -125,6 +134,9 @@ void add_what(CLI::App& command, Options& options) {
       ->excludes("--scenes");
   command.add_option("--materials", options.materials,
                      "How the surfaces of --scene sound (JSON); default: the standard table");
+  command.add_option("--up", options.up_axis, "Axis that points up in --scene")
+      ->check(CLI::IsMember({"y", "z"}));
+  command.add_option("--unit", options.unit_m, "Length of the unit of --scene, metres");
   command.add_flag("--close-ceiling", options.close_ceiling,
                    "Put a lid on --scene where it is open");
   command.add_option("--conversations", order.conversations, "Conversations in each scene")
@@ -151,6 +163,8 @@ void add_how(CLI::App& command, Options& options) {
                      "Put before every path in the metadata, e.g. data/synthetic_dataset/v16");
   command.add_flag("--released-speech", options.released_speech,
                    "Write the used speech as the released loader reads it");
+  command.add_flag("--heard", generation.write_heard,
+                   "Also write what every viewpoint hears of every speaker");
   command.add_option("--jobs", options.jobs, "Threads; 0 takes all cores")->capture_default_str();
   command.add_option("--shard", options.shard, "Make the i-th of n parts only: i/n, from 0");
   command.add_flag("--quiet", options.quiet, "No progress, no summary");

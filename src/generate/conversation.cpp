@@ -2,6 +2,7 @@
 #include <cmath>
 #include <utility>
 
+#include <earpoint/audio/convolution.h>
 #include <earpoint/audio/decay.h>
 #include <earpoint/core/error.h>
 #include <earpoint/generate/conversation.h>
@@ -23,6 +24,17 @@ std::array<Source, 2> mouths(const std::array<Person, 2>& people) {
     sources[i].body = people[i].instance;
   }
   return sources;
+}
+
+/// As trace(), but errors name the scene.
+TraceResult trace_scene(const std::string& name, const AcousticScene& scene,
+                        std::span<const Source> sources, std::span<const Vector3> listeners,
+                        const TraceOptions& options, ThreadPool& pool) {
+  try {
+    return trace(scene, sources, listeners, options, pool);
+  } catch (const InputError& error) {
+    throw InputError("scene '" + name + "'", error.what(), "--close-ceiling mends an open top");
+  }
 }
 
 std::optional<double> reverberation_of(const Waveform& response) {
@@ -82,8 +94,8 @@ SimulatedConversation ConversationSimulator::simulate(const PreparedScene& prepa
   clock.charge(Stage::acoustics);
   const std::array<Source, 2> sources = mouths(result.people);
   const TraceResult traced =
-      trace(acoustics, sources, listeners,
-            {.rays = quality_.rays, .duration_s = quality_.duration_s, .seed = seed}, pool);
+      trace_scene(prepared.name, acoustics, sources, listeners,
+                  {.rays = quality_.rays, .duration_s = quality_.duration_s, .seed = seed}, pool);
   clock.charge(Stage::trace);
   for (std::size_t i = 0; i < 2; ++i) {
     result.escape_fractions[i] = traced.escape_fraction[i];
@@ -117,6 +129,17 @@ SimulatedConversation ConversationSimulator::simulate(const PreparedScene& prepa
   }
   clock.charge(Stage::pictures);
   return result;
+}
+
+Waveform heard_speech(const Waveform& speech, const Waveform& response) {
+  EARPOINT_CHECK(speech.sample_rate_hz() == response.sample_rate_hz());
+  Waveform heard(response.channels(), speech.samples() + response.samples() - 1,
+                 response.sample_rate_hz());
+  for (int ear = 0; ear < response.channels(); ++ear) {
+    std::ranges::copy(convolve(speech.channel(0), response.channel(ear)),
+                      heard.channel(ear).begin());
+  }
+  return heard;
 }
 
 void silence_before_arrival(Waveform& response, double distance_m) {

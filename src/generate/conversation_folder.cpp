@@ -101,6 +101,9 @@ void write_conversation(const fs::path& root, const WorkItem& item, const std::s
     for (std::size_t s = 0; s < viewpoint.responses.size(); ++s) {
       write_sound(folder.aside() / response_name(v, s), viewpoint.responses[s],
                   SampleFormat::float32);
+      if (viewpoint.heard[s].empty()) continue;
+      write_sound(folder.aside() / fmt::format("heard_{}_{}.wav", v, s), viewpoint.heard[s],
+                  SampleFormat::float32);
     }
   }
   const std::string path = (fs::path(prefix) / place).generic_string() + "/";

@@ -43,6 +43,7 @@ Json record_of(const GenerationOptions& options, const SceneSource& scenes,
   json["voices"] = corpus.speakers().size();
   json["recordings"] = recordings;
   json["speech_folder"] = speech_folder_of(options.speech_form);
+  json["heard"] = options.write_heard;
   json["path_prefix"] = options.path_prefix;
   return json;
 }

@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
 """Gathers recorded speech from unpacked Debian packages into a folder that earpoint simulate reads.
 
-usage: gather_speech.py UNPACKED speech_sources.json FOLDER
+usage: gather_speech.py UNPACKED speech_sources.json FOLDER [VOICE,VOICE...]
+       gather_speech.py --packages speech_sources.json [VOICE,VOICE...]
 
 UNPACKED holds every package, unpacked, in a folder of its name. FOLDER gets speech.csv, a folder of
 16 kHz FLAC files for every voice and the packages' licences. Short recordings of a voice are joined,
-a third of a second between them, so that most files last 5 to 15 s.
+a third of a second between them, so that most files last 5 to 15 s. The second form prints the names
+of the packages that are wanted. VOICES: these alone.
 """
 import concurrent.futures
 import csv
@@ -96,12 +98,27 @@ def copy_licences(unpacked, sources, folder):
                         os.path.join(folder, "licences", package + ".txt"))
 
 
-def main():
-    if len(sys.argv) != 4:
-        sys.exit(__doc__)
-    unpacked, table, folder = sys.argv[1:]
+def read_sources(table, names):
+    """The table, with the named voices alone and the packages that they come from."""
     with open(table, encoding="utf-8") as file:
         sources = json.load(file)
+    if names:
+        sources["voices"] = [voice for voice in sources["voices"] if voice["name"] in names]
+    sources["packages"] = sorted({pattern.split("/")[0] for voice in sources["voices"]
+                                  for pattern in voice["files"]})
+    return sources
+
+
+def main():
+    arguments = sys.argv[1:]
+    if len(arguments) in (2, 3) and arguments[0] == "--packages":
+        names = arguments[2].split(",") if len(arguments) == 3 else None
+        print(*read_sources(arguments[1], names)["packages"])
+        return
+    if len(arguments) not in (3, 4):
+        sys.exit(__doc__)
+    unpacked, table, folder = arguments[:3]
+    sources = read_sources(table, arguments[3].split(",") if len(arguments) == 4 else None)
     os.makedirs(folder, exist_ok=True)
     copy_licences(unpacked, sources, folder)
     count = gather(unpacked, sources, folder)

@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include <earpoint/audio/resample.h>
 #include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
 #include <earpoint/core/parallel.h>
@@ -81,16 +82,19 @@ class Generator {
     RandomStream voice_random = stream(item, kVoiceKey);
     ConversationReport report;
     std::vector<std::string> ids;
+    std::vector<Waveform> speeches;
     for (const PlannedPerson& person : plan.people) {
       const SpeechDraw draw = corpus_.draw(person.figure->gender, item.voices, voice_random);
       ids.push_back(draw.recording->id);
       report.voices.push_back(draw.speaker->name);
-      report.speech_s.push_back(speech_.write(item.split, *draw.recording));
+      speeches.push_back(speech_.write(item.split, *draw.recording));
+      report.speech_s.push_back(speeches.back().duration_s());
     }
     clock.charge(Stage::speech);
-    const SimulatedConversation conversation =
+    SimulatedConversation conversation =
         simulator_.simulate(*scene, plan, stream(item, kTraceKey).next(), clock);
     complete(report, conversation);
+    if (options_.write_heard) speak(speeches, conversation);
     write_conversation(options_.folder, item, scenes_.name(item.scene), options_.path_prefix,
                        conversation, ids, report);
     shelf_.give_back(item.scene);
@@ -102,6 +106,16 @@ class Generator {
     return {options_.seed,
             {static_cast<std::uint64_t>(item.scene), static_cast<std::uint64_t>(item.conversation),
              key}};
+  }
+
+  static void speak(const std::vector<Waveform>& speeches, SimulatedConversation& conversation) {
+    for (SimulatedViewpoint& viewpoint : conversation.viewpoints) {
+      for (std::size_t i = 0; i < speeches.size(); ++i) {
+        const Waveform& response = viewpoint.responses[i];
+        viewpoint.heard[i] =
+            heard_speech(resample(speeches[i], response.sample_rate_hz()), response);
+      }
+    }
   }
 
   static void complete(ConversationReport& report, const SimulatedConversation& conversation) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -40,12 +41,6 @@ void split_speakers(std::vector<SpeechSpeaker>& speakers) {
   }
 }
 
-bool has_splits(const std::vector<SpeechSpeaker>& speakers) {
-  return std::any_of(speakers.begin(), speakers.end(), [&](const SpeechSpeaker& speaker) {
-    return speaker.split != speakers.front().split;
-  });
-}
-
 }  // namespace
 
 std::string_view name_of(DataSplit split) {
@@ -69,16 +64,18 @@ std::optional<DataSplit> data_split_named(std::string_view name) {
 
 SpeechCorpus SpeechCorpus::load(const fs::path& folder) {
   SpeechCorpus corpus(folder);
+  SpeechIndex index;
   if (fs::is_regular_file(folder / "speech.csv")) {
-    corpus.speakers_ = read_speech_csv(folder / "speech.csv");
+    index = read_speech_csv(folder / "speech.csv");
   } else if (fs::is_regular_file(folder / "SPEAKERS.TXT")) {
-    corpus.speakers_ = read_librispeech(folder);
+    index = read_librispeech(folder);
   } else {
     throw InputError(folder.string(), "holds neither speech.csv nor SPEAKERS.TXT",
                      "run ./dev speech, or give a folder of speech with --speech");
   }
+  corpus.speakers_ = std::move(index.speakers);
   if (corpus.speakers_.empty()) throw InputError(folder.string(), "holds no speech");
-  if (!has_splits(corpus.speakers_)) split_speakers(corpus.speakers_);
+  if (!index.has_splits) split_speakers(corpus.speakers_);
   return corpus;
 }
 

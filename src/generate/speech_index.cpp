@@ -163,7 +163,7 @@ void add_reader(SpeechSpeaker& speaker, const fs::path& folder) {
 
 }  // namespace
 
-std::vector<SpeechSpeaker> read_speech_csv(const fs::path& path) {
+SpeechIndex read_speech_csv(const fs::path& path) {
   const std::string text = read_text_file(path);
   SpeakerTable table(path);
   std::size_t columns = 0;
@@ -184,10 +184,10 @@ std::vector<SpeechSpeaker> read_speech_csv(const fs::path& path) {
     }
     add_csv_row(table, line, path.parent_path(), cells);
   }
-  return table.take();
+  return {.speakers = table.take(), .has_splits = columns == 4};
 }
 
-std::vector<SpeechSpeaker> read_librispeech(const fs::path& folder) {
+SpeechIndex read_librispeech(const fs::path& folder) {
   const fs::path index = folder / "SPEAKERS.TXT";
   const std::string text = read_text_file(index);
   SpeakerTable table(index);
@@ -213,7 +213,11 @@ std::vector<SpeechSpeaker> read_librispeech(const fs::path& folder) {
                                                           : DataSplit::test;
     add_reader(table.speaker(line, cells[0], *gender, split), reader);
   }
-  return table.take();
+  SpeechIndex result{.speakers = table.take(), .has_splits = false};
+  result.has_splits = std::any_of(
+      result.speakers.begin(), result.speakers.end(),
+      [&](const auto& speaker) { return speaker.split != result.speakers.front().split; });
+  return result;
 }
 
 }  // namespace earpoint

@@ -34,18 +34,16 @@ fs::path SpeechWriter::path_of(std::string_view split, const std::string& id) co
   return folder_ / soundspaces_speech_file(split, id);
 }
 
-double SpeechWriter::write(std::string_view split, const SpeechRecording& recording) {
+Waveform SpeechWriter::write(std::string_view split, const SpeechRecording& recording) {
   const fs::path path = path_of(split, recording.id);
+  Waveform speech = read_speech(recording.path);
   {
     const std::lock_guard lock(mutex_);
-    if (!begun_.insert(path).second || fs::exists(path)) {
-      // Whoever began it writes the same.
-      return read_speech(recording.path).duration_s();
-    }
+    // Whoever began it writes the same.
+    if (!begun_.insert(path).second || fs::exists(path)) return speech;
   }
-  const Waveform speech = read_speech(recording.path);
   write_speech(path, speech, form_);
-  return speech.duration_s();
+  return speech;
 }
 
 void SpeechWriter::write_missing(std::string_view split, const SpeechCorpus& corpus,

@@ -18,8 +18,8 @@ class SpeechWriter {
       : folder_(std::move(folder)), form_(form) {}
 
   /// Writes a recording unless it is there.
-  /// @return how long it is, seconds
-  double write(std::string_view split, const SpeechRecording& recording);
+  /// @return the speech as it is written
+  Waveform write(std::string_view split, const SpeechRecording& recording);
 
   /// The same, but the corpus is not looked at if the recording is there.
   void write_missing(std::string_view split, const SpeechCorpus& corpus, const std::string& id);

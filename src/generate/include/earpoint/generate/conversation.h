@@ -52,6 +52,7 @@ struct SimulatedViewpoint {
   FloatImage depth_m;
   std::array<std::optional<Box>, 2> boxes;  ///< by person; nothing if hidden
   std::array<Waveform, 2> responses;        ///< by person: binaural, [2][samples]
+  std::array<Waveform, 2> heard;  ///< by person: the same with speech, if that was asked for
 };
 
 struct SimulatedConversation {
@@ -84,6 +85,12 @@ class ConversationSimulator {
   HrtfSet hrtf_;
   ResponseRenderer renderer_;
 };
+
+/// What a viewpoint hears of a person's speech.
+/// @param speech    one channel, at the response's rate
+/// @param response  two channels
+/// @return shape [2][speech + response - 1 samples]
+Waveform heard_speech(const Waveform& speech, const Waveform& response);
 
 /// Silences what lies before the straight way's travel time, less 2 ms for the head's size and the
 /// ringing of band-limited pulses: what a loader drops as the delay is then the travel time.

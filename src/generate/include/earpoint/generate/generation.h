@@ -34,8 +34,9 @@ struct GenerationOptions {
   ConversationOptions conversation;
   ConversationQuality quality;
   SpeechForm speech_form = SpeechForm::flac;
-  std::string
-      path_prefix;  ///< before every path in the metadata, e.g. "data/synthetic_dataset/v16"
+  bool write_heard = false;  ///< also what every viewpoint hears of every speaker
+  /// Before every path in the metadata, e.g. "data/synthetic_dataset/v16".
+  std::string path_prefix;
   Shard shard;
   int jobs = 1;  ///< threads, > 0; has no effect on what is written
 };

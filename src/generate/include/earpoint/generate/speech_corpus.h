@@ -46,8 +46,8 @@ class SpeechCorpus {
   ///   files are relative to the folder; or
   /// - `SPEAKERS.TXT` of LibriSpeech, with subsets like train-clean-360/, dev-clean/, test-clean/
   ///   beside it (reader/chapter/reader-chapter-section.flac).
-  /// Where the index names no splits, or one only, the speakers of each gender are split 90 : 10 :
-  /// 20, in the order of their names.
+  /// Where the index names no splits, or LibriSpeech's subsets are of one alone, the speakers of
+  /// each gender are split 90 : 10 : 20, in the order of their names.
   /// @throws InputError naming file and line if there is no index, it is malformed, names a file
   ///         that is missing, or holds no speech
   static SpeechCorpus load(const std::filesystem::path& folder);
