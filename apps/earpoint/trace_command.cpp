@@ -32,6 +32,7 @@ struct Options {
   std::string listener;
   fs::path output;
   std::optional<fs::path> hrtf;
+  std::optional<int> ambisonics;
   bool mono = false;
   bool report = false;
   int rate_hz = 16000;
@@ -51,6 +52,16 @@ void check(const Options& options) {
   if (!(options.trace.duration_s > 0.0 && options.trace.duration_s <= 30.0)) {
     throw InputError("--duration", fmt::format("expected more than 0 and at most 30 s, found {:g}",
                                                options.trace.duration_s));
+  }
+  if (options.ambisonics) {
+    if (*options.ambisonics < 1 || *options.ambisonics > 7) {
+      throw InputError("--ambisonics",
+                       fmt::format("expected an order of 1 to 7, found {}", *options.ambisonics));
+    }
+    if (options.mono || options.hrtf) {
+      throw InputError("--ambisonics", "is another kind of microphone than --mono and --hrtf",
+                       "give one of the three");
+    }
   }
   if (options.mono && options.hrtf) {
     throw InputError("--mono", "a single microphone has no HRTF", "leave out --mono or --hrtf");
@@ -82,6 +93,19 @@ bool is_silent(const earpoint::PointResponse& response) {
   return true;
 }
 
+earpoint::Waveform render(const Options& options, const earpoint::ResponseRenderer& renderer,
+                          const earpoint::PointResponse& response,
+                          const earpoint::Quaternion& world_from_listener) {
+  if (options.mono) return renderer.mono(response, 0);
+  if (options.ambisonics) {
+    return renderer.ambisonic(response, world_from_listener, *options.ambisonics, 0);
+  }
+  const earpoint::HrtfSet hrtf = options.hrtf
+                                     ? earpoint::HrtfSet::load(*options.hrtf, options.rate_hz)
+                                     : earpoint::HrtfSet::load(options.rate_hz);
+  return renderer.binaural(response, world_from_listener, hrtf, 0);
+}
+
 void run(const Options& options) {
   check(options);
   const auto start = std::chrono::steady_clock::now();
@@ -110,17 +134,8 @@ void run(const Options& options) {
   const earpoint::ResponseRenderer renderer({.sample_rate_hz = options.rate_hz,
                                              .duration_s = options.trace.duration_s,
                                              .seed = options.trace.seed});
-  if (options.mono) {
-    earpoint::write_sound(options.output, renderer.mono(response, 0),
-                          earpoint::SampleFormat::float32);
-  } else {
-    const earpoint::HrtfSet hrtf = options.hrtf
-                                       ? earpoint::HrtfSet::load(*options.hrtf, options.rate_hz)
-                                       : earpoint::HrtfSet::load(options.rate_hz);
-    earpoint::write_sound(options.output,
-                          renderer.binaural(response, listener.orientation, hrtf, 0),
-                          earpoint::SampleFormat::float32);
-  }
+  earpoint::write_sound(options.output, render(options, renderer, response, listener.orientation),
+                        earpoint::SampleFormat::float32);
   const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - start;
   if (options.report) {
     const earpoint::Waveform mono = renderer.mono(response, 0);
@@ -174,6 +189,8 @@ void add_trace_command(CLI::App& app) {
   command->add_option("-o,--output", options->output, "Sound file to write (.wav or .w64)")
       ->required();
   command->add_flag("--mono", options->mono, "One omnidirectional microphone instead of two ears");
+  command->add_option("--ambisonics", options->ambisonics,
+                      "An ambisonic microphone of this order, 1 to 7: channels as ACN, norm N3D");
   command->add_option("--rate", options->rate_hz, "Samples per second")->capture_default_str();
   command->add_option("--hrtf", options->hrtf, "Head-related responses (.sofa)");
   add_physics(*command, *options);

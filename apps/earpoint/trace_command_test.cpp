@@ -132,6 +132,21 @@ TEST_F(TraceCommand, TracesAModelFileWithItsOptions) {
   EXPECT_GT(energy(brir.channel(1)), 1.5 * energy(brir.channel(0)));
 }
 
+TEST_F(TraceCommand, AmbisonicMicrophoneHasItsChannels) {
+  ASSERT_EQ(run_earpoint(arguments({"--ambisonics", "2"})).exit_code, 0);
+  const earpoint::Waveform sound = earpoint::read_sound(output_);
+  ASSERT_EQ(sound.channels(), 9);
+  // The source is on the left: after 2 m the second channel, which points there, is the root of 3
+  // times the first.
+  const int place = static_cast<int>(std::lround(2.0 / 343.2 * 16000));
+  EXPECT_NEAR(sound.channel(1)[place] / sound.channel(0)[place], std::sqrt(3.0), 0.01);
+  std::filesystem::remove(output_);
+  EXPECT_EQ(refusal(arguments({"--ambisonics", "8"})),
+            "earpoint: --ambisonics: expected an order of 1 to 7, found 8\n");
+  EXPECT_NE(refusal(arguments({"--ambisonics", "2", "--mono"})).find("one of the three"),
+            std::string::npos);
+}
+
 TEST_F(TraceCommand, TalkerIsLouderInFront) {
   // The listener stands towards -y of the source.
   const auto level = [&](const std::string& source) {

@@ -1,5 +1,6 @@
 #include "late_field.h"
 
+#include "ambisonics.h"
 #include "sector_heads.h"
 
 #include <algorithm>
@@ -59,9 +60,19 @@ void LateField::add_mono(const EnergyHistogram& late, std::span<const Arrival> a
 
   if (arrivals.empty()) return;
   PulseTrain train(shape_.fft_size);
-  for (const Arrival& arrival : arrivals) {
-    const double position = arrival.delay_s * shape_.sample_rate_hz;
-    if (position < shape_.samples) train.add(position, arrival.gain);
+  add_pulses(arrivals, std::vector<float>(arrivals.size(), 1.0F), fft, train, signal);
+}
+
+// Each arrival weighed by a gain of its own.
+void LateField::add_pulses(std::span<const Arrival> arrivals, std::span<const float> gains,
+                           RealFft<float>& fft, PulseTrain& train, std::span<float> signal) const {
+  train.clear();
+  for (std::size_t i = 0; i < arrivals.size(); ++i) {
+    const double position = arrivals[i].delay_s * shape_.sample_rate_hz;
+    if (position >= shape_.samples) continue;
+    BandArray gain = arrivals[i].gain;
+    for (float& band : gain) band *= gains[i];
+    train.add(position, gain);
   }
   std::vector<std::complex<float>> sum(fft.bins());
   train.add_spectrum(bank_, sum);
@@ -97,6 +108,45 @@ void LateField::add_binaural(const EnergyHistogram& late, const Quaternion& worl
   RealFft<float> fft(shape_.fft_size);
   level_noise(expected, bin_samples, bank_, shape_.sample_rate_hz, fft, noise);
   for (int ear = 0; ear < 2; ++ear) add(noise[ear], ears[ear]);
+}
+
+void LateField::add_ambisonic(const EnergyHistogram& late, std::span<const Arrival> arrivals,
+                              const Quaternion& world_from_listener, int order,
+                              std::uint64_t stream, std::span<std::vector<float>> channels) const {
+  const Quaternion listener_from_world = conjugate(world_from_listener);
+  const double bin_samples = late.bin_s() * shape_.sample_rate_hz;
+  RandomStream random(seed_, {kOffsetKey, stream});
+  const auto start = static_cast<std::ptrdiff_t>(random.index(pool_.size()));
+  std::vector<std::vector<float>> noise(channels.size(), std::vector<float>(shape_.samples));
+  std::vector<float> signal(shape_.samples);
+  std::vector<float> gains(channels.size());
+  for (int sector = 0; sector < kSectors; ++sector) {
+    std::fill(signal.begin(), signal.end(), 0.0F);
+    add_noise(late, sector, (start + sector * (pool_.size() / kSectors)) % pool_.size(), signal);
+    encode_ambisonics(rotate(listener_from_world, sector_direction(sector)), order, gains);
+    for (std::size_t c = 0; c < channels.size(); ++c) {
+      for (int i = 0; i < shape_.samples; ++i) noise[c][i] += gains[c] * signal[i];
+    }
+  }
+  // The squares of the gains add up to the number of channels in every direction.
+  std::vector<BandArray> expected = powers(late, kAllSectors, bin_samples);
+  for (BandArray& bands : expected) {
+    bands = overlap_.through(bands);
+    for (float& band : bands) band *= static_cast<float>(channels.size());
+  }
+  RealFft<float> fft(shape_.fft_size);
+  level_noise(expected, bin_samples, bank_, shape_.sample_rate_hz, fft, noise);
+
+  PulseTrain train(shape_.fft_size);
+  std::vector<std::vector<float>> encoded(channels.size(), std::vector<float>(arrivals.size()));
+  for (std::size_t i = 0; i < arrivals.size(); ++i) {
+    encode_ambisonics(rotate(listener_from_world, arrivals[i].direction), order, gains);
+    for (std::size_t c = 0; c < channels.size(); ++c) encoded[c][i] = gains[c];
+  }
+  for (std::size_t c = 0; c < channels.size(); ++c) {
+    add(noise[c], channels[c]);
+    if (!arrivals.empty()) add_pulses(arrivals, encoded[c], fft, train, channels[c]);
+  }
 }
 
 }  // namespace earpoint

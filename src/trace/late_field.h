@@ -24,7 +24,7 @@ struct ResponseShape {
   int fft_size = 0;  ///< room for the bank's ringing on both sides
 };
 
-/// The noise of the energy histogram, and arrivals as an omnidirectional microphone hears them.
+/// The noise of the energy histogram, and arrivals as microphones hear them.
 class LateField {
  public:
   LateField(const ResponseShape& shape, std::uint64_t seed);
@@ -44,7 +44,15 @@ class LateField {
                     const HrtfSet& hrtf, std::uint64_t stream,
                     std::span<std::vector<float>> ears) const;
 
+  /// Adds what an ambisonic microphone hears.
+  /// @param channels  [ambisonic_channels(order)][samples]
+  void add_ambisonic(const EnergyHistogram& late, std::span<const Arrival> arrivals,
+                     const Quaternion& world_from_listener, int order, std::uint64_t stream,
+                     std::span<std::vector<float>> channels) const;
+
  private:
+  void add_pulses(std::span<const Arrival> arrivals, std::span<const float> gains,
+                  RealFft<float>& fft, PulseTrain& train, std::span<float> signal) const;
   void add_noise(const EnergyHistogram& late, int sector, std::ptrdiff_t offset,
                  std::span<float> signal) const;
 

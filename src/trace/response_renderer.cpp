@@ -1,6 +1,8 @@
+#include "ambisonics.h"
 #include "early_field.h"
 #include "late_field.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>
@@ -56,6 +58,23 @@ Waveform ResponseRenderer::binaural(const PointResponse& response,
                      ears);
   Waveform waveform(2, shape.samples, shape.sample_rate_hz);
   for (int ear = 0; ear < 2; ++ear) std::ranges::copy(ears[ear], waveform.channel(ear).begin());
+  return waveform;
+}
+
+Waveform ResponseRenderer::ambisonic(const PointResponse& response,
+                                     const Quaternion& world_from_listener, int order,
+                                     std::uint64_t stream) const {
+  constexpr int kHighestOrder = 7;
+  EARPOINT_CHECK(order >= 0 && order <= kHighestOrder);
+  const ResponseShape& shape = state_->shape;
+  std::vector<std::vector<float>> channels(ambisonic_channels(order),
+                                           std::vector<float>(shape.samples));
+  state_->late.add_ambisonic(response.late, response.arrivals, world_from_listener, order, stream,
+                             channels);
+  Waveform waveform(ambisonic_channels(order), shape.samples, shape.sample_rate_hz);
+  for (int c = 0; c < waveform.channels(); ++c) {
+    std::ranges::copy(channels[c], waveform.channel(c).begin());
+  }
   return waveform;
 }
 

@@ -51,8 +51,8 @@ struct ImportedScene {
 ///
 /// A surface sounds as the table says for its material's name; if no pattern matches that, for the
 /// name of its mesh or node; else as the table's default.
-/// Coordinates kept as small integers (KHR_mesh_quantization) are read from .glb; Draco and meshopt
-/// compression are not.
+/// Coordinates kept as small integers (KHR_mesh_quantization) are read from .glb, meshopt's
+/// compression is not.
 /// @throws InputError if the file is missing, of another format, damaged, has no faces, is smaller
 ///         than 0.5 m or larger than 1 km, or is not a scene as check_scene wants it
 ImportedScene import_scene(const std::filesystem::path& path, const ImportOptions& options = {});

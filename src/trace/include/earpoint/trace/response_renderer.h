@@ -46,6 +46,17 @@ class ResponseRenderer {
                                   const Quaternion& world_from_listener, const HrtfSet& hrtf,
                                   std::uint64_t stream) const;
 
+  /// What an ambisonic microphone hears, in the channel order ACN and the norm N3D: arrivals from
+  /// their exact directions, the late field from the middles of its sectors.
+  /// @param world_from_listener  how the microphone is turned
+  /// @param order                0 to 7
+  /// @param stream               as for mono()
+  /// @return  (order + 1)^2 channels
+  /// @throws std::logic_error if the order is out of range
+  [[nodiscard]] Waveform ambisonic(const PointResponse& response,
+                                   const Quaternion& world_from_listener, int order,
+                                   std::uint64_t stream) const;
+
  private:
   struct State;
   std::unique_ptr<const State> state_;
