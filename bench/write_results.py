@@ -4,7 +4,8 @@
 usage: bench/write_results.py MEASURED RESULTS.md
 
 MEASURED holds vigas.md, oracle_errors.md, render_memory.jsonl, demo.jsonl, trace_gates.md,
-home_reverberation.jsonl and camera_bench.jsonl; a section whose file is missing says so.
+home_reverberation.jsonl, camera_bench.jsonl and simulate_cost.jsonl; a section whose file is missing
+says so.
 """
 import json
 import os
@@ -89,6 +90,20 @@ def camera_table(text):
     return "\n".join(rows)
 
 
+def simulation_table(text):
+    run = json.loads(text.splitlines()[-1])
+    stages = run["core_s_per_viewpoint_by_stage"]
+    rows = ["| core-seconds per viewpoint | " + " | ".join(stages) + " | together |",
+            "|---" * (len(stages) + 2) + "|",
+            f"| {run['viewpoints']} viewpoints | "
+            + " | ".join(f"{seconds:.3f}" for seconds in stages.values())
+            + f" | {run['core_s_per_viewpoint']:.2f} |", "",
+            f"A home takes {run['core_s_per_scene']:.1f} core-seconds, once. At this rate the paper's "
+            f"120 scenes and 200,000 viewpoints take {run['paper_core_hours']:.0f} core-hours; with the "
+            f"gathered speech they hold {run['paper_hours_of_sound']:.0f} hours of sound."]
+    return "\n".join(rows)
+
+
 SECTIONS = [
     ("Exactness: our engine against the authors' code", "oracle_errors.md", None,
      "The same weights and inputs through `earpoint model run` and through the released code. "
@@ -111,6 +126,11 @@ SECTIONS = [
      "`camera_bench`: 256 x 256 pixels, 4 rays per pixel, smoothed; seconds of processor time of one "
      "thread. The light of a home is solved once for its 10 conversations, that of two people once "
      "for the 4 views of a conversation; the last column counts both."),
+    ("Cost of simulated data", "simulate_cost.jsonl", simulation_table,
+     "`bench/simulate_cost.py`: processor time of `earpoint simulate` in two homes, six conversations "
+     "each; two speakers and four viewpoints a conversation, 5000 rays from each mouth, 256 x 256 "
+     "pixels. The plan of a conversation, its acoustics (bodies put into the scene), trace, responses "
+     "and light serve all of its viewpoints."),
     ("Reverberation of homes", "home_reverberation.jsonl", reverberation_table,
      "`home_reverberation`: homes of the seeds 0 to 119, 500 and 1000 Hz. By Eyring's formula, the "
      "mean over a home's rooms by volume; and T30 of a traced response between two places 1 m or "

@@ -59,7 +59,8 @@ PreparedScene::PreparedScene(std::string scene_name, Scene scene_on_the_floor)
     : name(std::move(scene_name)),
       scene(std::move(scene_on_the_floor)),
       caster(scene.mesh),
-      floor(scene, caster) {}
+      floor(scene, caster),
+      renderer(scene) {}
 
 std::shared_ptr<const PreparedScene> prepare_home(std::string name, Scene scene) {
   return std::make_shared<const PreparedScene>(std::move(name), std::move(scene));
@@ -111,7 +112,7 @@ SimulatedConversation ConversationSimulator::simulate(const PreparedScene& prepa
   result.reverberation_s = reverberation_of(renderer_.mono(traced.responses[0][0], seed));
   clock.charge(Stage::responses);
 
-  const SceneRenderer camera(scene, {}, pool);
+  const SceneRenderer camera = prepared.renderer.extended(scene, pool);
   clock.charge(Stage::light);
   for (std::size_t v = 0; v < listeners.size(); ++v) {
     SimulatedViewpoint& viewpoint = result.viewpoints[v];

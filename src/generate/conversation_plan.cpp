@@ -45,8 +45,8 @@ class Planner {
     const bool woman_first = random_.uniform() < 0.5;
     for (std::size_t i = 0; i < 2; ++i) {
       const Gender gender = (i == 0) == woman_first ? Gender::female : Gender::male;
-      const bool sits = random_.uniform() < options_.sitting_share;
-      const Posture posture = sits && may_sit(gender) ? Posture::sitting : Posture::standing;
+      const Posture posture =
+          random_.uniform() < options_.sitting_share ? Posture::sitting : Posture::standing;
       plan.people[i].figure = &figures_.draw(gender, posture, split_, random_);
       radii_m_[i] = radius_of(*plan.people[i].figure) + kPersonMargin_m;
     }
@@ -55,15 +55,6 @@ class Planner {
   }
 
  private:
-  /// Rather all stand than that a plain stand-in sits among people.
-  [[nodiscard]] bool may_sit(Gender gender) const {
-    const auto& models = figures_.models();
-    return models.empty() || std::any_of(models.begin(), models.end(), [&](const auto& model) {
-             return model.gender == gender && model.posture == Posture::sitting &&
-                    model.for_test == (split_ == FigureSplit::test);
-           });
-  }
-
   bool place_people(ConversationPlan& plan) {
     auto& [a, b] = plan.people;
     const auto first = floor_.draw(radii_m_[0], random_);

@@ -26,6 +26,7 @@ struct PreparedScene {
   Scene scene;
   RayCaster caster;
   FloorMap floor;
+  SceneRenderer renderer;  ///< its light is solved once for all conversations
 };
 
 /// A procedural home: its floor lies at height 0 already.
