@@ -87,6 +87,8 @@ def camera_table(text):
         rows.append(f"| {run['homes']} | {run['triangles']} | {run['home_light_s']:.2f} s | "
                     f"{run['people_light_s']:.3f} s | {run['views_per_s']:.1f} | "
                     f"{run['views_per_s_with_light']:.1f} |")
+    rows += ["", "![Views of conversations in homes](images/homes.jpg)", "",
+             "Drawn by `./dev pictures`: the homes of the seeds from 100 on, one view each."]
     return "\n".join(rows)
 
 

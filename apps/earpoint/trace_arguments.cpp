@@ -13,6 +13,9 @@ namespace {
 
 using earpoint::InputError;
 
+/// Of a side of a box: below, faces would lose their area in single precision.
+constexpr double kShortest_m = 0.01;
+
 double parse_number(std::string_view flag, std::string_view text) {
   double value = 0.0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -94,8 +97,9 @@ earpoint::Scene parse_shoebox(std::string_view flag, const std::string& text) {
   const Fields fields = split(flag, text);
   const earpoint::Vector3 lengths_m = three(flag, text, fields);
   for (const double length_m : {lengths_m.x, lengths_m.y, lengths_m.z}) {
-    if (length_m > 0.0) continue;
-    throw InputError(flag, fmt::format("expected lengths above 0 m, found {:g}", length_m));
+    if (length_m >= kShortest_m) continue;
+    throw InputError(
+        flag, fmt::format("expected lengths of {} m or more, found {:g}", kShortest_m, length_m));
   }
   Named named(flag, fields);
   const auto absorption = static_cast<float>(named.take("absorption", 0.2));

@@ -194,7 +194,8 @@ TEST_F(TraceCommand, RefusesPlacesThatMakeNoSense) {
   EXPECT_EQ(refusal("3,2,1.5", "3,4,1.5"),
             "earpoint: --listener: stands where the source is; move one of them\n");
   const std::string room = "6,5,3,absorption=0.3,scattering=0.4";
-  EXPECT_EQ(refusal(room, "6,5,0"), "earpoint: --shoebox: expected lengths above 0 m, found 0\n");
+  EXPECT_EQ(refusal(room, "6,5,0"),
+            "earpoint: --shoebox: expected lengths of 0.01 m or more, found 0\n");
   EXPECT_NE(refusal(room, "6,5,3,absorption=2").find("outside [0, 1]"), std::string::npos);
   EXPECT_EQ(refusal("3,4,1.5", "3,9,1.5"),
             "earpoint: --source: (3, 9, 1.5) is outside of the scene, which spans x 0 to 6, y 0 to "

@@ -101,6 +101,9 @@ TEST_F(ViewCommand, RefusesInOneLineWhatItCannotDo) {
   std::vector<std::string> all = arguments({});
   std::replace(all.begin(), all.end(), std::string("0.5,0.5,1.5,yaw=40"), std::string("1,2"));
   EXPECT_NE(refusal(all).find("--camera"), std::string::npos);
+  all = arguments({});
+  std::replace(all.begin(), all.end(), std::string("6,5,3"), std::string("20000,5,3"));
+  EXPECT_NE(refusal(all).find("is 20000 m long"), std::string::npos);
   EXPECT_NE(refusal({"view", "--camera", "1,1,1", "-o", path("view.png")}).find("none is named"),
             std::string::npos);
   EXPECT_NE(refusal({"view", path("missing.glb"), "--camera", "1,1,1", "-o", path("view.png")})

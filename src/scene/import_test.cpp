@@ -266,6 +266,48 @@ TEST_F(Import, RefusesNumbersThatAreNone) {
       << refusal("room.ply");
 }
 
+TEST_F(Import, RefusesAGlbWithANumberThatIsNone) {
+  std::string glb = read_text_file(file("room.glb"));
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  // The first number behind the second chunk's name is a coordinate of a vertex.
+  std::memcpy(glb.data() + glb.find(std::string_view("BIN\0", 4)) + 4, &nan, sizeof nan);
+  write_file(file("room.glb"), std::string_view(glb));
+  const std::string message = refusal("room.glb");
+  EXPECT_TRUE(message.starts_with("room.glb: ")) << message;
+  EXPECT_NE(message.find("finite"), std::string::npos) << message;
+  EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+}
+
+TEST_F(Import, RefusesMeshesWithoutAFaceThatHasAnArea) {
+  constexpr std::string_view kHeader =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+      "property float z\n";
+  const std::string header(kHeader);
+  const std::string vertices = "0 0 0\n1 0 0\n2 0 0\n";
+  write_file(file("none.ply"), std::string_view(header + "end_header\n" + vertices));
+  write_file(file("line.ply"),
+             std::string_view(header + "element face 1\nproperty list uchar int vertex_indices\n" +
+                              "end_header\n" + vertices + "3 0 1 2\n"));
+  write_file(file("line.obj"), std::string_view("v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n"));
+  replace("room.glb", "\"nodes\":[0,4]", "\"nodes\":[]   ");
+  for (const char* name : {"none.ply", "line.ply", "line.obj", "room.glb"}) {
+    const std::string message = refusal(name);
+    EXPECT_TRUE(message.starts_with(std::string(name) + ": ")) << message;
+    EXPECT_NE(message, "accepted") << name;
+    EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+  }
+  EXPECT_EQ(refusal("line.ply"), "line.ply: has no face with an area; repair the mesh");
+  EXPECT_EQ(refusal("line.obj"), "line.obj: has no face with an area; repair the mesh");
+}
+
+TEST_F(Import, RefusesModelsLongerThanTenKilometres) {
+  for (const char* name : {"room.obj", "room.glb", "room.ply"}) {
+    EXPECT_EQ(refusal(name, {.unit_m = 2000.0}),
+              std::string(name) +
+                  ": is 12000 m long, expected at most 10000 m; check the unit of length");
+  }
+}
+
 TEST_F(Import, RefusesAGlbWhosePictureHasNoKind) {
   // Assimp 5.2 crashes on this one.
   replace("room.glb", "image/png", "image-png");
