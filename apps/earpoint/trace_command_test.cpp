@@ -132,6 +132,27 @@ TEST_F(TraceCommand, TracesAModelFileWithItsOptions) {
   EXPECT_GT(energy(brir.channel(1)), 1.5 * energy(brir.channel(0)));
 }
 
+TEST_F(TraceCommand, ClosesAModelWithoutACeiling) {
+  // A box of 5 x 4 x 3 m, z up, in centimetres; the names of its surfaces are its own.
+  const std::string model = (folder_ / "open.obj").string();
+  earpoint::write_file(model, std::string_view("v 0 0 0\nv 500 0 0\nv 500 400 0\nv 0 400 0\n"
+                                               "v 0 0 300\nv 500 0 300\nv 500 400 300\n"
+                                               "v 0 400 300\ng carpet\nf 1 2 3 4\ng brick\n"
+                                               "f 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n"));
+  std::vector<std::string> all = {
+      "trace",      model,     "--up",       "z",   "--unit", "0.01", "--source", "1,1,1.5",
+      "--listener", "3,2,1.5", "--duration", "0.2", "--rays", "200",  "-o",       output_};
+  const ProgramOutcome open = run_earpoint(all);
+  EXPECT_EQ(open.exit_code, 2);
+  EXPECT_NE(open.errors.find("the mesh: leaks: "), std::string::npos) << open.errors;
+  EXPECT_NE(open.errors.find("--close-ceiling"), std::string::npos) << open.errors;
+  EXPECT_FALSE(fs::exists(output_));
+  all.emplace_back("--close-ceiling");
+  const ProgramOutcome closed = run_earpoint(all);
+  EXPECT_EQ(closed.exit_code, 0) << closed.errors;
+  EXPECT_GT(energy(earpoint::read_sound(output_).channel(0)), 0.0);
+}
+
 TEST_F(TraceCommand, AmbisonicMicrophoneHasItsChannels) {
   ASSERT_EQ(run_earpoint(arguments({"--ambisonics", "2"})).exit_code, 0);
   const earpoint::Waveform sound = earpoint::read_sound(output_);

@@ -126,7 +126,7 @@ void check_escape(double fraction, double limit) {
                    fmt::format("leaks: {:.1f} % of the sound escapes through holes, expected at "
                                "most {:.1f} %",
                                100.0 * fraction, 100.0 * limit),
-                   "close the holes, or trace it as open air");
+                   "close the holes; --close-ceiling puts a missing ceiling on");
 }
 
 // Walks the rays of all sources; adds the shares of each source up in order.
