@@ -130,6 +130,27 @@ nlohmann::json to_json(const Cost& cost, int rays, int pairs) {
           {"rays_cast", cost.rays}};
 }
 
+void measure_growth(const Stage& stage, std::uint64_t seed, const FurnitureLibrary& library,
+                    const TraceOptions& options, const ResponseRenderer& renderer,
+                    const HrtfSet& hrtf, nlohmann::json& report) {
+  constexpr int kPairs = kSources * kListeners;
+  for (const std::size_t most : {5000, 10000, 20000, 40000}) {
+    const Stage other = make_stage(seed, most, library, kSources, kListeners);
+    report["over_triangles"].push_back(
+        to_json(measure(other, options, renderer, hrtf, 3), options.rays, kPairs));
+  }
+  for (const int rays : {1000, 2000, 5000, 10000, 20000, 50000}) {
+    TraceOptions more = options;
+    more.rays = rays;
+    report["over_rays"].push_back(to_json(measure(stage, more, renderer, hrtf, 3), rays, kPairs));
+  }
+  for (const int listeners : {1, 2, 4, 8, 16}) {
+    const Stage other = make_stage(seed, 60000, library, kSources, listeners);
+    report["over_pairs"].push_back(
+        to_json(measure(other, options, renderer, hrtf, 3), options.rays, kSources * listeners));
+  }
+}
+
 }  // namespace
 }  // namespace earpoint
 
@@ -163,21 +184,7 @@ int main(int argc, char** argv) {
     fmt::print("{}\n", report.dump(2));
     return 0;
   }
-  for (const std::size_t most : {5000, 10000, 20000, 40000}) {
-    const Stage other = make_stage(seed, most, library, kSources, kListeners);
-    report["over_triangles"].push_back(
-        to_json(measure(other, options, renderer, hrtf, 3), options.rays, kPairs));
-  }
-  for (const int rays : {1000, 2000, 5000, 10000, 20000, 50000}) {
-    TraceOptions more = options;
-    more.rays = rays;
-    report["over_rays"].push_back(to_json(measure(stage, more, renderer, hrtf, 3), rays, kPairs));
-  }
-  for (const int listeners : {1, 2, 4, 8, 16}) {
-    const Stage other = make_stage(seed, 60000, library, kSources, listeners);
-    report["over_pairs"].push_back(
-        to_json(measure(other, options, renderer, hrtf, 3), options.rays, kSources * listeners));
-  }
+  measure_growth(stage, seed, library, options, renderer, hrtf, report);
   fmt::print("{}\n", report.dump(2));
   if (argc == 3 && std::strcmp(argv[1], "--plot") == 0) draw_costs(report, argv[2]);
   return 0;

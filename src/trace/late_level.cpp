@@ -54,6 +54,37 @@ void add_levelled(std::span<const float> band, std::span<const double> middles,
   }
 }
 
+/// Gains at the middles of stretches, in samples.
+struct Levels {
+  std::vector<double> middles;
+  std::vector<double> gains;
+};
+
+// What brings a band's signals to their power, stretch by stretch.
+Levels find_levels(std::span<const double> power, double hop_samples, double shortest_points,
+                   std::size_t samples, std::span<const std::vector<float>> signals) {
+  Levels levels;
+  for (const Stretch& stretch : cut(power, shortest_points)) {
+    const auto sample_at = [&](std::size_t point) {
+      return std::min(samples, static_cast<std::size_t>(static_cast<double>(point) * hop_samples));
+    };
+    const std::size_t begin = sample_at(stretch.begin);
+    const std::size_t end = sample_at(stretch.end);
+    double wanted = 0.0;
+    for (std::size_t i = stretch.begin; i < stretch.end; ++i) wanted += power[i] * hop_samples;
+    double found = 0.0;
+    for (const std::vector<float>& signal : signals) {
+      for (std::size_t i = begin; i < end; ++i) {
+        found += static_cast<double>(signal[i]) * static_cast<double>(signal[i]);
+      }
+    }
+    if (wanted <= 0.0 || found <= 0.0) continue;
+    levels.middles.push_back(static_cast<double>(begin + end) / 2.0);
+    levels.gains.push_back(std::clamp(std::sqrt(wanted / found), 1.0 / kMostGain, kMostGain));
+  }
+  return levels;
+}
+
 }  // namespace
 
 BandOverlap::BandOverlap(const OctaveBank& bank) {
@@ -112,28 +143,11 @@ void level_noise(std::span<const BandArray> expected, double hop_samples, const 
     for (std::size_t i = 0; i < power.size(); ++i) power[i] = expected[i][band];
     // Two over the bandwidth: four degrees of freedom.
     const double shortest_s = 2.0 / (kOctaveBandCentresHz[band] / std::sqrt(2.0));
-    std::vector<double> middles;
-    std::vector<double> gains;
-    for (const Stretch& stretch : cut(power, shortest_s * sample_rate_hz / hop_samples)) {
-      const auto begin = std::min(
-          samples, static_cast<std::size_t>(static_cast<double>(stretch.begin) * hop_samples));
-      const auto end = std::min(
-          samples, static_cast<std::size_t>(static_cast<double>(stretch.end) * hop_samples));
-      double wanted = 0.0;
-      for (std::size_t i = stretch.begin; i < stretch.end; ++i) wanted += power[i] * hop_samples;
-      double found = 0.0;
-      for (const std::vector<float>& signal : bands) {
-        for (std::size_t i = begin; i < end; ++i) {
-          found += static_cast<double>(signal[i]) * static_cast<double>(signal[i]);
-        }
-      }
-      if (wanted <= 0.0 || found <= 0.0) continue;
-      middles.push_back(static_cast<double>(begin + end) / 2.0);
-      gains.push_back(std::clamp(std::sqrt(wanted / found), 1.0 / kMostGain, kMostGain));
-    }
-    if (gains.empty()) continue;
+    const Levels levels =
+        find_levels(power, hop_samples, shortest_s * sample_rate_hz / hop_samples, samples, bands);
+    if (levels.gains.empty()) continue;
     for (std::size_t c = 0; c < channels.size(); ++c) {
-      add_levelled(bands[c], middles, gains, channels[c]);
+      add_levelled(bands[c], levels.middles, levels.gains, channels[c]);
     }
   }
 }

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <iterator>
 #include <optional>
+#include <utility>
 
 #include <earpoint/core/error.h>
 
@@ -159,6 +160,22 @@ bool same_path(const Arrival& a, const Arrival& b, double speed_m_per_s) {
          norm(a.direction - b.direction) * a.delay_s * speed_m_per_s < 4.0 * kSameImage_m;
 }
 
+// By delay. An image on the border of two cells may have come through twice.
+std::vector<Arrival> sorted_once(std::vector<Arrival> arrivals, double speed_m_per_s) {
+  std::stable_sort(arrivals.begin(), arrivals.end(),
+                   [](const Arrival& a, const Arrival& b) { return a.delay_s < b.delay_s; });
+  std::vector<Arrival> kept;
+  for (const Arrival& arrival : arrivals) {
+    bool known = false;
+    for (auto other = kept.rbegin(); other != kept.rend() && !known; ++other) {
+      if ((arrival.delay_s - other->delay_s) * speed_m_per_s > kSameImage_m) break;
+      known = same_path(arrival, *other, speed_m_per_s);
+    }
+    if (!known) kept.push_back(arrival);
+  }
+  return kept;
+}
+
 }  // namespace
 
 std::vector<ImageSource> find_image_sources(const SceneGeometry& scene, const Source& source,
@@ -222,19 +239,7 @@ std::vector<Arrival> specular_arrivals(const SceneGeometry& scene, const Source&
     rays_cast += cast[share];
     arrivals.insert(arrivals.end(), found[share].begin(), found[share].end());
   }
-  std::stable_sort(arrivals.begin(), arrivals.end(),
-                   [](const Arrival& a, const Arrival& b) { return a.delay_s < b.delay_s; });
-  // An image on the border of two cells may have come through twice.
-  std::vector<Arrival> kept;
-  for (const Arrival& arrival : arrivals) {
-    bool known = false;
-    for (auto other = kept.rbegin(); other != kept.rend() && !known; ++other) {
-      if ((arrival.delay_s - other->delay_s) * propagation.speed_m_per_s > kSameImage_m) break;
-      known = same_path(arrival, *other, propagation.speed_m_per_s);
-    }
-    if (!known) kept.push_back(arrival);
-  }
-  return kept;
+  return sorted_once(std::move(arrivals), propagation.speed_m_per_s);
 }
 
 }  // namespace earpoint
