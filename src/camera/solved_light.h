@@ -29,6 +29,9 @@ class SolvedLight {
   /// @param aside  uniform; reads the place up to half a patch aside, which blurs the borders
   [[nodiscard]] Rgb radiance(const Hit& hit, const Float3& direction, UnitPair aside) const;
 
+  /// Brings what radiance() will read of a triangle nearer: a hint for speed.
+  void prefetch(std::uint32_t triangle) const { __builtin_prefetch(&records_[triangle]); }
+
   /// Whether the triangle shines.
   [[nodiscard]] bool shines(std::uint32_t triangle) const { return records_[triangle].shines; }
 

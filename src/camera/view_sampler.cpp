@@ -276,14 +276,20 @@ void ViewSampler::add_indirect(Lanes& lanes) const {
   }
   scene_.tracer.trace(packet, RayTracer::Rays::mixed, SeeThrough::by_chance,
                       seed_of(kSeeThrough + 1));
+  std::array<Hit, kLanes> hits;
+  std::array<bool, kLanes> met{};
+  for (int i = 0; i < kLanes; ++i) {
+    met[i] = packet.active(i) && scene_.tracer.hit(packet, i, hits[i]);
+    if (met[i]) solved_.prefetch(hits[i].triangle);
+  }
   for (int i = 0; i < kLanes; ++i) {
     if (!packet.active(i)) continue;
     Lane& lane = lanes.at[i];
-    Hit hit;
-    if (!scene_.tracer.hit(packet, i, hit)) {
+    if (!met[i]) {
       lane.light.parts[PlaceLight::indirect] = scene_.sky * kPiF;
       continue;
     }
+    const Hit& hit = hits[i];
     lane.light.parts[PlaceLight::indirect] =
         solved_.radiance(hit, directions[i], asides.at(i)) * kPiF;
     if (!solved_.shines(hit.triangle)) continue;

@@ -149,6 +149,28 @@ TEST(Homes, FurnitureFillsTheBoxThatIsSaidOfIt) {
   }
 }
 
+TEST(Homes, SkirtingLiesAtWallsAndEndsBeforeDoorways) {
+  for (const Home& home : many_homes()) {
+    const Mesh& mesh = home.scene.mesh;
+    double area_m2 = 0.0;
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+      if (home.scene.instances[mesh.triangle_instance[i]].name != "skirting") continue;
+      area_m2 += norm(scaled_normal(mesh, i)) / 2.0;
+      for (const std::uint32_t v : mesh.triangles[i]) {
+        const Vector3 p = vertex(mesh, v);
+        const int room = room_at(home.plan, p.x, p.y);
+        ASSERT_GE(room, 0);
+        const FloorRectangle& floor = home.plan.rooms[static_cast<std::size_t>(room)].floor;
+        EXPECT_FALSE(grown(floor, -0.02).contains(p.x, p.y));
+        for (const Door& door : home.plan.doors) {
+          EXPECT_FALSE(grown(door.opening, 0.049).contains(p.x, p.y));
+        }
+      }
+    }
+    EXPECT_GT(area_m2, 0.5);
+  }
+}
+
 TEST(Homes, DoorsStayFreeOfFurniture) {
   for (const Home& home : many_homes()) {
     for (const Door& door : home.plan.doors) {
