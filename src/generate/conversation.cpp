@@ -26,10 +26,11 @@ std::array<Source, 2> mouths(const std::array<Person, 2>& people) {
   return sources;
 }
 
-/// As trace(), but errors name the scene.
+/// As trace(), on this thread alone; errors name the scene.
 TraceResult trace_scene(const std::string& name, const AcousticScene& scene,
                         std::span<const Source> sources, std::span<const Vector3> listeners,
-                        const TraceOptions& options, ThreadPool& pool) {
+                        const TraceOptions& options) {
+  ThreadPool pool(1);
   try {
     return trace(scene, sources, listeners, options, pool);
   } catch (const InputError& error) {
@@ -84,38 +85,50 @@ SimulatedConversation ConversationSimulator::simulate(const PreparedScene& prepa
     const PlannedPerson& person = plan.people[i];
     result.people[i] = add_person(*person.figure, person.at.x, person.at.y, person.yaw_rad, scene);
   }
-  std::vector<Vector3> listeners;
   for (const Pose& viewpoint : plan.viewpoints) {
     result.viewpoints.emplace_back().world_from_listener = viewpoint;
-    listeners.push_back(viewpoint.position_m);
   }
-
+  hear(prepared.name, scene, seed, result, clock);
   ThreadPool pool(1);
-  const AcousticScene acoustics(scene);
-  clock.charge(Stage::acoustics);
-  const std::array<Source, 2> sources = mouths(result.people);
-  const TraceResult traced =
-      trace_scene(prepared.name, acoustics, sources, listeners,
-                  {.rays = quality_.rays, .duration_s = quality_.duration_s, .seed = seed}, pool);
-  clock.charge(Stage::trace);
-  for (std::size_t i = 0; i < 2; ++i) {
-    result.escape_fractions[i] = traced.escape_fraction[i];
-    for (std::size_t v = 0; v < listeners.size(); ++v) {
-      const PointResponse& response = traced.responses[i][v];
-      // The noise of a tail must not repeat elsewhere, or a network could learn it.
-      Waveform& binaural = result.viewpoints[v].responses[i];
-      binaural =
-          renderer_.binaural(response, plan.viewpoints[v].orientation, hrtf_, seed + 2 * v + i);
-      silence_before_arrival(binaural, response.distance_m);
-    }
-  }
-  result.reverberation_s = reverberation_of(renderer_.mono(traced.responses[0][0], seed));
-  clock.charge(Stage::responses);
-
   const SceneRenderer camera = prepared.renderer.extended(scene, pool);
   clock.charge(Stage::light);
-  for (std::size_t v = 0; v < listeners.size(); ++v) {
-    SimulatedViewpoint& viewpoint = result.viewpoints[v];
+  see(camera, seed, result);
+  clock.charge(Stage::pictures);
+  return result;
+}
+
+void ConversationSimulator::hear(const std::string& name, const Scene& scene, std::uint64_t seed,
+                                 SimulatedConversation& conversation, StageClock& clock) const {
+  std::vector<Vector3> listeners;
+  for (const SimulatedViewpoint& viewpoint : conversation.viewpoints) {
+    listeners.push_back(viewpoint.world_from_listener.position_m);
+  }
+  const AcousticScene acoustics(scene);
+  clock.charge(Stage::acoustics);
+  const TraceResult traced =
+      trace_scene(name, acoustics, mouths(conversation.people), listeners,
+                  {.rays = quality_.rays, .duration_s = quality_.duration_s, .seed = seed});
+  clock.charge(Stage::trace);
+  for (std::size_t i = 0; i < 2; ++i) {
+    conversation.escape_fractions[i] = traced.escape_fraction[i];
+    for (std::size_t v = 0; v < listeners.size(); ++v) {
+      const PointResponse& response = traced.responses[i][v];
+      SimulatedViewpoint& viewpoint = conversation.viewpoints[v];
+      // The noise of a tail must not repeat elsewhere, or a network could learn it.
+      viewpoint.responses[i] = renderer_.binaural(
+          response, viewpoint.world_from_listener.orientation, hrtf_, seed + 2 * v + i);
+      silence_before_arrival(viewpoint.responses[i], response.distance_m);
+    }
+  }
+  conversation.reverberation_s = reverberation_of(renderer_.mono(traced.responses[0][0], seed));
+  clock.charge(Stage::responses);
+}
+
+void ConversationSimulator::see(const SceneRenderer& camera, std::uint64_t seed,
+                                SimulatedConversation& conversation) const {
+  ThreadPool pool(1);
+  for (std::size_t v = 0; v < conversation.viewpoints.size(); ++v) {
+    SimulatedViewpoint& viewpoint = conversation.viewpoints[v];
     View view = camera.render({.world_from_camera = viewpoint.world_from_listener,
                                .horizontal_fov_rad = quality_.horizontal_fov_rad,
                                .width = quality_.image_width,
@@ -123,13 +136,11 @@ SimulatedConversation ConversationSimulator::simulate(const PreparedScene& prepa
                               {.samples_per_side = quality_.samples_per_side}, seed + v, pool);
     for (std::size_t i = 0; i < 2; ++i) {
       viewpoint.boxes[i] =
-          visible_box(view, static_cast<int>(result.people[i].instance), kLeastPixels);
+          visible_box(view, static_cast<int>(conversation.people[i].instance), kLeastPixels);
     }
     viewpoint.rgb = std::move(view.rgb);
     viewpoint.depth_m = std::move(view.depth_m);
   }
-  clock.charge(Stage::pictures);
-  return result;
 }
 
 Waveform heard_speech(const Waveform& speech, const Waveform& response) {

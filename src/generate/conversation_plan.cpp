@@ -15,6 +15,8 @@ constexpr int kViewpointDraws = 400;
 constexpr int kHiddenDraws = 200;
 constexpr double kListenerRadius_m = 0.25;
 constexpr double kBetweenViewpoints_m = 0.6;
+// Nobody stands with the nose to a wall.
+constexpr double kLeastView_m = 1.0;
 constexpr double kPersonMargin_m = 0.05;
 constexpr double kLongestWalk = 1.8;
 // Most people look at whom they talk to, few past them.
@@ -83,19 +85,26 @@ class Planner {
     const std::vector<FloorPoint> near =
         floor_.within_walk(plan.people[0].at, kLongestWalk * options_.viewpoint_reach_m);
     if (near.empty()) return false;
-    int hidden = random_.uniform() < options_.hidden_share ? 1 : 0;
+    // Which of them is to have a speaker out of sight: none, or any.
+    std::ptrdiff_t hidden = -1;
+    if (random_.uniform() < options_.hidden_share) {
+      hidden = static_cast<std::ptrdiff_t>(
+          random_.index(static_cast<std::uint64_t>(options_.viewpoints)));
+    }
     int draws = 0;
     while (std::ssize(plan.viewpoints) < options_.viewpoints) {
       if (++draws > kViewpointDraws) return false;
-      if (draws > kHiddenDraws) hidden = 0;  // nothing here hides them
+      if (draws > kHiddenDraws) hidden = -1;  // nothing here hides them
       const FloorPoint at = near[random_.index(near.size())];
       const Vector3 eye{at.x, at.y, options_.height_m};
       if (!stands_free(plan, at, middle)) continue;
+      const Pose pose = look_at(eye, {middle.x, middle.y, options_.height_m});
+      const auto ahead_m = caster_.distance_m(eye, rotate(pose.orientation, {1, 0, 0}));
+      if (ahead_m && *ahead_m < kLeastView_m) continue;
       const int seen =
           (sees(caster_, eye, mouth_a) ? 1 : 0) + (sees(caster_, eye, mouth_b) ? 1 : 0);
-      if (hidden > 0 ? seen == 2 : seen == 0) continue;
-      hidden = 0;
-      plan.viewpoints.push_back(look_at(eye, {middle.x, middle.y, options_.height_m}));
+      if (std::ssize(plan.viewpoints) == hidden ? seen == 2 : seen == 0) continue;
+      plan.viewpoints.push_back(pose);
     }
     return true;
   }

@@ -164,6 +164,7 @@ void FloorMap::look_along(const RayCaster& caster) {
 }
 
 void FloorMap::drop_pockets() {
+  constexpr std::array<std::array<int, 2>, 4> kSides = {{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
   std::vector<unsigned char> seen(cells(), 0);
   std::vector<std::size_t> pocket;
   for (std::size_t start = 0; start < cells(); ++start) {
@@ -171,18 +172,12 @@ void FloorMap::drop_pockets() {
     pocket.assign(1, start);
     seen[start] = 1;
     for (std::size_t i = 0; i < pocket.size(); ++i) {
-      const std::size_t cell = pocket[i];
-      const auto visit = [&](std::size_t next, bool wall) {
-        if (wall || free_[next] == 0 || seen[next] != 0) return;
+      for (const auto& [dx, dy] : kSides) {
+        if (!may_step(pocket[i], dx, dy)) continue;
+        const std::size_t next = pocket[i] + static_cast<std::ptrdiff_t>(dy) * columns_ + dx;
+        if (seen[next] != 0) continue;
         seen[next] = 1;
         pocket.push_back(next);
-      };
-      const std::size_t column = cell % columns_;
-      if (column + 1 < static_cast<std::size_t>(columns_)) visit(cell + 1, wall_x_[cell] != 0);
-      if (column > 0) visit(cell - 1, wall_x_[cell - 1] != 0);
-      if (cell + columns_ < cells()) visit(cell + columns_, wall_y_[cell] != 0);
-      if (cell >= static_cast<std::size_t>(columns_)) {
-        visit(cell - columns_, wall_y_[cell - columns_] != 0);
       }
     }
     if (static_cast<double>(pocket.size()) * cell_m_ * cell_m_ >= kSmallestPocket_m2) continue;
@@ -190,49 +185,47 @@ void FloorMap::drop_pockets() {
   }
 }
 
-void FloorMap::measure_clearance() {
+std::vector<unsigned char> FloorMap::open_cells() const {
   // A cell beside a thin wall is as good as in it.
   std::vector<unsigned char> open = free_;
+  const auto close = [&](std::size_t cell, std::size_t next) {
+    open[cell] = 0;
+    if (next < cells()) open[next] = 0;
+  };
   for (std::size_t cell = 0; cell < cells(); ++cell) {
-    if (wall_x_[cell] != 0) {
-      open[cell] = 0;
-      if (cell + 1 < cells()) open[cell + 1] = 0;
-    }
-    if (wall_y_[cell] != 0) {
-      open[cell] = 0;
-      if (cell + columns_ < cells()) open[cell + columns_] = 0;
-    }
+    if (wall_x_[cell] != 0) close(cell, cell + 1);
+    if (wall_y_[cell] != 0) close(cell, cell + columns_);
   }
-  // How far the nearest obstacle is within the row, then over all rows.
-  std::vector<int> along(cells(), kReach);
+  return open;
+}
+
+void FloorMap::measure_clearance() {
+  const std::vector<unsigned char> open = open_cells();
+  // How far the nearest obstacle is within the row, from the left and from the right.
+  std::vector<int> along(cells(), 0);
   for (int row = 0; row < rows_; ++row) {
-    const std::size_t first = static_cast<std::size_t>(row) * columns_;
-    int distance = 0;
-    for (int column = 0; column < columns_; ++column) {
-      distance = open[first + column] != 0 ? std::min(distance + 1, kReach) : 0;
-      along[first + column] = distance;
+    int* const line = &along[static_cast<std::size_t>(row) * columns_];
+    const unsigned char* const is_open = &open[static_cast<std::size_t>(row) * columns_];
+    for (int x = 0, steps = 0; x < columns_; ++x) {
+      line[x] = steps = is_open[x] != 0 ? std::min(steps + 1, kReach) : 0;
     }
-    distance = 0;
-    for (int column = columns_ - 1; column >= 0; --column) {
-      distance = open[first + column] != 0 ? std::min(distance + 1, kReach) : 0;
-      along[first + column] = std::min(along[first + column], distance);
+    for (int x = columns_ - 1, steps = 0; x >= 0; --x) {
+      steps = is_open[x] != 0 ? std::min(steps + 1, kReach) : 0;
+      line[x] = std::min(line[x], steps);
     }
   }
   clearance_cells_.assign(cells(), 0.0F);
-  for (int row = 0; row < rows_; ++row) {
-    for (int column = 0; column < columns_; ++column) {
-      const std::size_t cell = static_cast<std::size_t>(row) * columns_ + column;
-      if (open[cell] == 0) continue;
-      int nearest = kReach * kReach;
-      for (int step = -kReach; step <= kReach; ++step) {
-        const bool inside = row + step >= 0 && row + step < rows_;
-        const int side =
-            inside ? along[static_cast<std::size_t>(row + step) * columns_ + column] : 0;
-        nearest = std::min(nearest, side * side + step * step);
-      }
-      // The obstacle may reach into its cell, and the point be off the middle of its own.
-      clearance_cells_[cell] = std::max(0.0F, std::sqrt(static_cast<float>(nearest)) - 1.21F);
+  for (std::size_t cell = 0; cell < cells(); ++cell) {
+    if (open[cell] == 0) continue;
+    const int row = static_cast<int>(cell / columns_);
+    int nearest = kReach * kReach;
+    for (int step = -kReach; step <= kReach; ++step) {
+      const bool inside = row + step >= 0 && row + step < rows_;
+      const int side = inside ? along[cell + static_cast<std::ptrdiff_t>(step) * columns_] : 0;
+      nearest = std::min(nearest, side * side + step * step);
     }
+    // The obstacle may reach into its cell, and the point be off the middle of its own.
+    clearance_cells_[cell] = std::max(0.0F, std::sqrt(static_cast<float>(nearest)) - 1.21F);
   }
 }
 
@@ -255,38 +248,39 @@ std::optional<FloorPoint> FloorMap::draw(double clearance_m, RandomStream& rando
   return point;
 }
 
+bool FloorMap::may_step(std::size_t cell, int dx, int dy) const {
+  const int column = static_cast<int>(cell % columns_) + dx;
+  const int row = static_cast<int>(cell / columns_) + dy;
+  if (column < 0 || column >= columns_ || row < 0 || row >= rows_) return false;
+  if (free_[static_cast<std::size_t>(row) * columns_ + column] == 0) return false;
+  if (dx != 0 && wall_x_[dx > 0 ? cell : cell - 1] != 0) return false;
+  return dy == 0 || wall_y_[dy > 0 ? cell : cell - columns_] == 0;
+}
+
 std::vector<FloorPoint> FloorMap::within_walk(const FloorPoint& from, double longest_m) const {
   std::vector<FloorPoint> points;
   const auto start = cell_at(from);
   if (!start || free_[*start] == 0) return points;
+  // Dijkstra over cells and their eight neighbours.
   const auto longest = static_cast<float>(longest_m / cell_m_);
   std::vector<float> walked(cells(), std::numeric_limits<float>::infinity());
   using Entry = std::pair<float, std::size_t>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
-  walked[*start] = 0.0F;
-  queue.emplace(0.0F, *start);
-  const auto blocked = [&](std::size_t cell, int dx, int dy) {
-    if (dx > 0 && wall_x_[cell] != 0) return true;
-    if (dx < 0 && wall_x_[cell - 1] != 0) return true;
-    if (dy > 0 && wall_y_[cell] != 0) return true;
-    return dy < 0 && wall_y_[cell - columns_] != 0;
+  const auto reach = [&](std::size_t cell, float length) {
+    if (length > longest || length >= walked[cell]) return;
+    walked[cell] = length;
+    queue.emplace(length, cell);
   };
+  reach(*start, 0.0F);
   while (!queue.empty()) {
     const auto [length, cell] = queue.top();
     queue.pop();
     if (length > walked[cell]) continue;
-    const int column = static_cast<int>(cell % columns_);
-    const int row = static_cast<int>(cell / columns_);
     for (int dy = -1; dy <= 1; ++dy) {
       for (int dx = -1; dx <= 1; ++dx) {
-        const bool inside =
-            column + dx >= 0 && column + dx < columns_ && row + dy >= 0 && row + dy < rows_;
-        if (!inside || (dx == 0 && dy == 0) || blocked(cell, dx, dy)) continue;
-        const std::size_t next = static_cast<std::size_t>(row + dy) * columns_ + (column + dx);
+        if ((dx == 0 && dy == 0) || !may_step(cell, dx, dy)) continue;
         const float step = dx != 0 && dy != 0 ? std::sqrt(2.0F) : 1.0F;
-        if (free_[next] == 0 || length + step > longest || length + step >= walked[next]) continue;
-        walked[next] = length + step;
-        queue.emplace(walked[next], next);
+        reach(cell + static_cast<std::ptrdiff_t>(dy) * columns_ + dx, length + step);
       }
     }
   }

@@ -82,6 +82,11 @@ class ConversationSimulator {
   [[nodiscard]] const ConversationQuality& quality() const { return quality_; }
 
  private:
+  void hear(const std::string& name, const Scene& scene, std::uint64_t seed,
+            SimulatedConversation& conversation, StageClock& clock) const;
+  void see(const SceneRenderer& camera, std::uint64_t seed,
+           SimulatedConversation& conversation) const;
+
   ConversationQuality quality_;
   HrtfSet hrtf_;
   ResponseRenderer renderer_;

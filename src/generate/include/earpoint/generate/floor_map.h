@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cmath>
+#include <cstddef>
 #include <optional>
 #include <vector>
 
@@ -47,8 +49,6 @@ class FloorMap {
   [[nodiscard]] std::vector<FloorPoint> within_walk(const FloorPoint& from, double longest_m) const;
 
  private:
-  struct Cells;  // of the work that makes a map
-
   [[nodiscard]] std::size_t cells() const { return static_cast<std::size_t>(columns_) * rows_; }
   [[nodiscard]] std::optional<std::size_t> cell_at(const FloorPoint& point) const;
   [[nodiscard]] FloorPoint middle(std::size_t cell) const;
@@ -56,6 +56,9 @@ class FloorMap {
   void look_down(const RayCaster& caster, double top_m);
   void look_along(const RayCaster& caster);
   void drop_pockets();
+  /// Whether a cell's neighbour (-1, 0 or 1 away along each axis) can be stepped to.
+  [[nodiscard]] bool may_step(std::size_t cell, int dx, int dy) const;
+  [[nodiscard]] std::vector<unsigned char> open_cells() const;
   void measure_clearance();
 
   double x_min_ = 0.0;
