@@ -53,6 +53,12 @@ void fill(const fs::path& folder) {
   write_sound(folder / "sound.flac", beginning_of(read_sound(examples / "truth-turned.flac")));
   write_sound(folder / "reference.wav", beginning_of(read_sound(examples / "truth-near.flac")));
   write_sound(folder / "estimate.wav", beginning_of(read_sound(examples / "truth-turned.flac")));
+  fs::copy_file(EARPOINT_SOURCE_DIR "/src/scene/testdata/room.glb", folder / "flat.glb");
+  fs::create_directory(folder / "speech");
+  write_file(folder / "speech" / "speech.csv",
+             "file,speaker,gender,split\n"
+             "../sound.flac,one,female,test\n"
+             "../reference.wav,another,male,test\n");
 }
 
 TEST(Readme, EveryCommandWorksAsItStands) {
@@ -72,6 +78,7 @@ TEST(Readme, EveryCommandWorksAsItStands) {
   }
   EXPECT_TRUE(fs::exists(folder / "there.mp4"));
   EXPECT_TRUE(fs::exists(folder / "outputs.safetensors"));
+  EXPECT_TRUE(fs::exists(folder / "data/homes/pairs-test.json"));
   fs::remove_all(folder);
 }
 
