@@ -28,8 +28,8 @@ struct TriangleCut {
     const auto scale = static_cast<float>(divisions);
     const int j = std::clamp(static_cast<int>(v * scale), 0, divisions - 1);
     const int i = std::clamp(static_cast<int>(u * scale), 0, divisions - 1 - j);
-    const auto number = static_cast<std::size_t>(j * divisions - j * (j - 1) / 2 + i);
-    return 2 * (first + number) + (front ? 0 : 1);
+    const int number = j * divisions - j * (j - 1) / 2 + i;  // at most 40,000 divisions: fits
+    return 2 * (first + static_cast<std::size_t>(number)) + (front ? 0 : 1);
   }
   [[nodiscard]] std::size_t first_bin() const { return 2 * static_cast<std::size_t>(first); }
   [[nodiscard]] std::size_t bins() const {

@@ -26,7 +26,8 @@ std::vector<std::uint32_t> indices_of(const Mesh& mesh, std::uint32_t material) 
 
 std::vector<std::uint32_t> simplified(const Mesh& mesh, const std::vector<std::uint32_t>& indices,
                                       double share, unsigned int options) {
-  const auto wanted = static_cast<std::size_t>(static_cast<double>(indices.size() / 3) * share) * 3;
+  const std::size_t faces = indices.size() / 3;
+  const auto wanted = static_cast<std::size_t>(static_cast<double>(faces) * share) * 3;
   std::vector<std::uint32_t> result(indices.size());
   result.resize(meshopt_simplify(
       result.data(), indices.data(), indices.size(), mesh.positions[0].data(),
