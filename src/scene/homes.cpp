@@ -17,7 +17,7 @@ namespace {
 enum StreamKey : std::uint64_t { kPlanKey = 1, kFinishKey, kStyleKey, kRoomKey };
 
 /// What is drawn where the options leave it open. Traced, the rooms then reverberate for 0.3 to
-/// 1.2 s (docs/results.md); bare stone and padded cells are left to those who ask for them.
+/// 1.3 s (docs/results.md); bare stone and padded cells are left to those who ask for them.
 constexpr double kHardestHome = 0.42;
 constexpr double kSoftestHome = 0.92;
 constexpr double kEmptiestHome = 0.45;

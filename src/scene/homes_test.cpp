@@ -262,8 +262,8 @@ TEST(Homes, ReverberateFromDryToLivelyButNotLikeStudiosOrChurches) {
   std::vector<double> times_s;
   for (const Home& home : many_homes()) times_s.push_back(middle_band_reverberation_s(home));
   const auto [shortest, longest] = std::minmax_element(times_s.begin(), times_s.end());
-  // By Eyring's formula. Traced responses decay about 1.6 times as long (docs/results.md), hence
-  // 0.2 to 1.2 s there.
+  // By Eyring's formula. The median of traced responses is 1.6 times as long (docs/results.md):
+  // 0.31 to 1.28 s there.
   EXPECT_GT(*shortest, 0.11);
   EXPECT_LT(*shortest, 0.25);
   EXPECT_GT(*longest, 0.6);
