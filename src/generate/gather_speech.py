@@ -5,9 +5,9 @@ usage: gather_speech.py UNPACKED speech_sources.json FOLDER [VOICE,VOICE...]
        gather_speech.py --packages speech_sources.json [VOICE,VOICE...]
 
 UNPACKED holds every package, unpacked, in a folder of its name. FOLDER gets speech.csv, a folder of
-16 kHz FLAC files for every voice and the packages' licences. Short recordings of a voice are joined,
-a third of a second between them, so that most files last 5 to 15 s. The second form prints the names
-of the packages that are wanted. VOICES: these alone.
+16 kHz FLAC files for every voice and the packages' licences. Short recordings of a voice are
+joined, a third of a second between them, so that most files last 5 to 15 s. The second form prints
+the names of the packages that are wanted. VOICES: these alone.
 """
 import concurrent.futures
 import csv
@@ -20,6 +20,7 @@ import subprocess
 import sys
 
 PAUSE_S = 0.35
+SILENCE_DB = -45.0
 # Silence at the ends of a recording: below -45 dB, all but a tenth of a second.
 TRIM = ("silenceremove=start_periods=1:start_threshold=-45dB:start_silence=0.1,areverse,"
         "silenceremove=start_periods=1:start_threshold=-45dB:start_silence=0.1,areverse")
@@ -33,7 +34,8 @@ def recordings(unpacked, voice):
     wanted = re.compile(voice.get("match", "."))
     unwanted = re.compile(voice.get("without", "(?!)"))
     names = [path for path in sorted(found)
-             if wanted.search(os.path.basename(path)) and not unwanted.search(os.path.basename(path))]
+             if wanted.search(os.path.basename(path))
+             and not unwanted.search(os.path.basename(path))]
     if not names:
         sys.exit(f"gather_speech.py: the voice '{voice['name']}' has no files in {unpacked}")
     return names
@@ -56,17 +58,18 @@ def join(names, path):
         filters.append(f"[{i}:a]aresample=16000,aformat=channel_layouts=mono,{TRIM},"
                        f"apad=pad_dur={PAUSE_S}[a{i}]")
     parts = "".join(f"[a{i}]" for i in range(len(names)))
-    filters.append(f"{parts}concat=n={len(names)}:v=0:a=1[out]")
+    filters.append(f"{parts}concat=n={len(names)}:v=0:a=1,volumedetect[out]")
     aside = path.replace(".flac", ".partial.flac")
-    run = subprocess.run(["ffmpeg", "-v", "error", "-y", *inputs, "-filter_complex",
-                          ";".join(filters), "-map", "[out]", "-map_metadata", "-1", "-fflags",
-                          "+bitexact", "-flags:a", "+bitexact", "-sample_fmt", "s16", aside],
-                         capture_output=True, text=True)
+    command = ["ffmpeg", "-nostdin", "-hide_banner", "-nostats", "-y", *inputs,
+               "-filter_complex", ";".join(filters), "-map", "[out]", "-map_metadata", "-1",
+               "-fflags", "+bitexact", "-flags:a", "+bitexact", "-sample_fmt", "s16", aside]
+    run = subprocess.run(command, capture_output=True, text=True)
     if run.returncode != 0:
         print(f"left out {names[0]}: {run.stderr.strip().splitlines()[-1]}", file=sys.stderr)
         return False
-    # Under half a second there was nothing but pauses or a click.
-    if os.path.getsize(aside) < 6000:
+    # Nothing but pauses.
+    peak_db = re.search(r"max_volume: (-?[0-9.]+) dB", run.stderr)
+    if peak_db is None or float(peak_db.group(1)) < SILENCE_DB:
         os.remove(aside)
         return False
     os.rename(aside, path)
