@@ -92,7 +92,8 @@ class Quantised {
     values.reserve(count_ * components_);
     for (std::size_t i = 0; i < count_; ++i) {
       for (int c = 0; c < components_; ++c) {
-        values.push_back(at(data_.data() + first_ + i * stride_ + c * size_));
+        values.push_back(
+            at(data_.data() + first_ + i * stride_ + static_cast<std::size_t>(c) * size_));
       }
     }
     return values;

@@ -45,7 +45,7 @@ TEST(Ambisonics, HarmonicsAreOrthonormalOverTheSphere) {
   constexpr int kOrder = 5;
   constexpr int kPoints = 4000;
   const int channels = ambisonic_channels(kOrder);
-  std::vector<double> products(channels * channels);
+  std::vector<double> products(static_cast<std::size_t>(channels) * channels);
   std::vector<float> gains(channels);
   for (int i = 0; i < kPoints; ++i) {
     encode_ambisonics(spiral_direction(i, 0.5, kPoints, 0.0), kOrder, gains);

@@ -54,7 +54,10 @@ Across across(const Vector3& direction) {
 // The faces around a point of an edge, by angle; nothing if something else is in the way.
 std::optional<std::vector<Spoke>> find_spokes(const SceneGeometry& scene, const Vector3& point,
                                               const Vector3& direction) {
-  const auto [u, v] = across(direction);
+  // Named: clang cannot take parts of a structured binding into a lambda.
+  const Across axes = across(direction);
+  const Vector3& u = axes.u;
+  const Vector3& v = axes.v;
   const auto on_ring = [&](int i) {
     // Turned off the axes: faces often lie along them, and would run through a ray's end.
     const double angle_rad = 2.0 * kPi * (i + 0.37) / kRingRays;

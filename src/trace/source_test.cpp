@@ -13,7 +13,7 @@ TEST(Directivity, DefaultIsTheSameInAllDirections) {
 
 TEST(Directivity, InterpolatesBetweenTheTablesDirections) {
   // Columns at -180, -90, 0, 90 degrees; rows straight down, level, straight up.
-  std::vector<BandArray> table(3 * 4, all_bands(0.0F));
+  std::vector<BandArray> table(12, all_bands(0.0F));
   table[4 + 2] = all_bands(1.0F);
   table[4 + 3] = all_bands(0.5F);
   const Directivity directivity(4, 3, table);
