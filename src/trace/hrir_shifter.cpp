@@ -12,8 +12,7 @@ HrirShifter::HrirShifter(int taps)
     : fft_(fast_fft_size(taps + 2 * kRinging)), spectrum_(fft_.bins()) {}
 
 void HrirShifter::shift(std::span<const float> taps, double fraction, std::span<float> shifted) {
-  EARPOINT_CHECK(std::ssize(shifted) == size() &&
-                 taps.size() + std::size_t{2 * kRinging} <= shifted.size());
+  EARPOINT_CHECK(std::ssize(shifted) == size() && std::ssize(taps) + kRinging + kRinging <= size());
   std::fill(shifted.begin(), shifted.end(), 0.0F);
   std::copy(taps.begin(), taps.end(), shifted.begin() + kRinging);
   fft_.forward(shifted, spectrum_);
