@@ -17,7 +17,7 @@ constexpr double kMostCells = 1e6;
 constexpr double kHeadroom_m = 1.95;
 // Rugs and sills are stepped over.
 constexpr double kStep_m = 0.06;
-constexpr double kSmallestPocket_m2 = 2.5;
+constexpr double kSmallestPocketSquareMetres = 2.5;
 // How far on a ray goes after a face.
 constexpr double kSkip_m = 1e-3;
 // Thin upright things (door leaves, the walls of scans) are looked for at these heights.
@@ -110,9 +110,10 @@ void FloorMap::choose_bounds(const Scene& scene) {
 }
 
 FloorPoint FloorMap::middle(std::size_t cell) const {
-  const auto column = static_cast<double>(cell % columns_);
-  const auto row = static_cast<double>(cell / columns_);
-  return {x_min_ + (column + 0.5) * cell_m_, y_min_ + (row + 0.5) * cell_m_};
+  const std::size_t column = cell % columns_;
+  const std::size_t row = cell / columns_;
+  return {x_min_ + (static_cast<double>(column) + 0.5) * cell_m_,
+          y_min_ + (static_cast<double>(row) + 0.5) * cell_m_};
 }
 
 std::optional<std::size_t> FloorMap::cell_at(const FloorPoint& point) const {
@@ -180,7 +181,8 @@ void FloorMap::drop_pockets() {
         pocket.push_back(next);
       }
     }
-    if (static_cast<double>(pocket.size()) * cell_m_ * cell_m_ >= kSmallestPocket_m2) continue;
+    if (static_cast<double>(pocket.size()) * cell_m_ * cell_m_ >= kSmallestPocketSquareMetres)
+      continue;
     for (const std::size_t cell : pocket) free_[cell] = 0;
   }
 }
