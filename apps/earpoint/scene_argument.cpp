@@ -57,7 +57,8 @@ void add_scene_argument(CLI::App& command, SceneArgument& argument) {
       "[,scattering=S], metres and shares of energy");
   command.add_option("--home", argument.home_seed,
                      "A furnished home instead of a file, drawn from this seed with the furniture "
-                     "that is installed");
+                     "that is installed")
+      ->check(CLI::NonNegativeNumber);
   command.add_option("--materials", argument.materials,
                      "JSON table of acoustic materials for the file's surfaces");
   command.add_option("--up", argument.up_axis, "Axis that points up in the file")

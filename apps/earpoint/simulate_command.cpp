@@ -150,6 +150,7 @@ void add_what(CLI::App& command, Options& options) {
 void add_how(CLI::App& command, Options& options) {
   earpoint::GenerationOptions& generation = options.generation;
   command.add_option("--seed", generation.seed, "The same seed gives the same bytes")
+      ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   command.add_option("--viewpoints", generation.conversation.viewpoints, "Of each conversation")
       ->capture_default_str();

@@ -151,6 +151,7 @@ void add_physics(CLI::App& command, Options& options) {
   command.add_option("--duration", trace.duration_s, "Length of the response, seconds")
       ->capture_default_str();
   command.add_option("--seed", trace.seed, "The same seed gives the same response")
+      ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   command.add_option("--temperature", trace.air.temperature_celsius, "Of the air, degrees Celsius")
       ->capture_default_str();

@@ -202,6 +202,7 @@ TEST_F(TraceCommand, RefusesScenesThatAreNotNamedOnce) {
   EXPECT_EQ(
       with({"--home", "3", "--close-ceiling"}),
       "earpoint: --close-ceiling: belongs to a scene that is read from a file; leave it out\n");
+  EXPECT_NE(with({"--home", "-1"}).find("--home"), std::string::npos);
   EXPECT_NE(with({"room.glb"}).find("room.glb: is not there"), std::string::npos);
   EXPECT_NE(with({"room.fbx"}).find("expected a .glb"), std::string::npos);
 }

@@ -153,6 +153,7 @@ void add_view_command(CLI::App& app) {
   command->add_option("--exposure", options->exposure, "Times the exposure that is found")
       ->capture_default_str();
   command->add_option("--seed", options->seed, "The same seed gives the same picture")
+      ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   command->add_option("--jobs", options->jobs, "Threads; 0 takes all cores")->capture_default_str();
   command->callback([options] { run(*options); });

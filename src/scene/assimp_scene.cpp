@@ -192,6 +192,7 @@ class AssimpReader {
   void add_polygon(const std::vector<std::uint32_t>& polygon, std::uint32_t material) {
     Scene& scene = result_.scene;
     std::vector<Vector3> corners;
+    corners.reserve(polygon.size());
     for (const std::uint32_t v : polygon) corners.push_back(vertex(scene.mesh, v));
     for (const auto& [a, b, c] : triangulate(corners)) {
       scene.mesh.triangles.push_back({polygon[a], polygon[b], polygon[c]});

@@ -13,6 +13,8 @@ namespace earpoint {
 namespace {
 
 constexpr double kLargest_m = 1000.0;  // no room is larger; sound fades before it crosses it
+// Heights of what may be a storey, a hall or a house; others are likely in another unit.
+constexpr double kUsualHeight_m[] = {1.5, 30.0};
 constexpr double kLeaky = 0.01;  ///< share of escaping rays above which reverberation is wrong
 
 std::string lower_extension(const std::filesystem::path& path) {
@@ -31,7 +33,8 @@ UpAxis default_up_axis(const std::filesystem::path& path) {
                    "convert it to .glb");
 }
 
-void check_size(const Scene& scene, const std::filesystem::path& path) {
+/// @return the extent along each axis
+Vector3 check_size(const Scene& scene, const std::filesystem::path& path) {
   const Bounds box = bounds(scene.mesh);
   const Vector3 extent = box.high - box.low;
   const double largest_m = std::max({extent.x, extent.y, extent.z});
@@ -45,6 +48,7 @@ void check_size(const Scene& scene, const std::filesystem::path& path) {
         fmt::format("is {:.6g} m large, expected at most {:g} m", largest_m, kLargest_m),
         "give the length of its unit: --unit 0.01 if it is in centimetres");
   }
+  return extent;
 }
 
 }  // namespace
@@ -68,6 +72,12 @@ std::vector<std::string> ImportReport::warnings() const {
         fmt::format("no pattern knows the surface '{}' ({} faces), it sounds like {}; "
                     "name it in --materials",
                     name, faces, sounds.at(name)));
+  }
+  if (size_m.z < kUsualHeight_m[0] || size_m.z > kUsualHeight_m[1]) {
+    lines.push_back(fmt::format(
+        "the model is {:.4g} m high; if its unit is not the metre, give --unit, if another axis "
+        "points up, --up",
+        size_m.z));
   }
   if (closure.rays == 0) {
     lines.push_back("no place has a floor and walls around it; is this a room?");
@@ -96,7 +106,7 @@ ImportedScene import_scene(const std::filesystem::path& path, const ImportOption
                                : read_with_assimp(path, options, up_axis);
   imported.report.zero_area_triangles =
       check_scene(imported.scene, path.string()).zero_area_triangles;
-  check_size(imported.scene, path);
+  imported.report.size_m = check_size(imported.scene, path);
   if (options.close_ceiling) {
     const MaterialTable& table =
         options.materials != nullptr ? *options.materials : standard_materials();

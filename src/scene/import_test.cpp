@@ -213,6 +213,15 @@ TEST_F(Import, CountsWhatItLeavesOut) {
             warnings.end());
 }
 
+TEST_F(Import, DoubtsTheUnitOfARoomThatIsFarTooHigh) {
+  const ImportedScene room = import_scene(file("room.glb"), {.unit_m = 100.0});
+  ASSERT_EQ(room.report.warnings().size(), 1U);
+  EXPECT_EQ(room.report.warnings()[0],
+            "the model is 250 m high; if its unit is not the metre, give --unit, if another axis "
+            "points up, --up");
+  EXPECT_TRUE(import_scene(file("room.glb")).report.warnings().empty());
+}
+
 TEST_F(Import, ReportsAMissingCeilingAndClosesIt) {
   // Without the ceiling, which is the node of index 4.
   replace("room.glb", "\"nodes\":[0,4]", "\"nodes\":[0]  ");

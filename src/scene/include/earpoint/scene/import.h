@@ -34,6 +34,7 @@ struct ImportReport {
   std::map<std::string, std::string> sounds;  ///< surface name -> acoustic material
   std::map<std::string, std::size_t> unknown_surfaces;  ///< no pattern matched: name -> faces
   double added_ceiling_m2 = 0.0;
+  Vector3 size_m;   ///< along each axis
   Closure closure;  ///< of the scene as returned
 
   /// @return one line for each thing that a user should know, with its mend
