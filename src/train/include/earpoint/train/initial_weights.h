@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+
+#include <earpoint/model/network.h>
+#include <earpoint/model/weights.h>
+
+namespace earpoint {
+
+/// Weights to start training from, drawn as the released code draws them: the gates' convolutions
+/// zero with uniform biases, layers of the gated stack uniform by He's rule, all others uniform
+/// within 1 / sqrt(inputs of a neuron). The released code takes an image trunk that was trained on
+/// ImageNet; here it is drawn, normal by He's rule over the outputs: see load_image_trunk().
+///
+/// The same description and seed give the same weights.
+/// Source: oracle notes on the released code; He et al., ICCV 2015.
+[[nodiscard]] ViGasWeights initial_vigas_weights(const ViGasDescription& description,
+                                                 std::uint64_t seed);
+
+/// Replaces the image trunk by one trained elsewhere: a ResNet-18 with torchvision's names
+/// (`conv1.weight`, `layer1.0.conv1.weight`, ...), as .safetensors or as torch.save wrote it.
+/// @throws InputError if the file is neither, or a tensor is missing or has another shape
+/// @throws std::logic_error if the network has no image encoder
+void load_image_trunk(const std::filesystem::path& path, ViGasWeights& weights);
+
+}  // namespace earpoint

@@ -1,0 +1,30 @@
+#include "torch_tensor.h"
+
+#include <algorithm>
+
+#include <ATen/ops/empty.h>
+
+#include <earpoint/core/error.h>
+
+namespace earpoint {
+
+at::Tensor to_torch(std::span<const float> values, const std::vector<std::int64_t>& shape,
+                    const at::Device& device) {
+  EARPOINT_CHECK(element_count(shape) == static_cast<std::int64_t>(values.size()));
+  at::Tensor tensor = at::empty(shape, at::TensorOptions().dtype(at::kFloat));
+  std::copy(values.begin(), values.end(), tensor.data_ptr<float>());
+  return tensor.to(device);
+}
+
+at::Tensor to_torch(const Tensor& tensor, const at::Device& device) {
+  return to_torch(tensor.as<float>(), tensor.shape, device);
+}
+
+Tensor from_torch(const at::Tensor& tensor) {
+  const at::Tensor here = tensor.detach().to(at::kCPU).contiguous();
+  const std::span<const float> values(here.data_ptr<float>(),
+                                      static_cast<std::size_t>(here.numel()));
+  return make_tensor<float>(values, here.sizes().vec());
+}
+
+}  // namespace earpoint

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <ATen/core/Tensor.h>
+
+#include <earpoint/model/tensor.h>
+
+namespace earpoint {
+
+/// A LibTorch tensor that holds a copy of the values, on `device`.
+/// @param values  row-major, as many as `shape` has elements
+at::Tensor to_torch(std::span<const float> values, const std::vector<std::int64_t>& shape,
+                    const at::Device& device);
+at::Tensor to_torch(const Tensor& tensor, const at::Device& device);
+
+/// A copy in memory of a float32 tensor, wherever it lies.
+Tensor from_torch(const at::Tensor& tensor);
+
+}  // namespace earpoint

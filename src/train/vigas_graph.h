@@ -1,0 +1,53 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include <ATen/core/Tensor.h>
+
+#include <earpoint/model/network.h>
+#include <earpoint/model/weights.h>
+
+namespace earpoint {
+
+/// What a network is given, as LibTorch tensors with the clips along the first axis.
+struct GraphInputs {
+  at::Tensor source;   ///< [clips][audio channels][samples]
+  at::Tensor picture;  ///< [clips][3][height][width]; undefined without an image encoder
+  std::map<std::string, at::Tensor> values;  ///< [clips][width], all inputs that are not made here
+};
+
+/// Batch norm either follows its batch and learns running statistics, or uses those.
+enum class GraphMode { training, evaluation };
+
+/// The ViGAS network as a graph of LibTorch operations over named tensors: the names are those of
+/// its weight file.
+class ViGasGraph {
+ public:
+  ViGasGraph(const ViGasWeights& weights, const at::Device& device);
+
+  /// @return [clips][audio channels][samples]; keeps what a gradient needs unless gradients are off
+  at::Tensor forward(const GraphInputs& inputs, GraphMode mode);
+
+  [[nodiscard]] const ViGasDescription& description() const { return description_; }
+  /// What is learned by gradients.
+  [[nodiscard]] std::map<std::string, at::Tensor>& parameters() { return parameters_; }
+  /// Running statistics of batch norms.
+  [[nodiscard]] const std::map<std::string, at::Tensor>& buffers() const { return buffers_; }
+
+ private:
+  at::Tensor batch_norm(const std::string& name, const at::Tensor& x, GraphMode mode);
+  at::Tensor basic_block(const std::string& name, const at::Tensor& x, bool halves, GraphMode mode);
+  at::Tensor image_feature(const at::Tensor& picture, GraphMode mode);
+  at::Tensor fuse(const GraphInputs& inputs, GraphMode mode);
+  at::Tensor gate(int layer, const at::Tensor& x, const at::Tensor& fused);
+  at::Tensor pointwise(const std::string& name, const at::Tensor& x);
+  const at::Tensor& parameter(const std::string& name) const { return parameters_.at(name); }
+
+  ViGasDescription description_;
+  std::map<std::string, at::Tensor> parameters_;
+  std::map<std::string, at::Tensor> buffers_;
+};
+
+}  // namespace earpoint
