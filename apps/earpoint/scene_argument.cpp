@@ -55,9 +55,10 @@ void add_scene_argument(CLI::App& command, SceneArgument& argument) {
       "--shoebox", argument.shoebox,
       "An empty room instead of a file, a corner at the origin: LX,LY,LZ[,absorption=A]"
       "[,scattering=S], metres and shares of energy");
-  command.add_option("--home", argument.home_seed,
-                     "A furnished home instead of a file, drawn from this seed with the furniture "
-                     "that is installed")
+  command
+      .add_option("--home", argument.home_seed,
+                  "A furnished home instead of a file, drawn from this seed with the furniture "
+                  "that is installed")
       ->check(CLI::NonNegativeNumber);
   command.add_option("--materials", argument.materials,
                      "JSON table of acoustic materials for the file's surfaces");

@@ -51,7 +51,8 @@ Waveform resample_sinc(const Waveform& waveform, int sample_rate_hz) {
   for (int c = 0; c < waveform.channels(); ++c) {
     const std::span<const float> in = waveform.channel(c);
     // The edges are repeated: half_width samples in front, half_width + old_rate behind.
-    std::vector<double> padded(static_cast<std::size_t>(samples + 2 * std::ptrdiff_t{half_width} + old_rate));
+    std::vector<double> padded(
+        static_cast<std::size_t>(samples + 2 * std::ptrdiff_t{half_width} + old_rate));
     for (std::ptrdiff_t i = 0; i < std::ssize(padded); ++i) {
       padded[i] = in[std::clamp<std::ptrdiff_t>(i - half_width, 0, samples - 1)];
     }

@@ -169,7 +169,8 @@ struct SoundWriter::State {
   std::vector<float> floats;
 };
 
-SoundWriter::SoundWriter(const fs::path& path, int channels, int sample_rate_hz, SampleFormat format) {
+SoundWriter::SoundWriter(const fs::path& path, int channels, int sample_rate_hz,
+                         SampleFormat format) {
   EARPOINT_CHECK(channels > 0 && sample_rate_hz > 0);
   SF_INFO info{};
   info.channels = channels;

@@ -145,7 +145,7 @@ EARPOINT_VECTOR_CLONES void compare_places(const Place& place, int width, int y,
     const std::ptrdiff_t to = taps.offset[tap];
     const float kernel = Taps::kKernel[tap];
     float* out = weights.same[tap].data();
-#pragma GCC ivdep
+    EARPOINT_INDEPENDENT_PASSES
     for (int x = 0; x < width; ++x) {
       const float turn =
           std::max(0.0F, nx[x] * nx[x + to] + ny[x] * ny[x + to] + nz[x] * nz[x + to]);
@@ -176,7 +176,7 @@ EARPOINT_VECTOR_CLONES void smooth_row(const Light& from, int width, int y, cons
   float* to_blue = to[2].row(y);
   float* to_level = to[3].row(y);
   float* to_noise = to[4].row(y);
-#pragma GCC ivdep
+  EARPOINT_INDEPENDENT_PASSES
   for (int x = 0; x < width; ++x) {
     float weight = 0.0F;
     float squares = 0.0F;

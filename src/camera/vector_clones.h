@@ -11,3 +11,11 @@
 // Where the loader's choice of functions is not to be had, or gets in a sanitizer's way.
 #define EARPOINT_VECTOR_CLONES
 #endif
+
+/// Before a loop whose passes do not depend on each other, though it writes where it cannot be seen
+/// that it does not read.
+#if defined(__GNUC__) && !defined(__clang__)
+#define EARPOINT_INDEPENDENT_PASSES _Pragma("GCC ivdep")
+#else
+#define EARPOINT_INDEPENDENT_PASSES
+#endif

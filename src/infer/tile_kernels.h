@@ -50,7 +50,7 @@ struct LayerPass {
   const float* x = nullptr;
   float* next_x = nullptr;  ///< (residual + x) / 2; null if nobody reads it
   float* skip = nullptr;
-  bool add_to_skip = true;         ///< else it is written
+  bool add_to_skip = true;  ///< else it is written
 
   /// Packed weights of the filter and gate rows: [group][position][depth][kGroupRows], where the
   /// depth counts channels (or, for Scheme::taps, taps and channels).

@@ -11,8 +11,9 @@ std::uint32_t ColourPalette::side() const {
 
 std::array<float, 2> ColourPalette::uv(std::uint32_t pixel) const {
   const double n = side();
-  return {static_cast<float>((pixel % side() + 0.5) / n),
-          static_cast<float>(1.0 - (pixel / side() + 0.5) / n)};
+  const std::uint32_t column = pixel % side();
+  const std::uint32_t row = pixel / side();
+  return {static_cast<float>((column + 0.5) / n), static_cast<float>(1.0 - (row + 0.5) / n)};
 }
 
 Image ColourPalette::texture() const {

@@ -81,6 +81,7 @@ std::vector<Wish> draw_wishes(int rooms, RandomStream& random) {
       break;
   }
   std::vector<Wish> wishes;
+  wishes.reserve(kinds.size());
   for (const RoomKind kind : kinds) {
     wishes.push_back({kind, shape_of(kind).weight * random.uniform(0.8, 1.25)});
   }

@@ -116,7 +116,8 @@ BandArray read_bands(const Json& json, const Field& field, double low, double hi
     }
     bands[static_cast<std::size_t>(first_band + i)] = static_cast<float>(value);
   }
-  const std::size_t last_band = static_cast<std::size_t>(first_band + count - 1);
+  const std::size_t last_band =
+      static_cast<std::size_t>(first_band) + static_cast<std::size_t>(count) - 1;
   if (first_band == 1) bands[0] = bands[1];
   for (std::size_t band = last_band + 1; band < kOctaveBands; ++band)
     bands[band] = bands[last_band];

@@ -27,7 +27,7 @@ class BlobWriter {
   template <typename T>
   Json add(std::span<const T> values) {
     const auto bytes = std::as_bytes(values);
-    const Json place = {bytes_.size(), values.size()};
+    Json place = {bytes_.size(), values.size()};
     bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
     while (bytes_.size() % 8 != 0) bytes_.push_back(std::byte{0});
     return place;

@@ -259,7 +259,7 @@ std::optional<PlacedFurniture> RoomFurnisher::place_at_wall(FurnitureKind kind,
     const double draw = random_.uniform(-0.25, 1.25);
     const double along_m =
         first_m + 0.02 + std::clamp(draw, 0.0, 1.0) * slack_m + piece->size_m.y / 2.0;
-    const auto found = place_at(
+    auto found = place_at(
         *piece, {.side = side, .along_m = along_m, .gap_m = 0.02, .base_m = base_m}, clearance_m);
     if (found) return found;
   }

@@ -187,7 +187,7 @@ void SceneBuilder::add_ellipsoid(const Vector3& centre, const Vector3& radii_m, 
                                  1.0F - static_cast<float>(j) / static_cast<float>(rings)}));
     }
   }
-  const auto at = [&](int i, int j) { return grid[static_cast<std::size_t>(j * (sides + 1) + i)]; };
+  const auto at = [&](std::ptrdiff_t i, std::ptrdiff_t j) { return grid[j * (sides + 1) + i]; };
   for (int j = 0; j < rings; ++j) {
     for (int i = 0; i < sides; ++i) {
       if (j + 1 < rings) add_triangle(at(i, j), at(i, j + 1), at(i + 1, j + 1), surface);
