@@ -68,7 +68,7 @@ class SectorCube {
     return sectors_[(face * kSquares + row) * kSquares + column];
   }
 
-  std::array<std::uint8_t, 6 * kSquares * kSquares> sectors_{};
+  std::array<std::uint8_t, std::size_t{6} * kSquares * kSquares> sectors_{};
 };
 
 const SectorCube kCube;

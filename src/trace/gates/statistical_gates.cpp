@@ -60,6 +60,7 @@ std::vector<std::vector<double>> particle_decays(const Box& box, double absorpti
   constexpr int kParticles = 60'000;
   const int bins = static_cast<int>(duration_s / kBin_s);
   std::vector<std::vector<double>> decays;
+  decays.reserve(listeners.size());
   for (const Vector3& listener : listeners) {
     decays.push_back(
         lambert_box_energies(box, absorption, source, listener, bins, kBin_s, kParticles));
