@@ -59,7 +59,8 @@ function(earpoint_add_module name)
       GTest::gtest_main)
     target_compile_definitions(${name}_test PRIVATE
       EARPOINT_SOURCE_DIR="${PROJECT_SOURCE_DIR}" EARPOINT_BINARY_DIR="${PROJECT_BINARY_DIR}")
-    gtest_discover_tests(${name}_test DISCOVERY_MODE PRE_TEST
+    # Loading LibTorch alone can take longer than the 5 s that listing the tests has by default.
+    gtest_discover_tests(${name}_test DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 120
       PROPERTIES TIMEOUT 600 LABELS ${name})
   endif()
 endfunction()
