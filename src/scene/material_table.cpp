@@ -105,19 +105,17 @@ BandArray read_bands(const Json& json, const Field& field, double low, double hi
                "6 are 125 to 4000 Hz, 7 are 125 to 8000 Hz, 8 are 62.5 to 8000 Hz");
   }
   BandArray bands{};
-  const int first_band = json.size() == kOctaveBands ? 0 : 1;
-  const int count = static_cast<int>(json.size());
-  for (int i = 0; i < count; ++i) {
-    const Json& entry = json[static_cast<std::size_t>(i)];
+  const std::size_t first_band = json.size() == kOctaveBands ? 0 : 1;
+  for (std::size_t i = 0; i < json.size(); ++i) {
+    const Json& entry = json[i];
     const double value = entry.is_number() ? entry.get<double>() : NAN;
     if (!(value >= low && value <= high)) {
-      field.at(static_cast<std::size_t>(i))
-          .fail(fmt::format("expected a number in [{}, {}], found {}", low, high, entry.dump()));
+      field.at(i).fail(
+          fmt::format("expected a number in [{}, {}], found {}", low, high, entry.dump()));
     }
-    bands[static_cast<std::size_t>(first_band + i)] = static_cast<float>(value);
+    bands[first_band + i] = static_cast<float>(value);
   }
-  const std::size_t last_band =
-      static_cast<std::size_t>(first_band) + static_cast<std::size_t>(count) - 1;
+  const std::size_t last_band = first_band + json.size() - 1;
   if (first_band == 1) bands[0] = bands[1];
   for (std::size_t band = last_band + 1; band < kOctaveBands; ++band)
     bands[band] = bands[last_band];
