@@ -21,6 +21,8 @@ constexpr int kRate_hz = 16000;
 constexpr std::ptrdiff_t kSamples = 16000;
 constexpr int kImageSize = 256;
 constexpr double kCutoff_hz = 80.0;
+// The high-pass reflects 33 samples at either end.
+constexpr std::ptrdiff_t kFewestSpeechSamples = 34;
 // Below this a response counts as silence and keeps its delay, as in the released loader.
 constexpr float kSilence = 1e-8F;
 
@@ -44,13 +46,7 @@ Waveform without_delay(const Waveform& response, const std::string& where) {
   return window_of(response, first, response.samples() - first);
 }
 
-Waveform heard(const Waveform& speech, const fs::path& response_path) {
-  Waveform response = read_sound(response_path);
-  if (response.channels() != 2) {
-    throw InputError(response_path.string(),
-                     fmt::format("expected 2 channels, found {}", response.channels()));
-  }
-  response = without_delay(resample_sinc(response, kRate_hz), response_path.string());
+Waveform heard(const Waveform& speech, const Waveform& response) {
   Waveform sound(2, speech.samples() + response.samples() - 1, kRate_hz);
   for (int ear = 0; ear < 2; ++ear) {
     const std::vector<float> convolved = convolve(speech.channel(0), response.channel(ear));
@@ -106,7 +102,7 @@ SoundSpacesChoice SoundSpacesDataset::draw(const SoundSpacesClip& clip, NumpyRan
   }
   choice.speaker = speaking[random.index(static_cast<std::uint32_t>(speaking.size()))];
   if (options_.split == "train") {
-    const std::ptrdiff_t length = speech(*clip.speakers[choice.speaker].speech).samples();
+    const std::ptrdiff_t length = read_speech(*clip.speakers[choice.speaker].speech).samples();
     if (length > kSamples) {
       choice.window_start = random.index(static_cast<std::uint32_t>(length - kSamples));
     }
@@ -118,17 +114,31 @@ fs::path SoundSpacesDataset::speech_path(const std::string& speech) const {
   return options_.root / options_.speech_folder / soundspaces_speech_file(options_.split, speech);
 }
 
-Waveform SoundSpacesDataset::speech(const std::string& name) const {
-  const fs::path path = speech_path(name);
+Waveform SoundSpacesDataset::read_speech(const std::string& speech) const {
+  const fs::path path = speech_path(speech);
   Waveform sound = read_sound(path);
   if (sound.channels() != 1) {
     throw InputError(path.string(), fmt::format("expected 1 channel, found {}", sound.channels()));
+  }
+  if (sound.samples() < kFewestSpeechSamples) {
+    throw InputError(path.string(), fmt::format("expected speech of {} samples or more, found {}",
+                                                kFewestSpeechSamples, sound.samples()));
   }
   if (probe_sound(path).is_pcm16) {
     // The released loader takes integers as they are stored.
     for (float& sample : sound.planar()) sample *= 32768.0F;
   }
   return resample_sinc(highpass(sound, kCutoff_hz), kRate_hz);
+}
+
+Waveform SoundSpacesDataset::read_response(const std::string& rir) const {
+  const fs::path path = path_of(rir);
+  const Waveform response = read_sound(path);
+  if (response.channels() != 2) {
+    throw InputError(path.string(),
+                     fmt::format("expected 2 channels, found {}", response.channels()));
+  }
+  return without_delay(resample_sinc(response, kRate_hz), path.string());
 }
 
 NvasSample SoundSpacesDataset::sample(const SoundSpacesClip& clip,
@@ -144,13 +154,13 @@ NvasSample SoundSpacesDataset::sample(const SoundSpacesClip& clip,
   }
 
   NvasSample sample;
-  const Waveform speech = this->speech(*speaker.speech);
-  sample.source = window_of(heard(speech, options_.root / source.rir.at(speaker.id)),
+  const Waveform speech = read_speech(*speaker.speech);
+  sample.source = window_of(heard(speech, read_response(source.rir.at(speaker.id))),
                             choice.window_start, kSamples);
-  sample.target = window_of(heard(speech, options_.root / target.rir.at(speaker.id)),
+  sample.target = window_of(heard(speech, read_response(target.rir.at(speaker.id))),
                             choice.window_start, kSamples);
-  sample.source_rgb = read_rgb(options_.root / source.image);
-  sample.target_rgb = read_rgb(options_.root / target.image);
+  sample.source_rgb = read_rgb(path_of(source.image));
+  sample.target_rgb = read_rgb(path_of(target.image));
   for (const int edge : source.bboxes.at(speaker.id)) sample.bboxes.push_back(edge / 255.0);
   const auto pose = soundspaces_pose(source, target.location);
   const auto rotation = soundspaces_rotation(source, target);

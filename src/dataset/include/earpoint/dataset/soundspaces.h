@@ -49,9 +49,21 @@ class SoundSpacesDataset {
   /// Where a speaker's speech lies.
   [[nodiscard]] std::filesystem::path speech_path(const std::string& speech) const;
 
- private:
-  [[nodiscard]] Waveform speech(const std::string& name) const;
+  /// A recording as samples are made of it: high-passed, 1 channel, 16 kHz.
+  /// @throws InputError naming the file
+  [[nodiscard]] Waveform read_speech(const std::string& speech) const;
 
+  /// A binaural response as samples are made of it: 2 ears, 16 kHz, its delay dropped.
+  /// @param rir  as a viewpoint names it
+  /// @throws InputError naming the file
+  [[nodiscard]] Waveform read_response(const std::string& rir) const;
+
+  /// Where a file lies that the metadata name, e.g. a viewpoint's picture.
+  [[nodiscard]] std::filesystem::path path_of(const std::string& name) const {
+    return options_.root / name;
+  }
+
+ private:
   Options options_;
   std::vector<SoundSpacesClip> clips_;
 };

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <earpoint/core/image.h>
+#include <earpoint/core/pose.h>
+#include <earpoint/core/waveform.h>
+#include <earpoint/dataset/soundspaces.h>
+
+namespace earpoint {
+
+/// Samples of a window at 16 kHz, where none is named: one second, as the released loaders cut it.
+inline constexpr std::ptrdiff_t kPairSamples = 16000;
+
+/// One moment at two viewpoints, with all that a method may know of it.
+struct PairSample {
+  Waveform source;  ///< 2 ears, 16 kHz: the high-passed speech as the source view hears it, the
+                    ///< response's delay dropped as the released loader does
+  Waveform target;  ///< the same at the target
+  std::shared_ptr<const Image> picture;   ///< of the source view, RGB; shared
+  std::optional<Box> speaker_box;         ///< in the picture; nothing when out of sight
+  Pose source_from_target;                ///< our frame
+  Vector3 speaker_m;                      ///< mouth, source view's frame
+  std::optional<double> speaker_yaw_rad;  ///< where the speaker looks, about z, in the source
+                                          ///< view's frame: 0 looks as the source does
+  Pose world_from_source;  ///< where the source stands in the scene, for methods that know it
+};
+
+/// What only the simulator knows; for oracles and supervision. The samples that
+/// PairSampler::sample() gives are those of convolve(dry, response) from `lead` on.
+struct PairTruth {
+  Waveform dry;              ///< 1 channel, [lead + window]: the high-passed speech up to the
+                             ///< window's end, zeros before its beginning and after its end
+  std::ptrdiff_t lead = 0;   ///< samples before the window: the longer response's, less one
+  Waveform source_response;  ///< 2 ears, 16 kHz, its delay dropped
+  Waveform target_response;
+};
+
+/// Makes samples of a data set fast: it keeps filtered speech, responses and decoded pictures, and
+/// convolves only what the window hears. Any thread may call it.
+/// Cost: about 4 ms a sample with responses of a second, once its files are kept.
+class PairSampler {
+ public:
+  /// @param dataset      must outlive this
+  /// @param cache_bytes  how much it may keep
+  PairSampler(const SoundSpacesDataset& dataset, std::size_t cache_bytes);
+  ~PairSampler();
+  PairSampler(PairSampler&&) noexcept;
+  PairSampler& operator=(PairSampler&&) noexcept;
+
+  /// Source and target are those of SoundSpacesDataset::sample() for the same choice, but for
+  /// rounding.
+  /// @param samples  length of the window, > 0
+  /// @throws InputError naming the file if one is missing, malformed, empty, holds NaN, has another
+  ///         number of channels or a rate below 16 kHz; or the clip, if it lacks what the choice
+  ///         asks for
+  [[nodiscard]] PairSample sample(const SoundSpacesClip& clip, const SoundSpacesChoice& choice,
+                                  std::ptrdiff_t samples = kPairSamples) const;
+
+  /// @throws InputError as sample()
+  [[nodiscard]] PairTruth truth(const SoundSpacesClip& clip, const SoundSpacesChoice& choice,
+                                std::ptrdiff_t samples = kPairSamples) const;
+
+  /// How long a speaker's speech is, at 16 kHz. @throws InputError as sample()
+  [[nodiscard]] std::ptrdiff_t speech_samples(const SoundSpacesSpeaker& speaker) const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// Where things lie in a folder that `earpoint simulate` wrote (told by its dataset.json), or else
+/// in one that holds the published layout.
+/// @throws InputError if it is neither
+SoundSpacesDataset::Options soundspaces_options(const std::filesystem::path& folder,
+                                                const std::string& split);
+
+}  // namespace earpoint

@@ -1,0 +1,243 @@
+#include "byte_cache.h"
+#include "json_field.h"
+
+#include <algorithm>
+#include <array>
+#include <complex>
+#include <map>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include <earpoint/audio/fft.h>
+#include <earpoint/audio/sound_file.h>
+#include <earpoint/core/error.h>
+#include <earpoint/core/file.h>
+#include <earpoint/dataset/pair_sample.h>
+#include <earpoint/video/image_file.h>
+
+namespace earpoint {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kRate_hz = 16000;
+constexpr int kEars = 2;
+
+using SharedSound = std::shared_ptr<const Waveform>;
+using Spectrum = std::vector<std::complex<float>>;
+
+/// A transform of that size, of this thread: they hold work space.
+RealFft<float>& transform(int size) {
+  thread_local std::map<int, RealFft<float>> transforms;
+  return transforms.try_emplace(size, size).first->second;
+}
+
+/// Channel `channel` of the sound from `start`, which may be negative, zeros beyond its ends.
+void copy_window(const Waveform& sound, int channel, std::ptrdiff_t start,
+                 std::span<float> window) {
+  std::ranges::fill(window, 0.0F);
+  const std::ptrdiff_t first = std::max(start, std::ptrdiff_t{0});
+  const std::ptrdiff_t last = std::min(start + std::ssize(window), sound.samples());
+  if (first >= last) return;
+  const auto samples = sound.channel(channel).subspan(first, last - first);
+  std::ranges::copy(samples, window.begin() + (first - start));
+}
+
+/// The end of the convolution of `dry` with several responses, by one transform of `dry`: the
+/// samples from `lead` on, which no response reaches round the transform's end to.
+class WindowConvolver {
+ public:
+  WindowConvolver(const Waveform& dry, std::ptrdiff_t lead)
+      : lead_(lead),
+        samples_(dry.samples() - lead),
+        fft_(transform(fast_fft_size(static_cast<int>(dry.samples())))),
+        signal_(static_cast<std::size_t>(fft_.size())),
+        dry_spectrum_(static_cast<std::size_t>(fft_.bins())),
+        spectrum_(dry_spectrum_.size()) {
+    copy_window(dry, 0, 0, signal_);
+    fft_.forward(signal_, dry_spectrum_);
+  }
+
+  Waveform heard(const Waveform& response) {
+    EARPOINT_CHECK(response.samples() <= lead_ + 1);
+    Waveform sound(kEars, samples_, kRate_hz);
+    for (int ear = 0; ear < kEars; ++ear) {
+      copy_window(response, ear, 0, signal_);
+      fft_.forward(signal_, spectrum_);
+      // Written out because std::complex's product checks for NaN.
+      for (std::size_t k = 0; k < spectrum_.size(); ++k) {
+        const std::complex<float> a = dry_spectrum_[k];
+        const std::complex<float> b = spectrum_[k];
+        spectrum_[k] = {a.real() * b.real() - a.imag() * b.imag(),
+                        a.real() * b.imag() + a.imag() * b.real()};
+      }
+      fft_.inverse(spectrum_, signal_);
+      std::copy_n(signal_.begin() + lead_, samples_, sound.channel(ear).begin());
+    }
+    return sound;
+  }
+
+ private:
+  std::ptrdiff_t lead_;
+  std::ptrdiff_t samples_;
+  RealFft<float>& fft_;
+  std::vector<float> signal_;
+  Spectrum dry_spectrum_;
+  Spectrum spectrum_;
+};
+
+/// What a choice picks out of a clip.
+struct Chosen {
+  const SoundSpacesViewpoint& source;
+  const SoundSpacesViewpoint& target;
+  const SoundSpacesSpeaker& speaker;
+};
+
+Chosen chosen(const SoundSpacesClip& clip, const SoundSpacesChoice& choice) {
+  const Chosen found{clip.viewpoints.at(choice.source), clip.viewpoints.at(choice.target),
+                     clip.speakers.at(choice.speaker)};
+  EARPOINT_CHECK(choice.window_start >= 0);
+  const int id = found.speaker.id;
+  if (!found.speaker.speech || !found.source.rir.contains(id) || !found.target.rir.contains(id) ||
+      !found.source.bboxes.contains(id)) {
+    throw InputError(fmt::format("{}, clip {}", clip.scene, clip.index),
+                     fmt::format("speaker {} has no speech, response or box", id));
+  }
+  return found;
+}
+
+Pose world_from_viewpoint(const SoundSpacesViewpoint& viewpoint) {
+  return {from_soundspaces(viewpoint.location),
+          quaternion_from_euler({.yaw_rad = viewpoint.rotation_rad})};
+}
+
+void check_rate(const fs::path& path) {
+  const int rate_hz = probe_sound(path).sample_rate_hz;
+  if (rate_hz >= kRate_hz) return;
+  throw InputError(path.string(),
+                   fmt::format("expected {} Hz or more, found {} Hz", kRate_hz, rate_hz));
+}
+
+std::size_t bytes_of(const Waveform& sound) { return sound.planar().size_bytes(); }
+
+}  // namespace
+
+struct PairSampler::State {
+  State(const SoundSpacesDataset& data, std::size_t cache_bytes)
+      : dataset(data), cache(cache_bytes) {}
+
+  SharedSound speech(const std::string& name) {
+    return cache.get<Waveform>(
+        "speech " + name,
+        [&] {
+          check_rate(dataset.speech_path(name));
+          return dataset.read_speech(name);
+        },
+        bytes_of);
+  }
+
+  SharedSound response(const std::string& rir) {
+    return cache.get<Waveform>(
+        "response " + rir,
+        [&] {
+          check_rate(dataset.path_of(rir));
+          return dataset.read_response(rir);
+        },
+        bytes_of);
+  }
+
+  std::shared_ptr<const Image> picture(const std::string& name) {
+    return cache.get<Image>(
+        "picture " + name, [&] { return read_image(dataset.path_of(name)); },
+        [](const Image& image) { return image.pixels().size_bytes(); });
+  }
+
+  const SoundSpacesDataset& dataset;
+  ByteCache cache;
+};
+
+PairSampler::PairSampler(const SoundSpacesDataset& dataset, std::size_t cache_bytes)
+    : state_(std::make_unique<State>(dataset, cache_bytes)) {}
+PairSampler::~PairSampler() = default;
+PairSampler::PairSampler(PairSampler&&) noexcept = default;
+PairSampler& PairSampler::operator=(PairSampler&&) noexcept = default;
+
+PairTruth PairSampler::truth(const SoundSpacesClip& clip, const SoundSpacesChoice& choice,
+                             std::ptrdiff_t samples) const {
+  EARPOINT_CHECK(samples > 0);
+  const auto [source, target, speaker] = chosen(clip, choice);
+  PairTruth truth;
+  const SharedSound speech = state_->speech(*speaker.speech);
+  truth.source_response = *state_->response(source.rir.at(speaker.id));
+  truth.target_response = *state_->response(target.rir.at(speaker.id));
+  truth.lead = std::max(truth.source_response.samples(), truth.target_response.samples()) - 1;
+  truth.dry = Waveform(1, truth.lead + samples, kRate_hz);
+  copy_window(*speech, 0, choice.window_start - truth.lead, truth.dry.channel(0));
+  return truth;
+}
+
+PairSample PairSampler::sample(const SoundSpacesClip& clip, const SoundSpacesChoice& choice,
+                               std::ptrdiff_t samples) const {
+  const PairTruth truth = this->truth(clip, choice, samples);
+  const auto [source, target, speaker] = chosen(clip, choice);
+  PairSample sample;
+  WindowConvolver convolver(truth.dry, truth.lead);
+  sample.source = convolver.heard(truth.source_response);
+  sample.target = convolver.heard(truth.target_response);
+  sample.picture = state_->picture(source.image);
+  sample.speaker_box = from_soundspaces_box(source.bboxes.at(speaker.id));
+  sample.world_from_source = world_from_viewpoint(source);
+  const Pose source_from_world = inverse(sample.world_from_source);
+  sample.source_from_target = source_from_world * world_from_viewpoint(target);
+  sample.speaker_m = transform_point(source_from_world, from_soundspaces(speaker.location));
+  if (speaker.rotation_rad) {
+    sample.speaker_yaw_rad = wrap_angle(*speaker.rotation_rad - source.rotation_rad);
+  }
+  return sample;
+}
+
+std::ptrdiff_t PairSampler::speech_samples(const SoundSpacesSpeaker& speaker) const {
+  EARPOINT_CHECK(speaker.speech.has_value());
+  return state_->speech(*speaker.speech)->samples();
+}
+
+SoundSpacesDataset::Options soundspaces_options(const fs::path& folder, const std::string& split) {
+  SoundSpacesDataset::Options options{.root = folder, .split = split};
+  const fs::path record = folder / "dataset.json";
+  if (!fs::exists(record)) {
+    if (fs::is_directory(folder / options.folder)) return options;
+    throw InputError(folder.string(),
+                     fmt::format("holds neither a dataset.json nor {}", options.folder.string()),
+                     "make a data set with `earpoint simulate --out`");
+  }
+  const auto json = nlohmann::json::parse(read_text_file(record), nullptr, false);
+  if (json.is_discarded()) throw InputError(record.string(), "is not valid JSON");
+  const JsonField fields(json, record.string());
+  options.folder = ".";
+  options.speech_folder = fields.field("speech_folder").text();
+  // Paths in the metadata begin with the prefix: the root lies as far above the folder.
+  const fs::path prefix = fields.field("path_prefix").text();
+  if (!prefix.empty()) {
+    const fs::path here = fs::weakly_canonical(folder);
+    for (const auto& part : prefix.lexically_normal()) {
+      if (!part.empty() && part != ".") options.root = options.root / "..";
+    }
+    if (fs::weakly_canonical(options.root / prefix) != here) {
+      throw InputError(
+          folder.string(),
+          fmt::format("its paths begin with {}, where it does not lie", prefix.string()),
+          "move it there");
+    }
+    options.folder = prefix;
+    // As the released loader has it, else where it was written.
+    const fs::path published = "data/LibriSpeech-wav";
+    options.speech_folder =
+        fs::is_directory(options.root / published) ? published : prefix / options.speech_folder;
+  }
+  return options;
+}
+
+}  // namespace earpoint

@@ -1,0 +1,187 @@
+#include <cmath>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <thread>
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <earpoint/audio/convolution.h>
+#include <earpoint/audio/sound_file.h>
+#include <earpoint/core/error.h>
+#include <earpoint/core/file.h>
+#include <earpoint/dataset/pair_list.h>
+#include <earpoint/dataset/pair_sample.h>
+#include <earpoint/dataset_testing/tiny_dataset.h>
+
+namespace earpoint {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kPlenty = 100'000'000;
+// Both convolve in float32 by transforms of different sizes: 1e-6 of what is loudest in them, which
+// is at least the speech's level.
+constexpr double kRounding = 2e-6;
+constexpr double kSpeechLevel = 0.2;
+
+class PairSamplerTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::path(testing::TempDir()) / ("pair_sample." + std::to_string(::getpid()));
+    fs::remove_all(folder_);
+    write_tiny_dataset(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  [[nodiscard]] SoundSpacesDataset dataset(const std::string& split = "train") const {
+    return SoundSpacesDataset(soundspaces_options(folder_, split));
+  }
+
+  fs::path folder_;
+};
+
+void expect_same(const Waveform& found, const Waveform& expected) {
+  ASSERT_EQ(found.channels(), expected.channels());
+  ASSERT_EQ(found.samples(), expected.samples());
+  double greatest = 0.0;
+  for (const float sample : expected.planar()) {
+    greatest = std::max(greatest, std::abs(static_cast<double>(sample)));
+  }
+  EXPECT_GT(greatest, 0.0);
+  const double tolerance = kRounding * std::max(greatest, kSpeechLevel);
+  for (std::size_t i = 0; i < found.planar().size(); ++i) {
+    ASSERT_NEAR(found.planar()[i], expected.planar()[i], tolerance) << i;
+  }
+}
+
+TEST_F(PairSamplerTest, SoundsAreThoseOfTheReleasedLoader) {
+  const SoundSpacesDataset data = dataset();
+  const PairSampler sampler(data, kPlenty);
+  const SoundSpacesClip& clip = data.clips()[1];
+  const std::ptrdiff_t speech = sampler.speech_samples(clip.speakers[0]);
+  EXPECT_EQ(speech, 24000);
+  // At the beginning, within, over the end, and where nothing but the tail is left.
+  for (const std::ptrdiff_t start :
+       {std::ptrdiff_t{0}, std::ptrdiff_t{3210}, speech - 8000, speech + 100}) {
+    const SoundSpacesChoice choice{.source = 2, .target = 1, .speaker = 0, .window_start = start};
+    const PairSample sample = sampler.sample(clip, choice);
+    const NvasSample released = data.sample(clip, choice);
+    expect_same(sample.source, released.source);
+    expect_same(sample.target, released.target);
+  }
+}
+
+TEST_F(PairSamplerTest, AShorterWindowIsTheBeginningOfTheLongerOne) {
+  const SoundSpacesDataset data = dataset();
+  const PairSampler sampler(data, kPlenty);
+  const SoundSpacesChoice choice{.source = 0, .target = 1, .speaker = 1, .window_start = 5000};
+  const PairSample longer = sampler.sample(data.clips()[0], choice);
+  const PairSample shorter = sampler.sample(data.clips()[0], choice, 4000);
+  expect_same(shorter.target, window_of(longer.target, 0, 4000));
+}
+
+TEST_F(PairSamplerTest, KnowsWherePeopleAreAndWhatIsInSight) {
+  const SoundSpacesDataset data = dataset();
+  const PairSampler sampler(data, kPlenty);
+  const SoundSpacesClip& clip = data.clips()[0];
+  const PairSample sample = sampler.sample(clip, {.source = 1, .target = 2, .speaker = 0});
+  // Speaker 0 stands at y = 0.6 m and looks along -y.
+  const Vector3 speaker = transform_point(sample.world_from_source, sample.speaker_m);
+  EXPECT_NEAR(norm(speaker - Vector3{0.0, 0.6, 1.5}), 0.0, 1e-9);
+  const double world_yaw_rad =
+      euler_from_quaternion(sample.world_from_source.orientation).yaw_rad + *sample.speaker_yaw_rad;
+  EXPECT_NEAR(std::abs(wrap_angle(world_yaw_rad + kPi / 2)), 0.0, 1e-9);
+  const Pose world_from_target = sample.world_from_source * sample.source_from_target;
+  EXPECT_NEAR(norm(world_from_target.position_m - from_soundspaces(clip.viewpoints[2].location)),
+              0.0, 1e-9);
+  ASSERT_TRUE(sample.speaker_box.has_value());
+  EXPECT_NEAR(sample.speaker_box->y_min, 0.25, 1.0 / 256);
+  EXPECT_EQ(sample.picture->width(), 64);
+  EXPECT_FALSE(
+      sampler.sample(clip, {.source = 0, .target = 1, .speaker = 1}).speaker_box.has_value());
+}
+
+TEST_F(PairSamplerTest, TruthConvolvesToTheSample) {
+  const SoundSpacesDataset data = dataset();
+  const PairSampler sampler(data, kPlenty);
+  const SoundSpacesChoice choice{.source = 0, .target = 1, .speaker = 0, .window_start = 700};
+  const PairTruth truth = sampler.truth(data.clips()[0], choice);
+  const PairSample sample = sampler.sample(data.clips()[0], choice);
+  Waveform heard(2, kPairSamples, 16000);
+  for (int ear = 0; ear < 2; ++ear) {
+    const auto all = convolve(truth.dry.channel(0), truth.target_response.channel(ear));
+    std::copy_n(all.begin() + truth.lead, kPairSamples, heard.channel(ear).begin());
+  }
+  expect_same(sample.target, heard);
+}
+
+TEST_F(PairSamplerTest, ManyThreadsAndATinyCacheGetTheSameSamples) {
+  const SoundSpacesDataset data = dataset();
+  const PairSampler patient(data, kPlenty);
+  const PairSampler forgetful(data, 150'000);
+  const SoundSpacesChoice choice{.source = 0, .target = 2, .speaker = 1, .window_start = 10};
+  std::vector<std::thread> threads;
+  for (int i = 0; i < 4; ++i) {
+    threads.emplace_back([&, i] {
+      const SoundSpacesClip& clip = data.clips()[i % 2];
+      for (int turn = 0; turn < 5; ++turn) {
+        const PairSample one = patient.sample(clip, choice);
+        const PairSample two = forgetful.sample(clip, choice);
+        EXPECT_TRUE(std::ranges::equal(one.target.planar(), two.target.planar()));
+        EXPECT_TRUE(std::ranges::equal(one.picture->pixels(), two.picture->pixels()));
+      }
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+}
+
+TEST_F(PairSamplerTest, ErrorsNameTheFile) {
+  const SoundSpacesDataset data = dataset();
+  const SoundSpacesClip& clip = data.clips()[0];
+  const fs::path response = folder_ / "train/room/0/rir_1_0.wav";
+  const auto error_after = [&](const std::function<void()>& spoil) {
+    spoil();
+    try {
+      static_cast<void>(
+          PairSampler(data, kPlenty).sample(clip, {.source = 1, .target = 2, .speaker = 0}));
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string("no error");
+  };
+  const auto expect_named = [&](const fs::path& path, const std::string& problem,
+                                const std::function<void()>& spoil) {
+    const std::string kept = read_text_file(path);
+    const std::string error = error_after(spoil);
+    EXPECT_NE(error.find(path.filename().string()), std::string::npos) << error;
+    EXPECT_NE(error.find(problem), std::string::npos) << error;
+    write_file(path, kept);
+  };
+  expect_named(response, "no such file", [&] { fs::remove(response); });
+  expect_named(response, "expected 16000 Hz or more, found 8000 Hz",
+               [&] { write_sound(response, Waveform(2, 100, 8000)); });
+  expect_named(response, "no samples", [&] { write_sound(response, Waveform(2, 0, 16000)); });
+  expect_named(response, "expected 2 channels, found 1",
+               [&] { write_sound(response, Waveform(1, 100, 16000)); });
+  const fs::path picture = folder_ / "train/room/0/view_1.png";
+  expect_named(picture, "PNG", [&] { write_file(picture, std::string("no picture")); });
+  const fs::path speech = data.speech_path(*clip.speakers[0].speech);
+  expect_named(speech, "34 samples", [&] { write_sound(speech, Waveform(1, 20, 16000)); });
+  expect_named(response, "finite", [&] {
+    // The last sample of a 32-bit float WAV becomes NaN.
+    std::string bytes = read_text_file(response);
+    bytes.replace(bytes.size() - 4, 4, std::string("\x00\x00\xC0\x7F", 4));
+    write_file(response, bytes);
+  });
+  EXPECT_EQ(error_after([] {}), "no error");
+}
+
+TEST_F(PairSamplerTest, AFolderThatIsNoDataSetIsRefused) {
+  EXPECT_THROW(soundspaces_options(folder_ / "train", "train"), InputError);
+  EXPECT_EQ(read_pair_list(folder_ / "pairs-val.json").pairs.size(), 6U);
+}
+
+}  // namespace
+}  // namespace earpoint

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+
+namespace earpoint {
+
+/// What a tiny data set has in each split.
+struct TinyDataset {
+  int clips = 2;
+  int viewpoints = 3;
+  double speech_s = 1.5;
+  double response_s = 0.1;
+  std::uint64_t seed = 1;
+};
+
+/// Test support: writes a data set in the form of `earpoint simulate` with the splits train, val
+/// and test, in milliseconds and without tracing. Two people talk in noise pulses; a response is
+/// the direct sound, louder at the nearer ear and falling with distance, and a short diffuse tail;
+/// pictures are one colour with the speakers' boxes, and speaker 1 is out of sight at viewpoint 0.
+/// Pair lists lie beside.
+/// @param folder  is made
+void write_tiny_dataset(const std::filesystem::path& folder, const TinyDataset& options = {});
+
+}  // namespace earpoint
