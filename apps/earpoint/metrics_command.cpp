@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -17,6 +18,9 @@
 #include <earpoint/core/error.h>
 #include <earpoint/evaluate/decay_metrics.h>
 #include <earpoint/evaluate/metrics.h>
+#include <earpoint/evaluate/reverberation_error.h>
+#include <earpoint/model/shipped_model.h>
+#include <earpoint/model/weights.h>
 
 namespace {
 
@@ -28,6 +32,7 @@ struct MetricsOptions {
   fs::path reference;
   fs::path estimate;
   std::string variant = "vigas";
+  fs::path rt60_model;
   bool impulse_responses = false;
   bool trim = false;
   bool sign_fix = false;
@@ -46,6 +51,8 @@ Zero is best throughout. Both sounds are binaural (left, right) and of one lengt
   lre_db          difference of the left-right energy ratios, dB; none if a left ear is silent
   stft_distance   sum over the ears of the Euclidean distance of the STFTs
   l2              mean squared difference of the samples
+  rte_s           mean difference of the ears' T60, as a network hears it in the sounds; none
+                  where the program finds no models/rt60.safetensors
   delay_samples   mean delay of the ears at 16 kHz, at most 50 (also for a silent ear)
 --variant rwavs:
   mag             sum over the ears of the mean squared difference of STFT magnitudes, 22.05 kHz
@@ -114,6 +121,19 @@ Pair read_pair(const MetricsOptions& options, Report& report) {
   return pair;
 }
 
+/// RTE, if there is an estimator to hear it.
+void add_reverberation_error(const MetricsOptions& options, const Pair& pair, Report& report) {
+  std::optional<fs::path> model = options.rt60_model;
+  if (model->empty()) model = earpoint::shipped_model_path("rt60.safetensors");
+  if (!model) {
+    report.rows.push_back({"rte_s", Json(nullptr), "s"});
+    return;
+  }
+  earpoint::Rt60Estimator estimator(earpoint::read_rt60_estimator_weights(*model));
+  report.rows.push_back(
+      {"rte_s", earpoint::reverberation_error_s(estimator, pair.reference, pair.estimate), "s"});
+}
+
 Report compare_sounds(const MetricsOptions& options) {
   Report report;
   Pair pair = read_pair(options, report);
@@ -134,11 +154,11 @@ Report compare_sounds(const MetricsOptions& options) {
   }
   const earpoint::BinauralMetrics m = earpoint::binaural_metrics(pair.reference, pair.estimate);
   if (!m.lre_db) report.notes.emplace_back("a left ear is silent, so lre_db has no value");
-  report.rows = {{"mag", m.mag, ""},
-                 {"lre_db", m.lre_db ? Json(*m.lre_db) : Json(nullptr), "dB"},
-                 {"stft_distance", m.stft_distance, ""},
-                 {"l2", m.l2, ""},
-                 {"delay_samples", m.delay_samples, "samples"}};
+  report.rows = {{"mag", m.mag, ""}, {"lre_db", m.lre_db ? Json(*m.lre_db) : Json(nullptr), "dB"}};
+  add_reverberation_error(options, pair, report);
+  report.rows.insert(report.rows.end(), {{"stft_distance", m.stft_distance, ""},
+                                         {"l2", m.l2, ""},
+                                         {"delay_samples", m.delay_samples, "samples"}});
   return report;
 }
 
@@ -204,6 +224,10 @@ void add_metrics_command(CLI::App& app) {
   auto* decays = command->add_flag("--impulse-responses", options->impulse_responses,
                                    "The sounds are impulse responses: compare T60, EDT and C50");
   decays->excludes(variant);
+  command
+      ->add_option("--rt60-model", options->rt60_model,
+                   "Weight file of the estimator behind rte_s (default: the shipped one)")
+      ->excludes(decays);
   auto* trim = command->add_flag("--trim", options->trim,
                                  "Compare sounds of different lengths as far as both go");
   auto* sign_fix = command->add_flag(

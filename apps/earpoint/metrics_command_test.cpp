@@ -11,6 +11,9 @@
 #include <earpoint/audio/sound_file.h>
 #include <earpoint/core/file.h>
 #include <earpoint/core/random.h>
+#include <earpoint/model/network.h>
+#include <earpoint/model/safetensors.h>
+#include <earpoint/model/weights.h>
 
 namespace {
 
@@ -77,6 +80,29 @@ TEST_F(MetricsCommand, PrintsTheAgreedKeys) {
   const ProgramOutcome table = run_earpoint({"metrics", reference, estimate});
   EXPECT_EQ(table.exit_code, 0);
   EXPECT_NE(table.output.find("6.0206 dB\n"), std::string::npos) << table.output;
+}
+
+/// A weight file of an estimator that says `bias_s` of silence, and another time of sound.
+void write_estimator(const std::string& path, float bias_s) {
+  earpoint::Rt60EstimatorWeights weights{{1, {}}, {}, {}};
+  for (const auto& [name, shape] : earpoint::required_tensors(weights.description)) {
+    const bool shifts = name.ends_with("bias") || name.ends_with("running_mean");
+    const float value = name == "predictor.0.bias" ? bias_s : shifts ? 0.0F : 0.1F;
+    const std::vector<float> values(
+        static_cast<std::size_t>(earpoint::element_count(shape).value()), value);
+    weights.tensors[name] = earpoint::make_tensor<float>(values, shape);
+  }
+  earpoint::write_safetensors(path, earpoint::rt60_weight_file(weights));
+}
+
+TEST_F(MetricsCommand, ReverberationErrorComesFromTheNamedEstimator) {
+  const std::string reference = write("a.wav", noise(16000));
+  const std::string estimate = write("b.wav", with_ear_scaled(noise(16000), 0, 0.5F));
+  const std::string model = (folder_ / "rt60.safetensors").string();
+  write_estimator(model, 0.3F);
+  EXPECT_GT(json_of({reference, estimate, "--rt60-model", model}).at("rte_s").get<double>(), 0.0);
+  EXPECT_EQ(json_of({reference, reference, "--rt60-model", model}).at("rte_s"), 0.0);
+  expect_refused({reference, estimate, "--rt60-model", reference}, "safetensors");
 }
 
 TEST_F(MetricsCommand, SilenceGivesNullAndANote) {

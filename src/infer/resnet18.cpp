@@ -203,6 +203,8 @@ ResNet18& ResNet18::operator=(ResNet18&&) noexcept = default;
 int ResNet18::map_height() const { return static_cast<int>(state_->map.get_desc().dims()[2]); }
 int ResNet18::map_width() const { return static_cast<int>(state_->map.get_desc().dims()[3]); }
 
+int ResNet18::channels() const { return static_cast<int>(state_->map.get_desc().dims()[1]); }
+
 void ResNet18::run(std::span<const float> picture, std::span<float> map) {
   State& state = *state_;
   EARPOINT_CHECK(picture.size_bytes() == state.picture.get_desc().get_size());

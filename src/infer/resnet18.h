@@ -29,6 +29,7 @@ using TensorByName = std::function<const Tensor&(const std::string&)>;
 /// released code, section 2.1.
 class ResNet18 {
  public:
+  /// Of the map of the published network; the tensors decide.
   static constexpr int kChannels = 512;
 
   /// @param tensor   of the state dict; the network's names start with `prefix`
@@ -43,9 +44,11 @@ class ResNet18 {
   /// Size of the map: a 32nd of the picture's, rounded up.
   [[nodiscard]] int map_height() const;
   [[nodiscard]] int map_width() const;
+  /// Of the map, as the tensors have it.
+  [[nodiscard]] int channels() const;
 
   /// @param picture  [channels][height][width]
-  /// @param map      [kChannels][map_height][map_width]
+  /// @param map      [channels()][map_height][map_width]
   void run(std::span<const float> picture, std::span<float> map);
 
  private:

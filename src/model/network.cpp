@@ -1,4 +1,5 @@
-#include <array>
+#include "layer_shapes.h"
+
 #include <limits>
 #include <utility>
 
@@ -10,17 +11,7 @@
 namespace earpoint {
 namespace {
 
-using Shapes = std::map<std::string, std::vector<std::int64_t>>;
-
 constexpr int kLargestWidth = 1 << 16;
-
-void check_range(std::string_view where, std::string_view field, std::int64_t value,
-                 std::int64_t least, std::int64_t most) {
-  if (value >= least && value <= most) return;
-  const std::string expected =
-      least == most ? fmt::format("{}", least) : fmt::format("{} to {}", least, most);
-  throw InputError(where, fmt::format("{}: expected {}, found {}", field, expected, value));
-}
 
 /// The inputs that a network may have, in the order of concatenation; width 0 stands for any.
 std::vector<ConditioningInput> known_inputs(PoseEncoding pose) {
@@ -52,40 +43,6 @@ void check_inputs(const ViGasDescription& d, std::string_view where) {
                                         "the image encoder makes",
                                         width));
   }
-}
-
-void add_batch_norm(Shapes& shapes, const std::string& prefix, std::int64_t channels) {
-  for (const char* name : {"weight", "bias", "running_mean", "running_var"}) {
-    shapes[fmt::format("{}.{}", prefix, name)] = {channels};
-  }
-}
-
-/// ResNet-18 without pooling and classifier, as a list of modules under `prefix`.
-void add_resnet18(Shapes& shapes, const std::string& prefix, std::int64_t image_channels) {
-  shapes[prefix + ".0.weight"] = {64, image_channels, 7, 7};
-  add_batch_norm(shapes, prefix + ".1", 64);
-  std::int64_t from = 64;
-  constexpr std::array<std::int64_t, 4> kStageChannels{64, 128, 256, 512};
-  for (std::size_t stage = 0; stage < kStageChannels.size(); ++stage) {
-    const std::int64_t to = kStageChannels[stage];
-    for (int block = 0; block < 2; ++block) {
-      const std::string name = fmt::format("{}.{}.{}", prefix, stage + 4, block);
-      shapes[name + ".conv1.weight"] = {to, from, 3, 3};
-      add_batch_norm(shapes, name + ".bn1", to);
-      shapes[name + ".conv2.weight"] = {to, to, 3, 3};
-      add_batch_norm(shapes, name + ".bn2", to);
-      if (from != to) {
-        shapes[name + ".downsample.0.weight"] = {to, from, 1, 1};
-        add_batch_norm(shapes, name + ".downsample.1", to);
-      }
-      from = to;
-    }
-  }
-}
-
-void add_layer(Shapes& shapes, const std::string& name, std::vector<std::int64_t> weight) {
-  shapes[name + ".bias"] = {weight[0]};
-  shapes[name + ".weight"] = std::move(weight);
 }
 
 }  // namespace
@@ -154,10 +111,10 @@ void check_description(const ViGasDescription& d, std::string_view where) {
   }
 }
 
-std::map<std::string, std::vector<std::int64_t>> required_tensors(const ViGasDescription& d) {
-  Shapes shapes;
+TensorShapes required_tensors(const ViGasDescription& d) {
+  TensorShapes shapes;
   if (d.image_encoder) {
-    add_resnet18(shapes, "visual_encoder", 3);
+    add_resnet18(shapes, "visual_encoder", 3, 64);
     add_layer(shapes, "conv1x1.0", {d.image_encoder->channels, 512, 1, 1});
     add_batch_norm(shapes, "conv1x1.1", d.image_encoder->channels);
   }
@@ -178,13 +135,6 @@ std::map<std::string, std::vector<std::int64_t>> required_tensors(const ViGasDes
   const std::string head = fmt::format("output_net.{}", d.layers() - 1);
   add_layer(shapes, head + ".first", {d.channels, d.channels, 1});
   add_layer(shapes, head + ".second", {d.audio_channels, d.channels, 1});
-  return shapes;
-}
-
-std::map<std::string, std::vector<std::int64_t>> required_rt60_tensors() {
-  Shapes shapes;
-  add_resnet18(shapes, "feature_extraction", 1);
-  add_layer(shapes, "predictor.0", {1, 512});
   return shapes;
 }
 

@@ -46,10 +46,11 @@ struct ViGasWeights {
 [[nodiscard]] SafetensorsFile vigas_weight_file(const ViGasWeights& weights,
                                                 std::map<std::string, std::string> metadata = {});
 
-/// The estimator of reverberation time in the released evaluation: a ResNet-18 on
-/// log(1 + |STFT|), one channel, 16 kHz, giving seconds.
+/// An estimator of reverberation time whose every tensor was checked.
 struct Rt60EstimatorWeights {
-  std::map<std::string, Tensor> tensors;  ///< those of required_rt60_tensors(), float32, finite
+  Rt60Description description;
+  /// Exactly those that required_tensors(description) names, float32, all finite.
+  std::map<std::string, Tensor> tensors;
   std::vector<std::string> unused;
 
   /// @throws std::logic_error if no required tensor has that name
@@ -60,6 +61,11 @@ struct Rt60EstimatorWeights {
 [[nodiscard]] Rt60EstimatorWeights rt60_estimator_weights(SafetensorsFile file,
                                                           std::string_view where);
 [[nodiscard]] Rt60EstimatorWeights read_rt60_estimator_weights(const std::filesystem::path& path);
+
+/// A weight file that rt60_estimator_weights() reads back. `metadata` is written beside the
+/// description.
+[[nodiscard]] SafetensorsFile rt60_weight_file(const Rt60EstimatorWeights& weights,
+                                               std::map<std::string, std::string> metadata = {});
 
 /// Which tensors of a checkpoint go into a weight file.
 enum class KeepTensors {
