@@ -1,3 +1,4 @@
+#include "evaluate_command.h"
 #include "metrics_command.h"
 #include "model_command.h"
 #include "render_command.h"
@@ -16,6 +17,7 @@ int main(int argc, char** argv) {
   CLI::App app("Earpoint: hear a recorded moment from another place.", "earpoint");
   app.require_subcommand(1);
   app.set_version_flag("--version", EARPOINT_VERSION);
+  add_evaluate_command(app);
   add_metrics_command(app);
   earpoint::add_render_command(app);
   add_model_command(app);

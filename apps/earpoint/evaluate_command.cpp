@@ -1,0 +1,120 @@
+#include "evaluate_command.h"
+
+#include "evaluate_methods.h"
+
+#include <cstdio>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <earpoint/core/error.h>
+#include <earpoint/core/parallel.h>
+#include <earpoint/core/progress.h>
+#include <earpoint/evaluate/evaluation.h>
+#include <earpoint/evaluate/evaluation_table.h>
+#include <earpoint/infer/rt60_estimator.h>
+#include <earpoint/model/shipped_model.h>
+#include <earpoint/model/weights.h>
+
+namespace {
+
+namespace fs = std::filesystem;
+using earpoint::InputError;
+
+constexpr std::size_t kCacheBytes = std::size_t{512} << 20U;
+
+constexpr const char* kExamples = R"(
+Examples:
+  earpoint evaluate --data data/homes --methods input,dsp
+  earpoint evaluate --data data/homes --methods input,dsp,mine=runs/mine/best.safetensors --json
+
+Methods:
+  input    the source's sound as it is
+  dsp      inverse and forward head filters, told where the speaker truly is
+  NAME     a model that comes with Earpoint
+  NAME=FILE  a weight file, in a row of that name
+Every number is an error: 0 is best. Intervals hold the mean at 95 % confidence, drawn by conversation.
+)";
+
+struct Options {
+  fs::path data;
+  std::string split = "test";
+  std::optional<fs::path> pairs;
+  std::vector<std::string> methods{"input", "dsp"};
+  std::optional<std::size_t> limit;
+  int jobs = 0;
+  fs::path rt60_model;
+  bool skip_bad = false;
+  bool json = false;
+  bool quiet = false;
+};
+
+/// Makes the estimator behind RTE, or nothing where there is none.
+std::function<earpoint::ReverberationEstimator()> estimator_maker(const fs::path& given) {
+  std::optional<fs::path> model = given;
+  if (model->empty()) model = earpoint::shipped_model_path("rt60.safetensors");
+  if (!model) return {};
+  auto weights = std::make_shared<earpoint::Rt60EstimatorWeights>(
+      earpoint::read_rt60_estimator_weights(*model));
+  return [weights]() -> earpoint::ReverberationEstimator {
+    auto estimator = std::make_shared<earpoint::Rt60Estimator>(*weights);
+    return [estimator](const earpoint::Waveform& sound) { return estimator->estimate_s(sound); };
+  };
+}
+
+void run(const Options& options) {
+  if (options.jobs < 0) {
+    throw InputError("--jobs", fmt::format("expected 0 or more, found {}", options.jobs));
+  }
+  const std::vector<earpoint::MethodEntry> methods = methods_of(options.methods);
+  const auto set = earpoint::soundspaces_evaluation_set(options.data, options.split, options.pairs,
+                                                        options.limit, kCacheBytes);
+  earpoint::EvaluationOptions how;
+  how.jobs = options.jobs > 0 ? options.jobs : earpoint::available_cores();
+  how.skip_bad = options.skip_bad;
+  how.make_estimator = estimator_maker(options.rt60_model);
+
+  earpoint::SilentProgress silent;
+  earpoint::StreamProgress bar(stderr);
+  earpoint::ProgressSink& progress =
+      options.quiet ? static_cast<earpoint::ProgressSink&>(silent) : bar;
+  const earpoint::EvaluationResult result = evaluate(*set, methods, how, progress);
+  for (const earpoint::BadPair& pair : result.skipped) {
+    fmt::print(stderr, "earpoint: left out {}: {}\n", pair.name, pair.problem);
+  }
+  const earpoint::EvaluationTable table = make_table(result);
+  fmt::print("{}",
+             options.json ? json_of(table, options.data.string(), options.split) : text_of(table));
+}
+
+}  // namespace
+
+void add_evaluate_command(CLI::App& app) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand(
+      "evaluate", "Measure methods side by side on the frozen pairs of a data set.");
+  command->add_option("--data", options->data, "Folder of the data set")->required();
+  command->add_option("--split", options->split, "Whose pairs")->capture_default_str();
+  command->add_option("--pairs", options->pairs,
+                      "Another pair list than pairs-<split>.json of the data set");
+  command->add_option("--methods", options->methods, "What to compare, separated by commas")
+      ->delimiter(',')
+      ->capture_default_str();
+  command->add_option("--limit", options->limit, "Take that many pairs, spread over the list")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--jobs", options->jobs, "Threads; 0 takes all cores")->capture_default_str();
+  command->add_option("--rt60-model", options->rt60_model,
+                      "Weight file of the estimator behind rte_s (default: the shipped one)");
+  command->add_flag("--skip-bad", options->skip_bad,
+                    "Leave out pairs whose files are missing or broken, naming them");
+  command->add_flag("--json", options->json, "Print the tables as JSON");
+  command->add_flag("--quiet", options->quiet, "No progress");
+  command->footer(kExamples);
+  command->callback([options] { run(*options); });
+}

@@ -1,0 +1,179 @@
+#include "filter_fit.h"
+#include "interaural_delay.h"
+
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <earpoint/audio/decay.h>
+#include <earpoint/core/error.h>
+#include <earpoint/evaluate/clip_metrics.h>
+#include <earpoint/evaluate/metrics.h>
+
+namespace earpoint {
+namespace {
+
+constexpr int kEars = 2;
+// Long enough for the first 10 dB of any room's decay and for C50 but for what is 25 dB down.
+constexpr double kResponse_s = 0.5;
+
+constexpr std::array<Metric, kMetricCount> kMetrics = {Metric::mag,
+                                                       Metric::lre,
+                                                       Metric::rte,
+                                                       Metric::level,
+                                                       Metric::interaural_delay,
+                                                       Metric::early_decay,
+                                                       Metric::clarity,
+                                                       Metric::stft_distance,
+                                                       Metric::l2,
+                                                       Metric::delay};
+
+constexpr std::array<MetricName, kMetricCount> kNames = {{
+    {"mag", "Mag", "", 4, "sum over the ears of the mean difference of STFT magnitudes"},
+    {"lre_db", "LRE", "dB", 3, "difference of the left-right energy ratios"},
+    {"rte_s", "RTE", "s", 4, "difference of RT60, estimated from the sound, mean over the ears"},
+    {"level_db", "level", "dB", 3, "difference of the levels, mean over the ears"},
+    {"itd_us", "ITD", "us", 1, "difference of the inter-ear delays (GCC-PHAT within 1 ms)"},
+    {"edt_s", "EDT", "s", 4, "difference of the early decay times, mean over the ears"},
+    {"c50_db", "C50", "dB", 3, "difference of the clarities, mean over the ears"},
+    {"stft_distance", "STFT", "", 3, "sum over the ears of the Euclidean distance of the STFTs"},
+    {"l2", "L2", "", 6, "mean squared difference of the samples"},
+    {"delay_samples", "delay", "samples", 2, "mean delay of the ears, at most 50"},
+}};
+
+double energy(std::span<const float> samples) {
+  double sum = 0.0;
+  for (const float x : samples) sum += double{x} * x;
+  return sum;
+}
+
+/// What half a second of the way from the dry speech to one ear tells.
+struct EarDecay {
+  std::optional<double> early_decay_s;
+  std::optional<double> clarity_db;
+};
+
+std::optional<double> defined(double (*measure)(std::span<const float>, double),
+                              std::span<const float> response, double sample_rate_hz) {
+  try {
+    return measure(response, sample_rate_hz);
+  } catch (const InputError&) {
+    return std::nullopt;  // it does not decay that far
+  }
+}
+
+using EarDecays = std::array<EarDecay, kEars>;
+
+/// @return the mean over the ears of the absolute differences; nothing if one is missing
+std::optional<double> decay_error(const EarDecays& a, const EarDecays& b,
+                                  std::optional<double> EarDecay::*measure) {
+  double sum = 0.0;
+  for (int ear = 0; ear < kEars; ++ear) {
+    if (!(a[ear].*measure) || !(b[ear].*measure)) return std::nullopt;
+    sum += std::abs(*(a[ear].*measure) - *(b[ear].*measure));
+  }
+  return sum / kEars;
+}
+
+std::optional<double> level_error_db(const Waveform& reference, const Waveform& estimate) {
+  double sum = 0.0;
+  for (int ear = 0; ear < kEars; ++ear) {
+    const double a = energy(reference.channel(ear));
+    const double b = energy(estimate.channel(ear));
+    if (a == 0.0 || b == 0.0) return std::nullopt;
+    sum += std::abs(10.0 * std::log10(b / a));
+  }
+  return sum / kEars;
+}
+
+}  // namespace
+
+const MetricName& name_of(Metric metric) { return kNames.at(static_cast<std::size_t>(metric)); }
+
+std::span<const Metric> all_metrics() { return kMetrics; }
+
+struct ClipMeasurer::State {
+  EarDecays decays_of(const Waveform& sound) {
+    EarDecays decays;
+    for (int ear = 0; ear < kEars; ++ear) {
+      const std::vector<float> response = fit->fit(dry, sound.channel(ear));
+      decays[ear] = {defined(early_decay_time_s, response, sound.sample_rate_hz()),
+                     defined(clarity_c50_db, response, sound.sample_rate_hz())};
+    }
+    return decays;
+  }
+
+  void plan_fit(std::ptrdiff_t new_lead, const Waveform& sound) {
+    if (fit && lead == new_lead && planned_samples == sound.samples()) return;
+    lead = new_lead;
+    planned_samples = sound.samples();
+    const auto taps = static_cast<std::ptrdiff_t>(kResponse_s * sound.sample_rate_hz());
+    fit.emplace(FilterShape{.before = 0, .after = taps}, lead, planned_samples,
+                FilterFit::Options{});
+  }
+
+  ReverberationEstimator estimator;
+  MetricEvaluator evaluator;
+  InterauralDelay interaural;
+  std::optional<FilterFit> fit;
+  std::ptrdiff_t lead = 0;
+  std::ptrdiff_t planned_samples = 0;
+
+  Waveform target;
+  std::vector<float> dry;  // empty where it is not known
+  std::optional<double> target_delay_s;
+  std::vector<double> target_rt60_s;
+  std::optional<EarDecays> target_decays;
+};
+
+ClipMeasurer::ClipMeasurer(ReverberationEstimator estimator) : state_(std::make_unique<State>()) {
+  state_->estimator = std::move(estimator);
+}
+ClipMeasurer::~ClipMeasurer() = default;
+ClipMeasurer::ClipMeasurer(ClipMeasurer&&) noexcept = default;
+ClipMeasurer& ClipMeasurer::operator=(ClipMeasurer&&) noexcept = default;
+
+void ClipMeasurer::set_target(const Waveform& target, const PairTruth* truth) {
+  State& s = *state_;
+  check_comparable(target, "target", target, "target");
+  s.target = target;
+  s.target_delay_s = s.interaural.measure_s(target);
+  if (s.estimator) s.target_rt60_s = s.estimator(target);
+  s.target_decays.reset();
+  if (truth == nullptr) return;
+  s.dry.assign(truth->dry.channel(0).begin(), truth->dry.channel(0).end());
+  s.plan_fit(truth->lead, target);
+  s.target_decays = s.decays_of(target);
+}
+
+ClipMetrics ClipMeasurer::measure(const Waveform& rendering) {
+  State& s = *state_;
+  const BinauralMetrics basic = s.evaluator.measure(s.target, rendering);
+  ClipMetrics metrics;
+  metrics[Metric::mag] = basic.mag;
+  metrics[Metric::lre] = basic.lre_db;
+  metrics[Metric::stft_distance] = basic.stft_distance;
+  metrics[Metric::l2] = basic.l2;
+  metrics[Metric::delay] = basic.delay_samples;
+  metrics[Metric::level] = level_error_db(s.target, rendering);
+  const std::optional<double> delay_s = s.interaural.measure_s(rendering);
+  if (delay_s && s.target_delay_s) {
+    metrics[Metric::interaural_delay] = 1e6 * std::abs(*delay_s - *s.target_delay_s);
+  }
+  if (s.estimator) {
+    const std::vector<double> rt60_s = s.estimator(rendering);
+    EARPOINT_CHECK(rt60_s.size() == kEars && s.target_rt60_s.size() == kEars);
+    metrics[Metric::rte] =
+        (std::abs(rt60_s[0] - s.target_rt60_s[0]) + std::abs(rt60_s[1] - s.target_rt60_s[1])) /
+        kEars;
+  }
+  if (s.target_decays) {
+    const EarDecays decays = s.decays_of(rendering);
+    metrics[Metric::early_decay] = decay_error(decays, *s.target_decays, &EarDecay::early_decay_s);
+    metrics[Metric::clarity] = decay_error(decays, *s.target_decays, &EarDecay::clarity_db);
+  }
+  return metrics;
+}
+
+}  // namespace earpoint

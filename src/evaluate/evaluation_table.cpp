@@ -1,0 +1,169 @@
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <earpoint/evaluate/evaluation_table.h>
+
+namespace earpoint {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Values = std::vector<std::optional<double>>;
+
+Values values_of(const EvaluationResult& result, std::size_t method, Metric metric, bool released) {
+  Values values;
+  for (const ClipResult& clip : result.clips) {
+    values.push_back((released ? clip.released : clip.honest)[method][metric]);
+  }
+  return values;
+}
+
+Json json_of(const std::optional<Estimate>& estimate, const char* name) {
+  if (!estimate) return nullptr;
+  Json json;
+  json[name] = estimate->value;
+  json["low"] = estimate->range ? Json(estimate->range->low) : Json();
+  json["high"] = estimate->range ? Json(estimate->range->high) : Json();
+  return json;
+}
+
+Json json_of(const TableRow& row) {
+  Json json;
+  json["method"] = row.method;
+  json["what"] = row.what;
+  json["is_oracle"] = row.is_oracle;
+  Json released;
+  for (const Metric metric : all_metrics()) {
+    const TableRow::Column& column = row[metric];
+    if (!column.mean) continue;
+    const std::string key(name_of(metric).key);
+    json[key] = json_of(column.mean, "mean");
+    json[key]["clips"] = column.mean->clips;
+    json[key]["ratio"] = json_of(column.ratio, "value");
+    released[key] = json_of(column.released, "mean");
+  }
+  released["sign_fixes"] = row.sign_fixes;
+  json["released"] = std::move(released);
+  return json;
+}
+
+std::string with_range(const std::optional<Estimate>& estimate, int decimals) {
+  if (!estimate) return "-";
+  if (!estimate->range) return fmt::format("{:.{}f}", estimate->value, decimals);
+  return fmt::format("{:.{}f} [{:.{}f}, {:.{}f}]", estimate->value, decimals, estimate->range->low,
+                     decimals, estimate->range->high, decimals);
+}
+
+/// A table of one cell per method and metric.
+template <typename Cell>
+std::string text_of(const EvaluationTable& table, const std::string& title,
+                    std::span<const Metric> metrics, const Cell& cell) {
+  std::vector<std::vector<std::string>> lines{{title}};
+  for (const Metric metric : metrics) {
+    const MetricName& name = name_of(metric);
+    lines[0].push_back(name.unit.empty() ? std::string(name.heading)
+                                         : fmt::format("{}, {}", name.heading, name.unit));
+  }
+  for (const TableRow& row : table.rows) {
+    lines.push_back({row.method});
+    for (const Metric metric : metrics) lines.back().push_back(cell(row, metric));
+  }
+  std::vector<std::size_t> widths(lines[0].size());
+  for (const auto& line : lines) {
+    for (std::size_t i = 0; i < line.size(); ++i) widths[i] = std::max(widths[i], line[i].size());
+  }
+  std::string text;
+  for (const auto& line : lines) {
+    text += fmt::format("{:<{}}", line[0], widths[0]);
+    for (std::size_t i = 1; i < line.size(); ++i) {
+      text += fmt::format("  {:>{}}", line[i], widths[i]);
+    }
+    text += '\n';
+  }
+  return text;
+}
+
+/// Those that any row has.
+std::vector<Metric> present(const EvaluationTable& table) {
+  std::vector<Metric> metrics;
+  for (const Metric metric : all_metrics()) {
+    if (std::ranges::any_of(table.rows,
+                            [&](const TableRow& row) { return row[metric].mean.has_value(); })) {
+      metrics.push_back(metric);
+    }
+  }
+  return metrics;
+}
+
+}  // namespace
+
+EvaluationTable make_table(const EvaluationResult& result) {
+  std::vector<int> clusters;
+  for (const ClipResult& clip : result.clips) clusters.push_back(clip.cluster);
+  const ClusterBootstrap bootstrap(clusters);
+  const auto input = std::ranges::find(result.methods, "input", &EvaluationResult::Row::name);
+
+  EvaluationTable table{.rows = {},
+                        .clips = result.clips.size(),
+                        .conversations = bootstrap.clusters(),
+                        .skipped = result.skipped};
+  for (std::size_t m = 0; m < result.methods.size(); ++m) {
+    const EvaluationResult::Row& method = result.methods[m];
+    TableRow row{.method = method.name,
+                 .what = method.what,
+                 .is_oracle = method.is_oracle,
+                 .sign_fixes = method.sign_fixes,
+                 .columns = {}};
+    for (const Metric metric : all_metrics()) {
+      const Values values = values_of(result, m, metric, false);
+      TableRow::Column& column = row.columns[static_cast<std::size_t>(metric)];
+      column.mean = bootstrap.mean(values);
+      column.released = bootstrap.mean(values_of(result, m, metric, true));
+      if (input != result.methods.end()) {
+        const auto baseline = static_cast<std::size_t>(input - result.methods.begin());
+        column.ratio = bootstrap.ratio(values, values_of(result, baseline, metric, false));
+      }
+    }
+    table.rows.push_back(std::move(row));
+  }
+  return table;
+}
+
+std::string json_of(const EvaluationTable& table, const std::string& data,
+                    const std::string& split) {
+  Json json;
+  json["data"] = data;
+  json["split"] = split;
+  json["clips"] = table.clips;
+  json["conversations"] = table.conversations;
+  json["skipped"] = Json::array();
+  for (const BadPair& pair : table.skipped) {
+    json["skipped"].push_back({{"pair", pair.name}, {"problem", pair.problem}});
+  }
+  json["rows"] = Json::array();
+  for (const TableRow& row : table.rows) json["rows"].push_back(json_of(row));
+  return json.dump(2) + "\n";
+}
+
+std::string text_of(const EvaluationTable& table) {
+  const std::vector<Metric> metrics = present(table);
+  std::string text = text_of(table, "mean", metrics, [](const TableRow& row, Metric metric) {
+    return with_range(row[metric].mean, name_of(metric).decimals);
+  });
+  text += '\n' + text_of(table, "of input", metrics, [](const TableRow& row, Metric metric) {
+            return with_range(row[metric].ratio, 2);
+          });
+  text += '\n' + text_of(table, "released", metrics, [](const TableRow& row, Metric metric) {
+            const auto& released = row[metric].released;
+            return released ? fmt::format("{:.{}f}", released->value, name_of(metric).decimals)
+                            : std::string("-");
+          });
+  return text + fmt::format(
+                    "\n{} clips of {} conversations; 0 is best. [95 % interval], drawn by "
+                    "conversation.\n\"released\": with what the published evaluation does to "
+                    "renderings with the target's help.\n",
+                    table.clips, table.conversations);
+}
+
+}  // namespace earpoint

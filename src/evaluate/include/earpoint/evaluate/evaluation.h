@@ -1,0 +1,69 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <earpoint/core/progress.h>
+#include <earpoint/evaluate/clip_metrics.h>
+#include <earpoint/evaluate/evaluation_set.h>
+#include <earpoint/evaluate/method.h>
+
+namespace earpoint {
+
+/// What all methods made of one pair.
+struct ClipResult {
+  std::size_t pair = 0;  ///< in the evaluation set
+  std::string name;
+  int cluster = 0;
+  Pose source_from_target;
+  Vector3 speaker_m;                  ///< source view's frame
+  bool speaker_in_sight = false;      ///< of the source view
+  std::vector<ClipMetrics> honest;    ///< by method
+  std::vector<ClipMetrics> released;  ///< by method, with the released evaluation's oracles
+};
+
+/// A pair that could not be read.
+struct BadPair {
+  std::string name;
+  std::string problem;  ///< one line: file, what is wrong, the mend
+};
+
+struct EvaluationResult {
+  struct Row {
+    std::string name;
+    std::string what;
+    bool is_oracle = false;
+    /// Batches of the released evaluation whose sign fix negated an ear.
+    std::size_t sign_fixes = 0;
+  };
+  std::vector<Row> methods;
+  std::vector<ClipResult> clips;
+  std::vector<BadPair> skipped;
+};
+
+struct EvaluationOptions {
+  int jobs = 1;  ///< threads
+  /// Leave out pairs that cannot be read, instead of stopping at the first.
+  bool skip_bad = false;
+  /// Makes the estimator of a thread; empty: no RTE.
+  std::function<ReverberationEstimator()> make_estimator;
+};
+
+/// Pairs in one batch of the released evaluation, over which its sign fix decides.
+inline constexpr std::size_t kReleasedBatch = 32;
+
+/// Runs every method on every pair and measures it twice: honestly, and with what the released
+/// evaluation does with the target's help (fix_sign over batches of the list's order, and
+/// EvaluationSet::released_sample). Only oracles are given the target and the truth.
+///
+/// The number of threads has no influence on the result.
+/// @throws InputError for a pair that cannot be read, unless skip_bad; for a method that lacks what
+///         it needs, naming it; and if no pair is left
+[[nodiscard]] EvaluationResult evaluate(const EvaluationSet& set,
+                                        std::span<const MethodEntry> methods,
+                                        const EvaluationOptions& options, ProgressSink& progress);
+
+}  // namespace earpoint

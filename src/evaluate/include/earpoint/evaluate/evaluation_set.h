@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <earpoint/dataset/pair_sample.h>
+
+namespace earpoint {
+
+/// The pairs that methods are compared on. Any thread may ask for samples.
+class EvaluationSet {
+ public:
+  virtual ~EvaluationSet() = default;
+
+  [[nodiscard]] virtual std::size_t size() const = 0;
+  /// What messages and reports call a pair, e.g. "home-0003, clip 12: 0 -> 2, speaker 1".
+  [[nodiscard]] virtual std::string name(std::size_t pair) const = 0;
+  /// Pairs of one conversation have the same number; they are not independent of each other.
+  [[nodiscard]] virtual int cluster(std::size_t pair) const = 0;
+  /// @throws InputError naming the file that is missing or malformed
+  [[nodiscard]] virtual PairSample sample(std::size_t pair) const = 0;
+  /// What a simulator knows; nothing of recordings.
+  [[nodiscard]] virtual std::optional<PairTruth> truth(std::size_t pair) const = 0;
+
+  /// What the released evaluation gives methods instead, if that is something else: on Replay it
+  /// moves the source by a delay that it finds with the target's help.
+  [[nodiscard]] virtual std::optional<PairSample> released_sample(std::size_t /*pair*/) const {
+    return std::nullopt;
+  }
+};
+
+/// The frozen pair list of a split in the SoundSpaces-NVAS layout.
+/// @param folder      of the data set, as `earpoint simulate` or the publishers wrote it
+/// @param pair_list   nothing: pairs-<split>.json in the folder
+/// @param limit       take that many pairs, spread evenly over the list; nothing: all
+/// @param cache_bytes that it may keep of files
+/// @throws InputError if a file is missing or malformed, or the list does not fit the data
+[[nodiscard]] std::unique_ptr<EvaluationSet> soundspaces_evaluation_set(
+    const std::filesystem::path& folder, const std::string& split,
+    const std::optional<std::filesystem::path>& pair_list, std::optional<std::size_t> limit,
+    std::size_t cache_bytes);
+
+}  // namespace earpoint

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <earpoint/evaluate/bootstrap.h>
+#include <earpoint/evaluate/clip_metrics.h>
+#include <earpoint/evaluate/evaluation.h>
+
+namespace earpoint {
+
+/// One method's metrics over all clips.
+struct TableRow {
+  std::string method;
+  std::string what;
+  bool is_oracle = false;
+  std::size_t sign_fixes = 0;  ///< batches in which the released evaluation negated an ear
+
+  struct Column {
+    std::optional<Estimate> mean;      ///< nothing if no clip has a value
+    std::optional<Estimate> ratio;     ///< to the row `input`, over the clips that both have
+    std::optional<Estimate> released;  ///< mean with the released evaluation's oracles
+  };
+  std::array<Column, kMetricCount> columns;
+
+  [[nodiscard]] const Column& operator[](Metric metric) const {
+    return columns[static_cast<std::size_t>(metric)];
+  }
+};
+
+/// What an evaluation comes to.
+struct EvaluationTable {
+  std::vector<TableRow> rows;
+  std::size_t clips = 0;
+  std::size_t conversations = 0;
+  std::vector<BadPair> skipped;
+};
+
+/// Means with 95 % intervals, over clips, bootstrapped by conversation.
+[[nodiscard]] EvaluationTable make_table(const EvaluationResult& result);
+
+/// @param data, split  what the pairs are of; noted in the JSON
+/// @return the JSON of `earpoint evaluate --json`; docs/formats.md describes it
+[[nodiscard]] std::string json_of(const EvaluationTable& table, const std::string& data,
+                                  const std::string& split);
+
+/// @return tables for people, in plain text
+[[nodiscard]] std::string text_of(const EvaluationTable& table);
+
+}  // namespace earpoint

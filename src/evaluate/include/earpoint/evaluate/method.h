@@ -1,0 +1,50 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include <earpoint/core/waveform.h>
+#include <earpoint/dataset/pair_sample.h>
+
+namespace earpoint {
+
+/// One way to tell what is heard at the target. One object per thread.
+class Method {
+ public:
+  virtual ~Method() = default;
+
+  /// @param sample  its target is empty, unless the method is an oracle
+  /// @param truth   null, unless the method is an oracle
+  /// @return 2 ears, as long as the source
+  /// @throws InputError if the sample lacks what the method needs
+  [[nodiscard]] virtual Waveform render(const PairSample& sample, const PairTruth* truth) = 0;
+};
+
+/// A row of the table.
+struct MethodEntry {
+  std::string name;        ///< "dsp", "vigas", ...
+  std::string what;        ///< for people: the weight file, or a few words
+  bool is_oracle = false;  ///< it is shown what it should find out
+  std::function<std::unique_ptr<Method>()> make;
+};
+
+/// The paper's first baseline: the target hears what the source heard.
+[[nodiscard]] MethodEntry input_method();
+
+/// The paper's signal processing: inverse head filters at the source, head filters and distance at
+/// the target, given where the speaker truly is. The whole window by one set of filters.
+/// @throws InputError if the head-related responses are not there
+[[nodiscard]] MethodEntry dsp_method();
+
+/// A network, on the window as it is, without cross-fades. It sees the picture and the box, and is
+/// not told where the speaker stands. A speaker out of sight has a box of four zeros, as in
+/// training.
+/// @param name     of the row
+/// @param weights  a file that make_synthesizer() knows; it is read here, so that a bad one is
+/// found
+///                 before any work is done
+/// @throws InputError as make_synthesizer, or if the network wants another rate
+[[nodiscard]] MethodEntry network_method(const std::string& name, const std::string& weights);
+
+}  // namespace earpoint
