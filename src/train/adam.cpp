@@ -1,10 +1,15 @@
 #include "adam.h"
 
+#include "torch_tensor.h"
+
+#include <charconv>
 #include <cmath>
+#include <system_error>
 #include <utility>
 
 #include <ATen/core/grad_mode.h>
 #include <ATen/ops/zeros_like.h>
+#include <fmt/format.h>
 
 #include <earpoint/core/error.h>
 
@@ -14,6 +19,43 @@ namespace {
 constexpr double kFirstDecay = 0.9;
 constexpr double kSecondDecay = 0.999;
 constexpr double kEpsilon = 1e-8;
+
+constexpr std::string_view kStepsKey = "earpoint.adam_steps";
+constexpr std::string_view kFirst = "adam.first/";
+constexpr std::string_view kSecond = "adam.second/";
+
+std::map<std::string, at::Tensor> moments(const SafetensorsFile& file, std::string_view where,
+                                          std::string_view prefix,
+                                          const std::map<std::string, at::Tensor>& parameters) {
+  std::map<std::string, at::Tensor> found;
+  for (const auto& [name, parameter] : parameters) {
+    const std::string key = std::string(prefix) + name;
+    const auto entry = file.tensors.find(key);
+    if (entry == file.tensors.end() || entry->second.dtype != DType::f32 ||
+        at::IntArrayRef(entry->second.shape) != parameter.sizes()) {
+      throw InputError(
+          where, fmt::format("has no tensor '{}' of type F32 and the shape of '{}'", key, name),
+          "was it written by training?");
+    }
+    found[name] = to_torch(entry->second, parameter.device());
+  }
+  return found;
+}
+
+std::int64_t steps_in(const SafetensorsFile& file, std::string_view where) {
+  const auto found = file.metadata.find(std::string(kStepsKey));
+  std::int64_t steps = -1;
+  if (found != file.metadata.end()) {
+    const std::string& text = found->second;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), steps);
+    if (error != std::errc() || end != text.data() + text.size()) steps = -1;
+  }
+  if (steps < 0) {
+    throw InputError(where, fmt::format("has no '{}' that counts steps", kStepsKey),
+                     "was it written by training?");
+  }
+  return steps;
+}
 
 }  // namespace
 
@@ -42,15 +84,22 @@ void Adam::step(double learning_rate) {
   }
 }
 
-void Adam::restore(std::int64_t steps, std::map<std::string, at::Tensor> first,
-                   std::map<std::string, at::Tensor> second) {
-  for (const auto& [name, parameter] : parameters_) {
-    EARPOINT_CHECK(first.at(name).sizes() == parameter.sizes());
-    EARPOINT_CHECK(second.at(name).sizes() == parameter.sizes());
+void Adam::save(SafetensorsFile& file) const {
+  file.metadata[std::string(kStepsKey)] = std::to_string(steps_);
+  for (const auto& [name, moment] : first_) {
+    file.tensors[std::string(kFirst) + name] = from_torch(moment);
   }
-  steps_ = steps;
+  for (const auto& [name, moment] : second_) {
+    file.tensors[std::string(kSecond) + name] = from_torch(moment);
+  }
+}
+
+void Adam::load(const SafetensorsFile& file, std::string_view where) {
+  const std::int64_t steps = steps_in(file, where);
+  std::map<std::string, at::Tensor> first = moments(file, where, kFirst, parameters_);
+  second_ = moments(file, where, kSecond, parameters_);
   first_ = std::move(first);
-  second_ = std::move(second);
+  steps_ = steps;
 }
 
 }  // namespace earpoint

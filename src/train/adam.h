@@ -3,8 +3,11 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <string_view>
 
 #include <ATen/core/Tensor.h>
+
+#include <earpoint/model/safetensors.h>
 
 namespace earpoint {
 
@@ -19,13 +22,16 @@ class Adam {
   void step(double learning_rate);
 
   [[nodiscard]] std::int64_t steps() const { return steps_; }
-  /// Running means of the gradients and of their squares, by parameter.
-  [[nodiscard]] const std::map<std::string, at::Tensor>& first_moments() const { return first_; }
-  [[nodiscard]] const std::map<std::string, at::Tensor>& second_moments() const { return second_; }
 
-  /// Goes on from there. The maps hold a tensor of each parameter's name and shape.
-  void restore(std::int64_t steps, std::map<std::string, at::Tensor> first,
-               std::map<std::string, at::Tensor> second);
+  /// Puts the running means of the gradients and of their squares beside the weights
+  /// ("adam.first/NAME", "adam.second/NAME") and the steps into the metadata
+  /// ("earpoint.adam_steps").
+  void save(SafetensorsFile& file) const;
+
+  /// Goes on from what save() put there.
+  /// @param where  the file, for messages
+  /// @throws InputError if something of it is missing or of another shape
+  void load(const SafetensorsFile& file, std::string_view where);
 
  private:
   std::map<std::string, at::Tensor> parameters_;

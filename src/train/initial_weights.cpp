@@ -18,6 +18,9 @@ namespace {
 
 using Shapes = std::map<std::string, std::vector<std::int64_t>>;
 
+/// Where an untrained estimator of reverberation time begins.
+constexpr double kUsualT60_s = 0.5;
+
 /// How the values of one tensor are drawn.
 struct Rule {
   enum class Kind { constant, uniform, normal };
@@ -45,15 +48,19 @@ Rule batch_norm_rule(std::string_view name) {
   return {Rule::Kind::constant, is_one ? 1.0 : 0.0};
 }
 
+/// Of a convolution of ResNet-18.
+Rule resnet_rule(const std::vector<std::int64_t>& weight) {
+  const double outputs =
+      fan_in(weight) / static_cast<double>(weight[1]) * static_cast<double>(weight[0]);
+  return {Rule::Kind::normal, std::sqrt(2.0 / outputs)};
+}
+
 Rule rule_of(const Shapes& shapes, const ViGasDescription& description, const std::string& name) {
   if (is_batch_norm(shapes, name)) return batch_norm_rule(name);
   const std::vector<std::int64_t>& weight = shapes.at(std::string(layer_of(name)) + ".weight");
   const double inputs = fan_in(weight);
   const bool is_bias = name.ends_with(".bias");
-  if (name.starts_with("visual_encoder.")) {
-    const double outputs = inputs / static_cast<double>(weight[1]) * static_cast<double>(weight[0]);
-    return {Rule::Kind::normal, std::sqrt(2.0 / outputs)};
-  }
+  if (name.starts_with("visual_encoder.")) return resnet_rule(weight);
   if (name.find(".conv.") != std::string::npos) {
     if (!is_bias) return {Rule::Kind::constant, 0.0};
     return {Rule::Kind::uniform, std::sqrt(6.0 / (description.channels * description.kernel_size))};
@@ -101,6 +108,26 @@ ViGasWeights initial_vigas_weights(const ViGasDescription& description, std::uin
   for (const auto& [name, shape] : shapes) {
     weights.tensors[name] =
         draw(rule_of(shapes, description, name), shape, RandomStream(seed, {index++}));
+  }
+  return weights;
+}
+
+Rt60EstimatorWeights initial_rt60_weights(const Rt60Description& description, std::uint64_t seed) {
+  const Shapes shapes = required_tensors(description);
+  Rt60EstimatorWeights weights{description, {}, {}};
+  std::uint64_t index = 0;
+  for (const auto& [name, shape] : shapes) {
+    Rule rule;
+    if (is_batch_norm(shapes, name)) {
+      rule = batch_norm_rule(name);
+    } else if (name.starts_with("feature_extraction.")) {
+      rule = resnet_rule(shape);
+    } else if (name.ends_with(".weight")) {
+      rule = {Rule::Kind::uniform, 1.0 / std::sqrt(fan_in(shape))};
+    } else {
+      rule = {Rule::Kind::constant, kUsualT60_s};
+    }
+    weights.tensors[name] = draw(rule, shape, RandomStream(seed, {index++}));
   }
   return weights;
 }

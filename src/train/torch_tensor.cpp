@@ -3,10 +3,23 @@
 #include <algorithm>
 
 #include <ATen/ops/empty.h>
+#include <ATen/ops/zeros.h>
+#include <c10/util/Exception.h>
 
 #include <earpoint/core/error.h>
 
 namespace earpoint {
+
+at::Device device_named(const std::string& name) {
+  try {
+    const at::Device device(name);
+    // Fails where LibTorch was built without it or no such card is there.
+    static_cast<void>(at::zeros({1}, at::TensorOptions().device(device)));
+    return device;
+  } catch (const c10::Error&) {
+    throw InputError("--device " + name, "LibTorch has no such device here", "use --device cpu");
+  }
+}
 
 at::Tensor to_torch(std::span<const float> values, const std::vector<std::int64_t>& shape,
                     const at::Device& device) {

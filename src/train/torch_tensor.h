@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include <ATen/core/Tensor.h>
@@ -9,6 +10,10 @@
 #include <earpoint/model/tensor.h>
 
 namespace earpoint {
+
+/// @param name  as LibTorch calls it: "cpu", "cuda", "cuda:1"
+/// @throws InputError if LibTorch does not have it here
+at::Device device_named(const std::string& name);
 
 /// A LibTorch tensor that holds a copy of the values, on `device`.
 /// @param values  row-major, as many as `shape` has elements

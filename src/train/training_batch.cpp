@@ -17,7 +17,7 @@ TrainingBatch join(std::span<const TrainingExample> examples) {
   TrainingBatch batch;
   for (const TrainingExample& example : examples) {
     append(batch.source, example.source, first.source.size());
-    append(batch.target, example.target, first.source.size());
+    append(batch.target, example.target, first.target.size());
     append(batch.pictures, example.picture, first.picture.size());
     EARPOINT_CHECK(example.inputs.size() == first.inputs.size());
     for (const auto& [name, values] : example.inputs) {

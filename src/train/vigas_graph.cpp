@@ -1,27 +1,20 @@
 #include "vigas_graph.h"
 
-#include "torch_tensor.h"
-
 #include <cstdint>
 #include <cstdlib>
 
 #include <ATen/TensorOperators.h>
 #include <ATen/ops/baddbmm.h>
-#include <ATen/ops/batch_norm.h>
 #include <ATen/ops/cat.h>
 #include <ATen/ops/constant_pad_nd.h>
 #include <ATen/ops/conv2d.h>
 #include <ATen/ops/linear.h>
-#include <ATen/ops/max_pool2d.h>
 #include <fmt/format.h>
 
 #include <earpoint/core/error.h>
 
 namespace earpoint {
 namespace {
-
-constexpr double kBatchNormMomentum = 0.1;
-constexpr double kBatchNormEpsilon = 1e-5;
 
 /// Output t reads x[t + offset], zeros beyond the ends. |offset| is less than the samples.
 at::Tensor shifted(const at::Tensor& x, std::int64_t offset) {
@@ -55,50 +48,12 @@ at::Tensor per_clip(const at::Tensor& weight, std::int64_t clips) {
 }  // namespace
 
 ViGasGraph::ViGasGraph(const ViGasWeights& weights, const at::Device& device)
-    : description_(weights.description) {
-  for (const auto& [name, tensor] : weights.tensors) {
-    at::Tensor values = to_torch(tensor, device);
-    if (name.find(".running_") != std::string::npos) {
-      buffers_[name] = values;
-    } else {
-      parameters_[name] = values.set_requires_grad(true);
-    }
-  }
-}
-
-at::Tensor ViGasGraph::batch_norm(const std::string& name, const at::Tensor& x, GraphMode mode) {
-  return at::batch_norm(x, parameter(name + ".weight"), parameter(name + ".bias"),
-                        buffers_.at(name + ".running_mean"), buffers_.at(name + ".running_var"),
-                        mode == GraphMode::training, kBatchNormMomentum, kBatchNormEpsilon,
-                        /*cudnn_enabled=*/true);
-}
-
-at::Tensor ViGasGraph::basic_block(const std::string& name, const at::Tensor& x, bool halves,
-                                   GraphMode mode) {
-  const std::int64_t stride = halves ? 2 : 1;
-  const auto convolved = [&](const std::string& layer, const at::Tensor& input, std::int64_t step,
-                             std::int64_t padding) {
-    return at::conv2d(input, parameter(name + layer + ".weight"), {}, step, padding);
-  };
-  at::Tensor y = batch_norm(name + ".bn1", convolved(".conv1", x, stride, 1), mode).relu();
-  y = batch_norm(name + ".bn2", convolved(".conv2", y, 1, 1), mode);
-  const at::Tensor identity =
-      halves ? batch_norm(name + ".downsample.1", convolved(".downsample.0", x, stride, 0), mode)
-             : x;
-  return (y + identity).relu();
-}
+    : description_(weights.description), tensors_(weights.tensors, device) {}
 
 at::Tensor ViGasGraph::image_feature(const at::Tensor& picture, GraphMode mode) {
-  at::Tensor x = at::conv2d(picture, parameter("visual_encoder.0.weight"), {}, 2, 3);
-  x = batch_norm("visual_encoder.1", x, mode).relu();
-  x = at::max_pool2d(x, {3, 3}, {2, 2}, {1, 1});
-  for (int stage = 4; stage < 8; ++stage) {
-    const std::string name = fmt::format("visual_encoder.{}", stage);
-    x = basic_block(name + ".0", x, stage > 4, mode);
-    x = basic_block(name + ".1", x, false, mode);
-  }
-  x = at::conv2d(x, parameter("conv1x1.0.weight"), parameter("conv1x1.0.bias"));
-  return batch_norm("conv1x1.1", x, mode).relu().flatten(1);
+  const at::Tensor map = resnet18(tensors_, "visual_encoder", picture, mode);
+  const at::Tensor x = at::conv2d(map, parameter("conv1x1.0.weight"), parameter("conv1x1.0.bias"));
+  return batch_norm(tensors_, "conv1x1.1", x, mode).relu().flatten(1);
 }
 
 at::Tensor ViGasGraph::fuse(const GraphInputs& inputs, GraphMode mode) {

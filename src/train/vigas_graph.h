@@ -1,5 +1,7 @@
 #pragma once
 
+#include "resnet18_graph.h"
+
 #include <map>
 #include <string>
 #include <vector>
@@ -18,9 +20,6 @@ struct GraphInputs {
   std::map<std::string, at::Tensor> values;  ///< [clips][width], all inputs that are not made here
 };
 
-/// Batch norm either follows its batch and learns running statistics, or uses those.
-enum class GraphMode { training, evaluation };
-
 /// The ViGAS network as a graph of LibTorch operations over named tensors: the names are those of
 /// its weight file.
 class ViGasGraph {
@@ -32,22 +31,18 @@ class ViGasGraph {
 
   [[nodiscard]] const ViGasDescription& description() const { return description_; }
   /// What is learned by gradients.
-  [[nodiscard]] std::map<std::string, at::Tensor>& parameters() { return parameters_; }
-  /// Running statistics of batch norms.
-  [[nodiscard]] const std::map<std::string, at::Tensor>& buffers() const { return buffers_; }
+  [[nodiscard]] std::map<std::string, at::Tensor>& parameters() { return tensors_.parameters; }
+  [[nodiscard]] const GraphTensors& tensors() const { return tensors_; }
 
  private:
-  at::Tensor batch_norm(const std::string& name, const at::Tensor& x, GraphMode mode);
-  at::Tensor basic_block(const std::string& name, const at::Tensor& x, bool halves, GraphMode mode);
   at::Tensor image_feature(const at::Tensor& picture, GraphMode mode);
   at::Tensor fuse(const GraphInputs& inputs, GraphMode mode);
   at::Tensor gate(int layer, const at::Tensor& x, const at::Tensor& fused);
   at::Tensor pointwise(const std::string& name, const at::Tensor& x);
-  const at::Tensor& parameter(const std::string& name) const { return parameters_.at(name); }
+  const at::Tensor& parameter(const std::string& name) const { return tensors_.parameter(name); }
 
   ViGasDescription description_;
-  std::map<std::string, at::Tensor> parameters_;
-  std::map<std::string, at::Tensor> buffers_;
+  GraphTensors tensors_;
 };
 
 }  // namespace earpoint

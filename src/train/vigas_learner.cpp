@@ -3,70 +3,15 @@
 #include "torch_tensor.h"
 #include "vigas_graph.h"
 
-#include <charconv>
 #include <utility>
 
 #include <ATen/Parallel.h>
 #include <ATen/core/grad_mode.h>
-#include <ATen/ops/zeros.h>
-#include <fmt/format.h>
 
 #include <earpoint/core/error.h>
 #include <earpoint/train/vigas_learner.h>
 
 namespace earpoint {
-namespace {
-
-constexpr std::string_view kStepsKey = "earpoint.adam_steps";
-constexpr std::string_view kFirst = "adam.first/";
-constexpr std::string_view kSecond = "adam.second/";
-
-at::Device device_named(const std::string& name) {
-  try {
-    const at::Device device(name);
-    // Fails where LibTorch was built without it or no such card is there.
-    static_cast<void>(at::zeros({1}, at::TensorOptions().device(device)));
-    return device;
-  } catch (const c10::Error&) {
-    throw InputError("--device " + name, "LibTorch has no such device here", "use --device cpu");
-  }
-}
-
-std::map<std::string, at::Tensor> moments(const SafetensorsFile& file, std::string_view where,
-                                          std::string_view prefix,
-                                          const std::map<std::string, at::Tensor>& parameters,
-                                          const at::Device& device) {
-  std::map<std::string, at::Tensor> found;
-  for (const auto& [name, parameter] : parameters) {
-    const std::string key = std::string(prefix) + name;
-    const auto entry = file.tensors.find(key);
-    if (entry == file.tensors.end() || entry->second.dtype != DType::f32 ||
-        at::IntArrayRef(entry->second.shape) != parameter.sizes()) {
-      throw InputError(
-          where, fmt::format("has no tensor '{}' of type F32 and the shape of '{}'", key, name),
-          "was it written by training?");
-    }
-    found[name] = to_torch(entry->second, device);
-  }
-  return found;
-}
-
-std::int64_t steps_in(const SafetensorsFile& file, std::string_view where) {
-  const auto found = file.metadata.find(std::string(kStepsKey));
-  std::int64_t steps = -1;
-  if (found != file.metadata.end()) {
-    const std::string& text = found->second;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), steps);
-    if (error != std::errc() || end != text.data() + text.size()) steps = -1;
-  }
-  if (steps < 0) {
-    throw InputError(where, fmt::format("has no '{}' that counts steps", kStepsKey),
-                     "was it written by training?");
-  }
-  return steps;
-}
-
-}  // namespace
 
 struct ViGasLearner::State {
   State(const ViGasWeights& weights, const LearnerOptions& options)
@@ -118,14 +63,7 @@ ViGasLearner& ViGasLearner::operator=(ViGasLearner&&) noexcept = default;
 const ViGasDescription& ViGasLearner::description() const { return state_->graph.description(); }
 
 ViGasWeights ViGasLearner::weights() const {
-  ViGasWeights weights{description(), {}, {}};
-  for (const auto& [name, tensor] : state_->graph.parameters()) {
-    weights.tensors[name] = from_torch(tensor);
-  }
-  for (const auto& [name, tensor] : state_->graph.buffers()) {
-    weights.tensors[name] = from_torch(tensor);
-  }
-  return weights;
+  return {description(), state_->graph.tensors().weights(), {}};
 }
 
 std::vector<float> ViGasLearner::predict(const TrainingBatch& batch) {
@@ -171,24 +109,15 @@ void ViGasLearner::apply_gradients(double learning_rate) { state_->adam.step(lea
 std::int64_t ViGasLearner::steps() const { return state_->adam.steps(); }
 
 SafetensorsFile ViGasLearner::checkpoint() const {
-  SafetensorsFile file =
-      vigas_weight_file(weights(), {{std::string(kStepsKey), std::to_string(steps())}});
-  for (const auto& [name, moment] : state_->adam.first_moments()) {
-    file.tensors[std::string(kFirst) + name] = from_torch(moment);
-  }
-  for (const auto& [name, moment] : state_->adam.second_moments()) {
-    file.tensors[std::string(kSecond) + name] = from_torch(moment);
-  }
+  SafetensorsFile file = vigas_weight_file(weights());
+  state_->adam.save(file);
   return file;
 }
 
 ViGasLearner ViGasLearner::from_checkpoint(const SafetensorsFile& file, std::string_view where,
                                            LearnerOptions options) {
   ViGasLearner learner(vigas_weights(file, where), std::move(options));
-  State& state = *learner.state_;
-  const auto& parameters = state.graph.parameters();
-  state.adam.restore(steps_in(file, where), moments(file, where, kFirst, parameters, state.device),
-                     moments(file, where, kSecond, parameters, state.device));
+  learner.state_->adam.load(file, where);
   return learner;
 }
 

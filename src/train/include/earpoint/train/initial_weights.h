@@ -18,6 +18,11 @@ namespace earpoint {
 [[nodiscard]] ViGasWeights initial_vigas_weights(const ViGasDescription& description,
                                                  std::uint64_t seed);
 
+/// The same for an estimator of reverberation time: convolutions normal by He's rule over the
+/// outputs, the last layer uniform within 1 / sqrt(inputs) about half a second.
+[[nodiscard]] Rt60EstimatorWeights initial_rt60_weights(const Rt60Description& description,
+                                                        std::uint64_t seed);
+
 /// Replaces the image trunk by one trained elsewhere: a ResNet-18 with torchvision's names
 /// (`conv1.weight`, `layer1.0.conv1.weight`, ...), as .safetensors or as torch.save wrote it.
 /// @throws InputError if the file is neither, or a tensor is missing or has another shape

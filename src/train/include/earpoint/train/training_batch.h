@@ -11,7 +11,7 @@ namespace earpoint {
 /// One clip as a network is trained on it.
 struct TrainingExample {
   std::vector<float> source;   ///< planar, [audio channels][samples], left ear first
-  std::vector<float> target;   ///< same shape
+  std::vector<float> target;   ///< same shape; empty where no sound is to be made
   std::vector<float> picture;  ///< [3][height][width], 0 to 1; empty without an image encoder
   /// By name, e.g. "tgt_pose": the network's inputs but those that it makes of the picture.
   std::map<std::string, std::vector<float>> inputs;

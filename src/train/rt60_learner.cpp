@@ -1,0 +1,127 @@
+#include "adam.h"
+#include "resnet18_graph.h"
+#include "stft_loss.h"
+#include "torch_tensor.h"
+
+#include <cmath>
+#include <utility>
+
+#include <ATen/TensorOperators.h>
+#include <ATen/core/grad_mode.h>
+#include <ATen/ops/linear.h>
+#include <ATen/ops/ones_like.h>
+#include <ATen/ops/where.h>
+
+#include <earpoint/core/error.h>
+#include <earpoint/train/rt60_learner.h>
+
+namespace earpoint {
+namespace {
+
+constexpr std::int64_t kHopSamples = 160;
+
+at::Tensor scaled_to(const at::Tensor& sounds, double rms) {
+  const at::Tensor found = sounds.square().mean(1, /*keepdim=*/true).sqrt();
+  return sounds * at::where(found > 0.0, rms / found, at::ones_like(found));
+}
+
+}  // namespace
+
+struct Rt60Learner::State {
+  State(const Rt60EstimatorWeights& weights, const std::string& device_name)
+      : description(weights.description),
+        device(device_named(device_name)),
+        tensors(weights.tensors, device),
+        adam(tensors.parameters),
+        magnitude(kHopSamples, device) {}
+
+  at::Tensor forward(const TrainingBatch& batch, GraphMode mode) {
+    at::Tensor sounds =
+        to_torch(batch.source, {batch.clips, Rt60Description::kWindowSamples}, device);
+    if (description.input_rms) sounds = scaled_to(sounds, *description.input_rms);
+    const at::Tensor picture = magnitude.plain(sounds).log1p().unsqueeze(1);
+    const at::Tensor map = resnet18(tensors, "feature_extraction", picture, mode);
+    const at::Tensor feature = map.mean(at::IntArrayRef({2, 3}));
+    return at::linear(feature, tensors.parameter("predictor.0.weight"),
+                      tensors.parameter("predictor.0.bias"))
+        .squeeze(1);
+  }
+
+  at::Tensor wanted(const TrainingBatch& batch) const {
+    return to_torch(batch.inputs.at(std::string(kT60Input)), {batch.clips}, device);
+  }
+
+  Rt60Description description;
+  at::Device device;
+  GraphTensors tensors;
+  Adam adam;
+  ShortTimeMagnitude magnitude;
+};
+
+TrainingExample rt60_example(std::vector<float> sound, double t60_s) {
+  EARPOINT_CHECK(std::ssize(sound) == Rt60Description::kWindowSamples);
+  return {std::move(sound), {}, {}, {{std::string(kT60Input), {static_cast<float>(t60_s)}}}};
+}
+
+Rt60Learner::Rt60Learner(const Rt60EstimatorWeights& weights, const std::string& device)
+    : state_(std::make_unique<State>(weights, device)) {}
+Rt60Learner::~Rt60Learner() = default;
+Rt60Learner::Rt60Learner(Rt60Learner&&) noexcept = default;
+Rt60Learner& Rt60Learner::operator=(Rt60Learner&&) noexcept = default;
+
+const Rt60Description& Rt60Learner::description() const { return state_->description; }
+
+Rt60EstimatorWeights Rt60Learner::weights() const {
+  return {state_->description, state_->tensors.weights(), {}};
+}
+
+std::vector<double> Rt60Learner::estimate_s(const TrainingBatch& batch) {
+  const at::NoGradGuard no_gradients;
+  const Tensor estimates = from_torch(state_->forward(batch, GraphMode::evaluation));
+  const auto values = estimates.as<float>();
+  return {values.begin(), values.end()};
+}
+
+std::vector<double> Rt60Learner::errors(const TrainingBatch& batch) {
+  std::vector<double> errors = estimate_s(batch);
+  const std::vector<float>& times = batch.inputs.at(std::string(kT60Input));
+  for (std::size_t i = 0; i < errors.size(); ++i) errors[i] = std::abs(errors[i] - times[i]);
+  return errors;
+}
+
+double Rt60Learner::compute_gradients(const TrainingBatch& batch) {
+  State& state = *state_;
+  for (auto& [name, parameter] : state.tensors.parameters) parameter.mutable_grad().reset();
+  const at::Tensor loss =
+      (state.forward(batch, GraphMode::training) - state.wanted(batch)).abs().mean();
+  loss.backward();
+  return loss.item<double>();
+}
+
+std::map<std::string, Tensor> Rt60Learner::gradients() const {
+  std::map<std::string, Tensor> gradients;
+  for (const auto& [name, parameter] : state_->tensors.parameters) {
+    EARPOINT_CHECK(parameter.grad().defined());
+    gradients[name] = from_torch(parameter.grad());
+  }
+  return gradients;
+}
+
+void Rt60Learner::apply_gradients(double learning_rate) { state_->adam.step(learning_rate); }
+
+std::int64_t Rt60Learner::steps() const { return state_->adam.steps(); }
+
+SafetensorsFile Rt60Learner::checkpoint() const {
+  SafetensorsFile file = rt60_weight_file(weights());
+  state_->adam.save(file);
+  return file;
+}
+
+Rt60Learner Rt60Learner::from_checkpoint(const SafetensorsFile& file, std::string_view where,
+                                         const std::string& device) {
+  Rt60Learner learner(rt60_estimator_weights(file, where), device);
+  learner.state_->adam.load(file, where);
+  return learner;
+}
+
+}  // namespace earpoint
