@@ -7,6 +7,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -37,8 +38,14 @@ Examples:
 Methods:
   input    the source's sound as it is
   dsp      inverse and forward head filters, told where the speaker truly is
-  NAME     a model that comes with Earpoint
+  tf       Wiener filters of the nearest pair of the training split, by true positions
+  NAME     a model that comes with Earpoint, e.g. vigas
   NAME=FILE  a weight file, in a row of that name
+Oracles, which are shown part of the answer (--oracles: all), from the lowest rung up:
+  oracle-gain        true level of each ear
+  oracle-bands       true level of each frequency and ear
+  oracle-dry-direct  true dry speech and direct path, tail of noise with the true decay
+  oracle-all         everything known: 0
 Every number is an error: 0 is best. Intervals hold the mean at 95 % confidence, drawn by conversation.
 )";
 
@@ -46,7 +53,7 @@ struct Options {
   fs::path data;
   std::string split = "test";
   std::optional<fs::path> pairs;
-  std::vector<std::string> methods{"input", "dsp"};
+  MethodRequest methods{.words = {"input", "dsp"}, .data = {}, .tf_index = {}, .oracles = false};
   std::optional<std::size_t> limit;
   int jobs = 0;
   fs::path rt60_model;
@@ -72,9 +79,14 @@ void run(const Options& options) {
   if (options.jobs < 0) {
     throw InputError("--jobs", fmt::format("expected 0 or more, found {}", options.jobs));
   }
-  const std::vector<earpoint::MethodEntry> methods = methods_of(options.methods);
   const auto set = earpoint::soundspaces_evaluation_set(options.data, options.split, options.pairs,
                                                         options.limit, kCacheBytes);
+  std::set<std::string> scenes;
+  for (std::size_t pair = 0; pair < set->size(); ++pair) scenes.insert(set->scene(pair));
+  MethodRequest request = options.methods;
+  request.data = options.data;
+  const std::vector<earpoint::MethodEntry> methods = methods_of(request, scenes);
+
   earpoint::EvaluationOptions how;
   how.jobs = options.jobs > 0 ? options.jobs : earpoint::available_cores();
   how.skip_bad = options.skip_bad;
@@ -103,9 +115,15 @@ void add_evaluate_command(CLI::App& app) {
   command->add_option("--split", options->split, "Whose pairs")->capture_default_str();
   command->add_option("--pairs", options->pairs,
                       "Another pair list than pairs-<split>.json of the data set");
-  command->add_option("--methods", options->methods, "What to compare, separated by commas")
+  command->add_option("--methods", options->methods.words, "What to compare, separated by commas")
       ->delimiter(',')
       ->capture_default_str();
+  command->add_flag("--oracles", options->methods.oracles, "The ladder of oracles as well");
+  command
+      ->add_option("--tf-index", options->methods.tf_index,
+                   "How tf looks up: by locations in the scene or by relative pose; default: "
+                   "locations if the scenes are among those of the training split")
+      ->check(CLI::IsMember({"locations", "relative"}));
   command->add_option("--limit", options->limit, "Take that many pairs, spread over the list")
       ->check(CLI::PositiveNumber);
   command->add_option("--jobs", options->jobs, "Threads; 0 takes all cores")->capture_default_str();

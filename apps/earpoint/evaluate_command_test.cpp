@@ -89,6 +89,17 @@ TEST_F(EvaluateCommandTest, ThreadsDoNotChangeTheNumbers) {
   EXPECT_EQ(one.output, two.output);
 }
 
+TEST_F(EvaluateCommandTest, OraclesAreRowsOfTheirOwn) {
+  const ProgramOutcome outcome = evaluate(
+      folder_ / "data", {"--methods", "input,oracle-gain", "--oracles", "--json", "--limit", "3"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
+  const auto json = nlohmann::json::parse(outcome.output);
+  ASSERT_EQ(json.at("rows").size(), 5U);
+  EXPECT_EQ(json.at("rows")[4].at("method"), "oracle-all");
+  EXPECT_EQ(json.at("rows")[4].at("is_oracle"), true);
+  EXPECT_LT(json.at("rows")[4].at("mag").at("mean"), 1e-5);
+}
+
 TEST_F(EvaluateCommandTest, TableAndLimitAreForPeople) {
   const ProgramOutcome outcome = evaluate(folder_ / "data", {"--methods", "input", "--limit", "3"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
@@ -150,6 +161,8 @@ TEST_F(EvaluateCommandTest, BadUseIsOneLine) {
       std::string::npos);
   EXPECT_NE(error_of({"--methods", "input,input"}).find("names input twice"), std::string::npos);
   EXPECT_NE(error_of({"--methods", "=x"}).find("expected NAME=FILE"), std::string::npos);
+  // This data set has no training split for tf.
+  EXPECT_NE(error_of({"--methods", "tf"}).find("train: no such folder"), std::string::npos);
   EXPECT_NE(error_of({"--split", "val"}).find("val: no such folder"), std::string::npos);
   EXPECT_NE(error_of({"--pairs", "none.json"}).find("none.json"), std::string::npos);
 }

@@ -65,6 +65,7 @@ class Evaluation {
   void process(std::size_t pair, Clip& clip, Worker& worker) {
     clip.result.pair = pair;
     clip.result.name = set_.name(pair);
+    clip.result.scene = set_.scene(pair);
     clip.result.cluster = set_.cluster(pair);
     std::optional<PairSample> sample;
     try {
@@ -81,10 +82,10 @@ class Evaluation {
     clip.result.speaker_in_sight = sample->speaker_box.has_value();
     const std::optional<PairSample> released = set_.released_sample(pair);
     for (std::size_t m = 0; m < methods_.size(); ++m) {
-      Waveform rendering = render(m, worker, *sample, clip.truth);
+      Waveform rendering = render(m, worker, *sample, clip);
       clip.result.honest.push_back(worker.measurer.measure(rendering));
       if (released) {
-        rendering = render(m, worker, *released, clip.truth);
+        rendering = render(m, worker, *released, clip);
         clip.result.released.push_back(worker.measurer.measure(rendering));
       } else {
         clip.result.released.push_back(clip.result.honest.back());
@@ -95,14 +96,16 @@ class Evaluation {
 
   /// Shows the method what it may see.
   Waveform render(std::size_t method, Worker& worker, const PairSample& sample,
-                  const std::optional<PairTruth>& truth) const {
+                  const Clip& clip) const {
     const MethodEntry& entry = methods_[method];
-    Method& runner = *worker.methods[method];
-    if (entry.is_oracle) return runner.render(sample, truth ? &*truth : nullptr);
-    PairSample seen = sample;
-    seen.target = Waveform();
     try {
-      return runner.render(seen, nullptr);
+      if (entry.is_oracle) {
+        return worker.methods[method]->render(
+            {sample, clip.result.scene, clip.truth ? &*clip.truth : nullptr});
+      }
+      PairSample seen = sample;
+      seen.target = Waveform();
+      return worker.methods[method]->render({seen, clip.result.scene});
     } catch (const InputError& error) {
       throw InputError("method " + entry.name, error.what());
     }

@@ -19,9 +19,7 @@ constexpr double kNearest_m = 0.01;
 
 class InputMethod : public Method {
  public:
-  Waveform render(const PairSample& sample, const PairTruth* /*truth*/) override {
-    return sample.source;
-  }
+  Waveform render(const Question& question) override { return question.sample.source; }
 };
 
 Spherical seen_from(const Vector3& point_m) {
@@ -34,7 +32,8 @@ class DspMethod : public Method {
  public:
   explicit DspMethod(HrtfSet hrtf) : hrtf_(std::move(hrtf)) {}
 
-  Waveform render(const PairSample& sample, const PairTruth* /*truth*/) override {
+  Waveform render(const Question& question) override {
+    const PairSample& sample = question.sample;
     const Vector3 from_target =
         transform_point(inverse(sample.source_from_target), sample.speaker_m);
     return apply_filters(dsp_filters(hrtf_, seen_from(sample.speaker_m), seen_from(from_target)),
@@ -50,7 +49,8 @@ class NetworkMethod : public Method {
   explicit NetworkMethod(std::unique_ptr<AcousticSynthesizer> synthesizer)
       : synthesizer_(std::move(synthesizer)) {}
 
-  Waveform render(const PairSample& sample, const PairTruth* /*truth*/) override {
+  Waveform render(const Question& question) override {
+    const PairSample& sample = question.sample;
     const WindowShape shape = synthesizer_->window_shape(sample.source.sample_rate_hz());
     const std::ptrdiff_t samples = sample.source.samples();
     Waveform result(kEars, samples, sample.source.sample_rate_hz());

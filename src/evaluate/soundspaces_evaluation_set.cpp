@@ -51,6 +51,9 @@ class SoundSpacesEvaluationSet : public EvaluationSet {
                        view.choice.source, view.choice.target, view.choice.speaker,
                        static_cast<double>(view.choice.window_start) / 16000.0);
   }
+  [[nodiscard]] std::string scene(std::size_t pair) const override {
+    return pairs_.at(pair).pair.scene;
+  }
   [[nodiscard]] int cluster(std::size_t pair) const override { return pairs_.at(pair).cluster; }
   [[nodiscard]] PairSample sample(std::size_t pair) const override {
     return sampler_.sample(*pairs_.at(pair).clip, pairs_[pair].pair.choice);

@@ -17,6 +17,7 @@ namespace earpoint {
 struct ClipResult {
   std::size_t pair = 0;  ///< in the evaluation set
   std::string name;
+  std::string scene;
   int cluster = 0;
   Pose source_from_target;
   Vector3 speaker_m;                  ///< source view's frame

@@ -18,6 +18,8 @@ class EvaluationSet {
   [[nodiscard]] virtual std::size_t size() const = 0;
   /// What messages and reports call a pair, e.g. "home-0003, clip 12: 0 -> 2, speaker 1".
   [[nodiscard]] virtual std::string name(std::size_t pair) const = 0;
+  /// Where it is; of recordings, a session.
+  [[nodiscard]] virtual std::string scene(std::size_t pair) const = 0;
   /// Pairs of one conversation have the same number; they are not independent of each other.
   [[nodiscard]] virtual int cluster(std::size_t pair) const = 0;
   /// @throws InputError naming the file that is missing or malformed

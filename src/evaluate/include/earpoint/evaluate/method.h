@@ -3,22 +3,28 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include <earpoint/core/waveform.h>
 #include <earpoint/dataset/pair_sample.h>
 
 namespace earpoint {
 
+/// What a method is asked.
+struct Question {
+  const PairSample& sample;          ///< its target is empty, unless an oracle is asked
+  std::string_view scene;            ///< where it is, for methods that have been there before
+  const PairTruth* truth = nullptr;  ///< for oracles alone, of simulated data
+};
+
 /// One way to tell what is heard at the target. One object per thread.
 class Method {
  public:
   virtual ~Method() = default;
 
-  /// @param sample  its target is empty, unless the method is an oracle
-  /// @param truth   null, unless the method is an oracle
   /// @return 2 ears, as long as the source
-  /// @throws InputError if the sample lacks what the method needs
-  [[nodiscard]] virtual Waveform render(const PairSample& sample, const PairTruth* truth) = 0;
+  /// @throws InputError if the question lacks what the method needs
+  [[nodiscard]] virtual Waveform render(const Question& question) = 0;
 };
 
 /// A row of the table.

@@ -1,0 +1,220 @@
+#include <filesystem>
+#include <fstream>
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <earpoint/core/error.h>
+#include <earpoint/dataset_testing/tiny_dataset.h>
+#include <earpoint/evaluate/evaluation.h>
+#include <earpoint/evaluate/metrics.h>
+
+namespace earpoint {
+namespace {
+
+namespace fs = std::filesystem;
+
+class EvaluationTest : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = fs::path(testing::TempDir()) / ("evaluation." + std::to_string(::getpid()));
+    fs::remove_all(folder_);
+    // More pairs than a batch of the released evaluation: 12 clips of 3 viewpoints.
+    write_tiny_dataset(folder_, {.clips = 12});
+  }
+  static void TearDownTestSuite() { fs::remove_all(folder_); }
+
+  static std::unique_ptr<EvaluationSet> test_set(std::optional<std::size_t> limit = {}) {
+    return soundspaces_evaluation_set(folder_, "test", {}, limit, 10 << 20);
+  }
+  static EvaluationResult evaluate_all(const EvaluationSet& set,
+                                       const std::vector<MethodEntry>& methods, int jobs = 2,
+                                       bool skip_bad = false) {
+    SilentProgress silent;
+    EvaluationOptions options;
+    options.jobs = jobs;
+    options.skip_bad = skip_bad;
+    return evaluate(set, methods, options, silent);
+  }
+
+  inline static fs::path folder_;
+};
+
+/// Answers by a function.
+class FunctionMethod : public Method {
+ public:
+  using Function = std::function<Waveform(const Question&)>;
+  explicit FunctionMethod(Function function) : function_(std::move(function)) {}
+  Waveform render(const Question& question) override { return function_(question); }
+
+ private:
+  Function function_;
+};
+
+MethodEntry method(const std::string& name, const FunctionMethod::Function& function,
+                   bool is_oracle = false) {
+  return {name, "", is_oracle, [function] { return std::make_unique<FunctionMethod>(function); }};
+}
+
+Waveform scaled(Waveform sound, float left, float right) {
+  for (float& x : sound.channel(0)) x *= left;
+  for (float& x : sound.channel(1)) x *= right;
+  return sound;
+}
+
+TEST_F(EvaluationTest, ClipsAreMeasuredInTheListsOrder) {
+  const auto set = test_set();
+  ASSERT_EQ(set->size(), 36U);
+  const EvaluationResult result =
+      evaluate_all(*set, {input_method(), method("double", [](const Question& question) {
+                            return scaled(question.sample.source, 2.0F, 2.0F);
+                          })});
+  ASSERT_EQ(result.clips.size(), set->size());
+  EXPECT_EQ(result.methods[1].name, "double");
+  EXPECT_TRUE(result.skipped.empty());
+  for (std::size_t pair = 0; pair < set->size(); ++pair) {
+    const ClipResult& clip = result.clips[pair];
+    const PairSample sample = set->sample(pair);
+    EXPECT_EQ(clip.pair, pair);
+    EXPECT_EQ(clip.cluster, static_cast<int>(pair / 3));
+    EXPECT_EQ(clip.speaker_in_sight, sample.speaker_box.has_value());
+    for (int m = 0; m < 2; ++m) {
+      const float factor = m == 0 ? 1.0F : 2.0F;
+      const BinauralMetrics expected =
+          binaural_metrics(sample.target, scaled(sample.source, factor, factor));
+      EXPECT_EQ(clip.honest[m][Metric::mag], expected.mag);
+      EXPECT_EQ(clip.honest[m][Metric::lre], expected.lre_db);
+      EXPECT_EQ(clip.honest[m][Metric::l2], expected.l2);
+      EXPECT_TRUE(clip.honest[m][Metric::early_decay].has_value());
+      EXPECT_FALSE(clip.honest[m][Metric::rte].has_value());
+    }
+  }
+}
+
+TEST_F(EvaluationTest, OnlyOraclesSeeTheTargetAndTheTruth) {
+  const auto check = [](bool is_oracle) {
+    return [is_oracle](const Question& question) {
+      EXPECT_EQ(question.sample.target.empty(), !is_oracle);
+      EXPECT_EQ(question.truth != nullptr, is_oracle);
+      EXPECT_EQ(question.scene, "room");
+      return question.sample.source;
+    };
+  };
+  const auto set = test_set(4);
+  (void)evaluate_all(*set, {method("blind", check(false)), method("oracle", check(true), true)});
+}
+
+TEST_F(EvaluationTest, SignFixChangesOnlyTheReleasedColumn) {
+  const auto set = test_set();
+  const EvaluationResult result =
+      evaluate_all(*set, {input_method(), method("opposite", [](const Question& question) {
+                            return scaled(question.sample.source, 1.0F, -1.0F);
+                          })});
+  EXPECT_EQ(result.methods[0].sign_fixes, 0U);
+  EXPECT_EQ(result.methods[1].sign_fixes, 2U);  // batches of 32 and 4
+  for (const ClipResult& clip : result.clips) {
+    // What is told by magnitudes does not see the sign.
+    EXPECT_EQ(clip.honest[1][Metric::mag], clip.honest[0][Metric::mag]);
+    EXPECT_EQ(clip.honest[1][Metric::lre], clip.honest[0][Metric::lre]);
+    EXPECT_NE(clip.honest[1][Metric::l2], clip.honest[0][Metric::l2]);
+    for (const Metric metric : all_metrics()) {
+      EXPECT_EQ(clip.released[1][metric], clip.honest[0][metric]) << name_of(metric).key;
+      EXPECT_EQ(clip.released[0][metric], clip.honest[0][metric]) << name_of(metric).key;
+    }
+  }
+}
+
+/// A set whose released evaluation gives methods the target for a source.
+class CheatingSet : public EvaluationSet {
+ public:
+  explicit CheatingSet(const EvaluationSet& set) : set_(set) {}
+  [[nodiscard]] std::size_t size() const override { return set_.size(); }
+  [[nodiscard]] std::string name(std::size_t pair) const override { return set_.name(pair); }
+  [[nodiscard]] std::string scene(std::size_t pair) const override { return set_.scene(pair); }
+  [[nodiscard]] int cluster(std::size_t pair) const override { return set_.cluster(pair); }
+  [[nodiscard]] PairSample sample(std::size_t pair) const override { return set_.sample(pair); }
+  [[nodiscard]] std::optional<PairTruth> truth(std::size_t /*pair*/) const override { return {}; }
+  [[nodiscard]] std::optional<PairSample> released_sample(std::size_t pair) const override {
+    PairSample sample = set_.sample(pair);
+    sample.source = sample.target;
+    return sample;
+  }
+
+ private:
+  const EvaluationSet& set_;
+};
+
+TEST_F(EvaluationTest, ReleasedColumnTakesTheReleasedSample) {
+  const auto set = test_set(3);
+  const EvaluationResult result = evaluate_all(CheatingSet(*set), {input_method()});
+  for (const ClipResult& clip : result.clips) {
+    EXPECT_GT(clip.honest[0][Metric::mag], 0.0);
+    EXPECT_EQ(clip.released[0][Metric::mag], 0.0);
+    EXPECT_FALSE(clip.honest[0][Metric::early_decay].has_value());
+  }
+}
+
+TEST_F(EvaluationTest, LimitIsSpreadOverConversations) {
+  const auto set = test_set(12);
+  ASSERT_EQ(set->size(), 12U);
+  for (std::size_t pair = 0; pair < 12; ++pair)
+    EXPECT_EQ(set->cluster(pair), static_cast<int>(pair));
+}
+
+TEST_F(EvaluationTest, BadPairsStopItUnlessSkipped) {
+  const fs::path broken = folder_.string() + ".broken";
+  fs::remove_all(broken);
+  fs::copy(folder_, broken, fs::copy_options::recursive);
+  fs::remove(broken / "test/room/5/rir_1_0.wav");
+  fs::remove(broken / "test/room/5/rir_1_1.wav");
+  const auto set = soundspaces_evaluation_set(broken, "test", {}, {}, 10 << 20);
+  try {
+    (void)evaluate_all(*set, {input_method()});
+    FAIL() << "expected an InputError";
+  } catch (const InputError& error) {
+    const std::string message = error.what();
+    EXPECT_NE(message.find("room, clip 5"), std::string::npos) << message;
+    EXPECT_NE(message.find("rir_1_"), std::string::npos) << message;
+    EXPECT_NE(message.find("--skip-bad"), std::string::npos) << message;
+  }
+  const EvaluationResult result = evaluate_all(*set, {input_method()}, 2, true);
+  EXPECT_EQ(result.clips.size() + result.skipped.size(), 36U);
+  ASSERT_FALSE(result.skipped.empty());
+  for (const BadPair& pair : result.skipped) {
+    EXPECT_TRUE(pair.name.starts_with("room, clip 5")) << pair.name;
+    EXPECT_NE(pair.problem.find("no such file"), std::string::npos) << pair.problem;
+  }
+  fs::remove_all(broken);
+}
+
+TEST_F(EvaluationTest, FailingMethodIsNamed) {
+  const auto set = test_set(1);
+  try {
+    (void)evaluate_all(*set, {method("lazy", [](const Question&) -> Waveform {
+      throw InputError("box", "is missing");
+    })});
+    FAIL() << "expected an InputError";
+  } catch (const InputError& error) {
+    EXPECT_STREQ(error.what(), "method lazy: box: is missing");
+  }
+}
+
+TEST_F(EvaluationTest, NetworkGetsTheWholeWindow) {
+  // The synthesizer that copies works in windows of a second, as the networks do.
+  const auto set = test_set(2);
+  const EvaluationResult result =
+      evaluate_all(*set, {input_method(), network_method("copy", "input")});
+  for (const ClipResult& clip : result.clips) {
+    for (const Metric metric : all_metrics()) {
+      EXPECT_EQ(clip.honest[0][metric], clip.honest[1][metric]) << name_of(metric).key;
+    }
+  }
+}
+
+TEST_F(EvaluationTest, PairListOfAnotherSplitIsRefused) {
+  EXPECT_THROW((void)soundspaces_evaluation_set(folder_, "test", folder_ / "pairs-val.json", {}, 0),
+               InputError);
+}
+
+}  // namespace
+}  // namespace earpoint

@@ -1,0 +1,57 @@
+#include <filesystem>
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <earpoint/core/error.h>
+#include <earpoint/dataset_testing/tiny_dataset.h>
+#include <earpoint/evaluate/evaluation_table.h>
+#include <earpoint/evaluate/oracles.h>
+
+namespace earpoint {
+namespace {
+
+namespace fs = std::filesystem;
+
+TEST(Oracles, EveryRungIsNearerThanTheOneBelow) {
+  const fs::path folder = fs::path(testing::TempDir()) / ("oracles." + std::to_string(::getpid()));
+  fs::remove_all(folder);
+  write_tiny_dataset(folder, {.clips = 6});
+  const auto set = soundspaces_evaluation_set(folder, "test", {}, {}, 10 << 20);
+  std::vector<MethodEntry> methods{input_method()};
+  for (MethodEntry& oracle : oracle_methods()) methods.push_back(std::move(oracle));
+  SilentProgress silent;
+  EvaluationOptions options;
+  options.jobs = 2;
+  const EvaluationTable table = make_table(evaluate(*set, methods, options, silent));
+  ASSERT_EQ(table.rows.size(), 5U);
+  for (std::size_t rung = 1; rung < table.rows.size(); ++rung) {
+    EXPECT_LT(table.rows[rung][Metric::mag].mean->value,
+              table.rows[rung - 1][Metric::mag].mean->value)
+        << table.rows[rung].method;
+  }
+  // True energies leave no error of level or between the ears, but for the constant in LRE.
+  for (const Metric metric : {Metric::level, Metric::lre}) {
+    EXPECT_LT(table.rows[1][metric].mean->value, 1e-4);
+  }
+  // Convolution in float, against the sampler's own.
+  EXPECT_LT(table.rows[4][Metric::mag].mean->value, 1e-5);
+  fs::remove_all(folder);
+}
+
+TEST(Oracles, WhatOnlyASimulatorKnowsIsRefusedOfRecordings) {
+  PairSample sample;
+  sample.source = Waveform(2, 16000, 16000);
+  sample.target = sample.source;
+  for (const MethodEntry& oracle : oracle_methods()) {
+    const auto render = [&] { (void)oracle.make()->render({sample, "session", nullptr}); };
+    if (oracle.name == "oracle-dry-direct" || oracle.name == "oracle-all") {
+      EXPECT_THROW(render(), InputError) << oracle.name;
+    } else {
+      EXPECT_NO_THROW(render()) << oracle.name;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace earpoint
