@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace earpoint {
 namespace {
@@ -125,12 +126,14 @@ float find_exposure(const FloatImage& radiance) {
     if (level > kDarkest) levels.push_back(level);
   }
   if (levels.empty()) return 1.0F;
-  std::sort(levels.begin(), levels.end());
-  const auto low = static_cast<std::size_t>(kLowShare * static_cast<double>(levels.size()));
+  const auto count = static_cast<double>(levels.size());
+  const auto low = levels.begin() + static_cast<std::ptrdiff_t>(kLowShare * count);
   const auto high =
-      std::max(low + 1, static_cast<std::size_t>(kHighShare * static_cast<double>(levels.size())));
-  double sum = 0.0;
-  for (std::size_t i = low; i < high; ++i) sum += std::log(levels[i]);
+      std::max(low + 1, levels.begin() + static_cast<std::ptrdiff_t>(kHighShare * count));
+  std::nth_element(levels.begin(), low, levels.end());
+  std::nth_element(low, high, levels.end());
+  const double sum = std::accumulate(
+      low, high, 0.0, [](double so_far, float level) { return so_far + std::log(level); });
   const double middle = std::exp(sum / static_cast<double>(high - low));
   return static_cast<float>(kGreyCard / std::pow(middle, kAdaptation));
 }

@@ -142,19 +142,6 @@ void RayTracer::trace(RayPacket& packet, Rays rays, SeeThrough see_through, std:
   rtcIntersect16(packet.valid_.data(), scene_, &context.embree, &packet.rays_);
 }
 
-bool RayTracer::hit(const RayPacket& packet, int lane, Hit& hit) const {
-  if (packet.valid_[lane] == 0) return false;
-  const RTCHit16& found = packet.rays_.hit;
-  const unsigned geometry = found.geomID[lane];
-  if (geometry == kNothing) return false;
-  const Geometry& from = geometry == 0 ? solid_ : see_through_;
-  hit.distance_m = packet.rays_.ray.tfar[lane];
-  hit.triangle = from.triangles[found.primID[lane]];
-  hit.u = found.u[lane];
-  hit.v = found.v[lane];
-  return true;
-}
-
 std::array<bool, RayPacket::kRays> RayTracer::reaches_end(RayPacket& packet,
                                                           std::uint32_t seed) const {
   Context context;

@@ -67,7 +67,17 @@ class RayTracer {
              std::uint32_t per_pixel = 1) const;
 
   /// @return false if the lane holds no ray or its ray meets nothing
-  bool hit(const RayPacket& packet, int lane, Hit& hit) const;
+  bool hit(const RayPacket& packet, int lane, Hit& hit) const {
+    const RTCHit16& found = packet.rays_.hit;
+    const unsigned geometry = found.geomID[lane];
+    if (packet.valid_[lane] == 0 || geometry == RTC_INVALID_GEOMETRY_ID) return false;
+    const Geometry& from = geometry == 0 ? solid_ : see_through_;
+    hit.distance_m = packet.rays_.ray.tfar[lane];
+    hit.triangle = from.triangles[found.primID[lane]];
+    hit.u = found.u[lane];
+    hit.v = found.v[lane];
+    return true;
+  }
 
   /// Whether each ray of the packet reaches its end; false for lanes without a ray.
   [[nodiscard]] std::array<bool, RayPacket::kRays> reaches_end(RayPacket& packet,

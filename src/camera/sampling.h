@@ -49,12 +49,12 @@ struct Turn {
 };
 inline Turn turn_of(float v) {
   // The nearest quarter and what is left of it, at most an eighth of a turn.
-  const float quarter = std::floor(4.0F * v + 0.5F);
-  const float x = 2.0F * kPiF * (v - 0.25F * quarter);
+  const int quarter = static_cast<int>(4.0F * v + 0.5F);
+  const float x = 2.0F * kPiF * (v - 0.25F * static_cast<float>(quarter));
   const float x2 = x * x;
   const float sine = x * (1.0F + x2 * (-1.0F / 6 + x2 * (1.0F / 120 - x2 / 5040)));
   const float cosine = 1.0F + x2 * (-0.5F + x2 * (1.0F / 24 + x2 * (-1.0F / 720 + x2 / 40320)));
-  switch (static_cast<int>(quarter) & 3) {
+  switch (quarter & 3) {
     case 0:
       return {cosine, sine};
     case 1:

@@ -28,12 +28,4 @@ void SolvedLight::append(const LitScene& scene, std::uint32_t first_patch,
   }
 }
 
-Rgb SolvedLight::radiance(const Hit& hit, const Float3& direction, UnitPair aside) const {
-  const Record& record = records_[hit.triangle];
-  const bool front = dot(record.normal, direction) <= 0.0F;
-  const float u = hit.u + (aside.u - 0.5F) * record.cut.step;
-  const float v = hit.v + (aside.v - 0.5F) * record.cut.step;
-  return radiance_[record.cut.bin(u, v, front)];
-}
-
 }  // namespace earpoint

@@ -27,10 +27,20 @@ class SolvedLight {
 
   /// The radiance that a surface sends back along a ray, without its own emission.
   /// @param aside  uniform; reads the place up to half a patch aside, which blurs the borders
-  [[nodiscard]] Rgb radiance(const Hit& hit, const Float3& direction, UnitPair aside) const;
+  [[nodiscard]] Rgb radiance(const Hit& hit, const Float3& direction, UnitPair aside) const {
+    return radiance_[bin_of(hit, direction, aside)];
+  }
 
-  /// Brings what radiance() will read of a triangle nearer: a hint for speed.
+  /// The same in steps, each of which asks for the memory that the next one reads: a hint for the
+  /// speed of many at once.
   void prefetch(std::uint32_t triangle) const { __builtin_prefetch(&records_[triangle]); }
+  [[nodiscard]] std::size_t prefetch_bin(const Hit& hit, const Float3& direction,
+                                         UnitPair aside) const {
+    const std::size_t bin = bin_of(hit, direction, aside);
+    __builtin_prefetch(&radiance_[bin]);
+    return bin;
+  }
+  [[nodiscard]] const Rgb& radiance_of_bin(std::size_t bin) const { return radiance_[bin]; }
 
   /// Whether the triangle shines.
   [[nodiscard]] bool shines(std::uint32_t triangle) const { return records_[triangle].shines; }
@@ -42,6 +52,14 @@ class SolvedLight {
     TriangleCut cut;
     bool shines = false;
   };
+
+  [[nodiscard]] std::size_t bin_of(const Hit& hit, const Float3& direction, UnitPair aside) const {
+    const Record& record = records_[hit.triangle];
+    const bool front = dot(record.normal, direction) <= 0.0F;
+    const float u = hit.u + (aside.u - 0.5F) * record.cut.step;
+    const float v = hit.v + (aside.v - 0.5F) * record.cut.step;
+    return record.cut.bin(u, v, front);
+  }
 
   void append(const LitScene& scene, std::uint32_t first_patch, const std::vector<Rgb>& irradiance);
 

@@ -44,11 +44,6 @@ Rgb linear_texel(const std::uint8_t* texel) {
   return {table[texel[0]], table[texel[1]], table[texel[2]]};
 }
 
-int wrap(int index, int size) {
-  const int rest = index % size;
-  return rest < 0 ? rest + size : rest;
-}
-
 }  // namespace
 
 float linear_from_srgb(std::uint8_t value) { return linear_table()[value]; }
@@ -102,12 +97,13 @@ Rgb Texture::sample(float u, float v, float width) const {
   const Level& level = levels_[static_cast<std::size_t>(number)];
   const float x = (u - std::floor(u)) * static_cast<float>(level.width) - 0.5F;
   const float y = (1.0F - (v - std::floor(v))) * static_cast<float>(level.height) - 0.5F;
-  const float left = std::floor(x);
-  const float top = std::floor(y);
-  const float fraction_x = x - left;
-  const float fraction_y = y - top;
-  const int x0 = wrap(static_cast<int>(left), level.width);
-  const int y0 = wrap(static_cast<int>(top), level.height);
+  // Both are -1/2 or more.
+  const int left = static_cast<int>(x + 1.0F) - 1;
+  const int top = static_cast<int>(y + 1.0F) - 1;
+  const float fraction_x = x - static_cast<float>(left);
+  const float fraction_y = y - static_cast<float>(top);
+  const int x0 = left < 0 ? level.width - 1 : left;
+  const int y0 = top < 0 ? level.height - 1 : top;
   const int x1 = x0 + 1 == level.width ? 0 : x0 + 1;
   const int y1 = y0 + 1 == level.height ? 0 : y0 + 1;
   const auto texel = [&](int column, int row) {

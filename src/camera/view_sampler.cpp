@@ -278,9 +278,13 @@ void ViewSampler::add_indirect(Lanes& lanes) const {
                       seed_of(kSeeThrough + 1));
   std::array<Hit, kLanes> hits;
   std::array<bool, kLanes> met{};
+  std::array<std::size_t, kLanes> bins{};
   for (int i = 0; i < kLanes; ++i) {
     met[i] = packet.active(i) && scene_.tracer.hit(packet, i, hits[i]);
     if (met[i]) solved_.prefetch(hits[i].triangle);
+  }
+  for (int i = 0; i < kLanes; ++i) {
+    if (met[i]) bins[i] = solved_.prefetch_bin(hits[i], directions[i], asides.at(i));
   }
   for (int i = 0; i < kLanes; ++i) {
     if (!packet.active(i)) continue;
@@ -290,8 +294,7 @@ void ViewSampler::add_indirect(Lanes& lanes) const {
       continue;
     }
     const Hit& hit = hits[i];
-    lane.light.parts[PlaceLight::indirect] =
-        solved_.radiance(hit, directions[i], asides.at(i)) * kPiF;
+    lane.light.parts[PlaceLight::indirect] = solved_.radiance_of_bin(bins[i]) * kPiF;
     if (!solved_.shines(hit.triangle)) continue;
     const float share = shining_weight(scene_, lane.region, cosines[i], directions[i], hit, 1.0F);
     lane.light.parts[PlaceLight::direct] +=
