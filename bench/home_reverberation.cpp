@@ -68,9 +68,10 @@ std::optional<Vector3> free_place(const Home& home, int room, RandomStream& rand
   return std::nullopt;
 }
 
-/// T30 of the middle octaves between two places.
-double traced_s(const AcousticScene& scene, const Vector3& from, const Vector3& to,
-                std::uint64_t seed, ThreadPool& pool) {
+/// T30 of the middle octaves between two places; nothing where an echo that flutters between bare
+/// walls keeps the response from falling by 35 dB in its time.
+std::optional<double> traced_s(const AcousticScene& scene, const Vector3& from, const Vector3& to,
+                               std::uint64_t seed, ThreadPool& pool) {
   const Source source{.world_from_source = {from, Quaternion{}}};
   const TraceResult traced =
       trace(scene, {&source, 1}, {&to, 1}, {.duration_s = kDuration_s, .seed = seed}, pool);
@@ -80,7 +81,11 @@ double traced_s(const AcousticScene& scene, const Vector3& from, const Vector3& 
   std::vector<double> samples(mono.channel(0).begin(), mono.channel(0).end());
   filter_zero_phase(butterworth_bandpass(kLow_hz, kHigh_hz, kRate_hz, 3), samples, samples);
   const std::vector<float> band(samples.begin(), samples.end());
-  return reverberation_time_t30_s(band, kRate_hz);
+  try {
+    return reverberation_time_t30_s(band, kRate_hz);
+  } catch (const InputError&) {
+    return std::nullopt;
+  }
 }
 
 void measure(std::uint64_t seed, bool with_trace, const FurnitureLibrary& library,
@@ -99,9 +104,11 @@ void measure(std::uint64_t seed, bool with_trace, const FurnitureLibrary& librar
     to = free_place(home, room, random);
   }
   if (to && norm(*to - *from) >= kNearest_m) {
-    const double t30_s = traced_s(AcousticScene(home.scene), *from, *to, seed, pool);
-    fmt::print(R"(, "room_eyring_s": {:.3f}, "room_t30_s": {:.3f})",
-               middle_bands_s(rooms[static_cast<std::size_t>(room)]), t30_s);
+    const auto t30_s = traced_s(AcousticScene(home.scene), *from, *to, seed, pool);
+    if (t30_s) {
+      fmt::print(R"(, "room_eyring_s": {:.3f}, "room_t30_s": {:.3f})",
+                 middle_bands_s(rooms[static_cast<std::size_t>(room)]), *t30_s);
+    }
   }
   fmt::print("}}\n");
   std::fflush(stdout);

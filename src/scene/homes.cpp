@@ -16,10 +16,11 @@ namespace {
 /// What the random streams of a home are for, so that one does not shift the other.
 enum StreamKey : std::uint64_t { kPlanKey = 1, kFinishKey, kStyleKey, kRoomKey };
 
-/// What is drawn where the options leave it open. Traced, the rooms then reverberate for 0.3 to
-/// 1.3 s (docs/results.md); bare stone and padded cells are left to those who ask for them.
-constexpr double kHardestHome = 0.42;
-constexpr double kSoftestHome = 0.92;
+/// What is drawn where the options leave it open. Traced, nearly all rooms then reverberate for 0.2
+/// to 1 s, as real homes do (docs/results.md); bare stone and padded cells are left to those who
+/// ask for them.
+constexpr double kHardestHome = 0.58;
+constexpr double kSoftestHome = 0.98;
 constexpr double kEmptiestHome = 0.45;
 
 /// Lamps shine from below their fixtures, which would keep the light off the ceiling.

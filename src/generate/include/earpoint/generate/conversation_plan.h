@@ -34,7 +34,7 @@ struct ConversationOptions {
   double height_m = 1.5;           ///< of the viewpoints
   double least_distance_m = 0.8;   ///< between the people
   double most_distance_m = 3.0;    ///< between the people
-  double viewpoint_reach_m = 4.5;  ///< of a viewpoint from the middle between the people
+  double viewpoint_reach_m = 2.5;  ///< of a viewpoint from the middle between the people
   double sitting_share = 0.35;     ///< of the people
   /// The share of conversations with one viewpoint from which a wall or furniture hides a speaker.
   double hidden_share = 0.4;
