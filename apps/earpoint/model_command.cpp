@@ -16,6 +16,7 @@
 #include <earpoint/model/checkpoint.h>
 #include <earpoint/model/network.h>
 #include <earpoint/model/safetensors.h>
+#include <earpoint/model/vam.h>
 #include <earpoint/model/weights.h>
 
 namespace {
@@ -57,7 +58,7 @@ void import_model(const ImportOptions& options) {
   fmt::print("\n");
 }
 
-/// What `model info` says about a file, of either network.
+/// What `model info` says about a file, of any network.
 struct ModelFacts {
   Json description;
   std::size_t tensors = 0;
@@ -71,17 +72,21 @@ ModelFacts facts_of(const fs::path& path) {
   ModelFacts facts;
   const earpoint::NetworkKind kind = earpoint::network_kind(file, where);
   facts.description = Json::parse(file.metadata.at(std::string(earpoint::kDescriptionKey)));
-  if (kind == earpoint::NetworkKind::vigas) {
-    earpoint::ViGasWeights weights = earpoint::vigas_weights(std::move(file), where);
+  const auto take = [&](auto weights) {
     facts.tensors = weights.tensors.size();
     facts.values = value_count(weights.tensors);
     facts.unused = std::move(weights.unused);
-  } else {
-    earpoint::Rt60EstimatorWeights weights =
-        earpoint::rt60_estimator_weights(std::move(file), where);
-    facts.tensors = weights.tensors.size();
-    facts.values = value_count(weights.tensors);
-    facts.unused = std::move(weights.unused);
+  };
+  switch (kind) {
+    case earpoint::NetworkKind::vigas:
+      take(earpoint::vigas_weights(std::move(file), where));
+      break;
+    case earpoint::NetworkKind::rt60_estimator:
+      take(earpoint::rt60_estimator_weights(std::move(file), where));
+      break;
+    case earpoint::NetworkKind::vam:
+      take(earpoint::vam_weights(std::move(file), where));
+      break;
   }
   return facts;
 }

@@ -1,5 +1,7 @@
 #include "resnet18.h"
 
+#include "openmp_threads.h"
+
 #include <algorithm>
 #include <cmath>
 #include <unordered_map>
@@ -11,12 +13,6 @@
 
 #include <earpoint/core/error.h>
 
-// Of the OpenMP runtime that oneDNN runs its threads on.
-extern "C" {
-void omp_set_num_threads(int threads);
-int omp_get_max_threads(void);
-}
-
 namespace earpoint::infer {
 namespace {
 
@@ -24,20 +20,6 @@ using dnnl::memory;
 using Format = memory::format_tag;
 
 constexpr double kBatchNormEpsilon = 1e-5;
-
-/// Sets the number of threads that this thread's oneDNN calls use, for a while.
-class OpenMpThreads {
- public:
-  explicit OpenMpThreads(int threads) : before_(omp_get_max_threads()) {
-    omp_set_num_threads(threads);
-  }
-  ~OpenMpThreads() { omp_set_num_threads(before_); }
-  OpenMpThreads(const OpenMpThreads&) = delete;
-  OpenMpThreads& operator=(const OpenMpThreads&) = delete;
-
- private:
-  int before_;
-};
 
 memory::desc floats(const memory::dims& shape, Format format) {
   return {shape, memory::data_type::f32, format};

@@ -4,6 +4,7 @@
 
 #include <earpoint/core/error.h>
 #include <earpoint/model/safetensors.h>
+#include <earpoint/model/vam.h>
 #include <earpoint/model/weights.h>
 
 /// Any bytes as a weight file: refused with InputError, or read, and then what is written back must
@@ -15,10 +16,16 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     SafetensorsFile file = parse_safetensors(bytes, "input");
     const SafetensorsFile again = parse_safetensors(serialize_safetensors(file, "copy"), "copy");
     if (again.tensors != file.tensors || again.metadata != file.metadata) std::abort();
-    if (network_kind(file, "input") == NetworkKind::vigas) {
-      (void)vigas_weights(std::move(file), "input");
-    } else {
-      (void)rt60_estimator_weights(std::move(file), "input");
+    switch (network_kind(file, "input")) {
+      case NetworkKind::vigas:
+        (void)vigas_weights(std::move(file), "input");
+        break;
+      case NetworkKind::rt60_estimator:
+        (void)rt60_estimator_weights(std::move(file), "input");
+        break;
+      case NetworkKind::vam:
+        (void)vam_weights(std::move(file), "input");
+        break;
     }
   } catch (const InputError&) {
     return 0;

@@ -32,8 +32,10 @@ NetworkKind network_kind(const SafetensorsFile& file, std::string_view where) {
   const std::string network = JsonObjectReader(json, here).string("network");
   if (network == "vigas") return NetworkKind::vigas;
   if (network == "rt60_estimator") return NetworkKind::rt60_estimator;
-  throw InputError(here, fmt::format("'network': expected 'vigas' or 'rt60_estimator', found {}",
-                                     in_quotes(network)));
+  if (network == "vam") return NetworkKind::vam;
+  throw InputError(here,
+                   fmt::format("'network': expected 'vigas', 'vam' or 'rt60_estimator', found {}",
+                               in_quotes(network)));
 }
 
 const Tensor& ViGasWeights::at(const std::string& name) const { return tensor_at(tensors, name); }

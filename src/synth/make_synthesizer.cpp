@@ -1,8 +1,12 @@
+#include <utility>
+
 #include <earpoint/core/error.h>
+#include <earpoint/model/safetensors.h>
 #include <earpoint/model/weights.h>
 #include <earpoint/synth/dsp_synthesizer.h>
 #include <earpoint/synth/input_synthesizer.h>
 #include <earpoint/synth/make_synthesizer.h>
+#include <earpoint/synth/vam_synthesizer.h>
 #include <earpoint/synth/vigas_synthesizer.h>
 
 namespace earpoint {
@@ -17,7 +21,19 @@ std::unique_ptr<AcousticSynthesizer> make_synthesizer(const std::string& model,
     throw InputError("--model " + model, "is neither a known name nor a file",
                      "use input, dsp or the path of a weight file");
   }
-  return std::make_unique<ViGasSynthesizer>(read_vigas_weights(model), model, options.threads);
+  SafetensorsFile file = read_safetensors(model);
+  switch (network_kind(file, model)) {
+    case NetworkKind::vam:
+      return std::make_unique<VamSynthesizer>(vam_weights(std::move(file), model), model,
+                                              options.threads);
+    case NetworkKind::rt60_estimator:
+      throw InputError(model, "is an estimator of reverberation time, which makes no sound",
+                       "use it with `earpoint metrics --rt60-model`");
+    case NetworkKind::vigas:
+      break;
+  }
+  return std::make_unique<ViGasSynthesizer>(vigas_weights(std::move(file), model), model,
+                                            options.threads);
 }
 
 }  // namespace earpoint

@@ -20,6 +20,8 @@ using Shapes = std::map<std::string, std::vector<std::int64_t>>;
 
 /// Where an untrained estimator of reverberation time begins.
 constexpr double kUsualT60_s = 0.5;
+/// Of what tells the places of a picture apart.
+constexpr double kPositionSize = 0.02;
 
 /// How the values of one tensor are drawn.
 struct Rule {
@@ -70,6 +72,20 @@ Rule rule_of(const Shapes& shapes, const ViGasDescription& description, const st
                      layer.ends_with("first") || layer == "input";
   return {Rule::Kind::uniform,
           is_he && !is_bias ? std::sqrt(6.0 / inputs) : 1.0 / std::sqrt(inputs)};
+}
+
+Rule vam_rule(const Shapes& shapes, const std::string& name) {
+  if (is_batch_norm(shapes, name)) return batch_norm_rule(name);
+  if (name == "image_position") return {Rule::Kind::normal, kPositionSize};
+  if (layer_of(name).ends_with("norm")) return batch_norm_rule(name);
+  if (name == "output.bias") return {Rule::Kind::constant, 0.0};
+  const std::vector<std::int64_t>& weight = shapes.at(std::string(layer_of(name)) + ".weight");
+  if (name.starts_with("visual_encoder.")) return resnet_rule(weight);
+  // A transposed convolution has its inputs on the first axis, and hears each by one or two taps.
+  if (name.starts_with("decoder.")) {
+    return {Rule::Kind::uniform, 1.0 / std::sqrt(2.0 * static_cast<double>(weight[0]))};
+  }
+  return {Rule::Kind::uniform, 1.0 / std::sqrt(fan_in(weight))};
 }
 
 Tensor draw(const Rule& rule, std::vector<std::int64_t> shape, RandomStream random) {
@@ -129,6 +145,26 @@ Rt60EstimatorWeights initial_rt60_weights(const Rt60Description& description, st
     }
     weights.tensors[name] = draw(rule, shape, RandomStream(seed, {index++}));
   }
+  return weights;
+}
+
+VamWeights initial_vam_weights(const VamDescription& description, std::uint64_t seed) {
+  const Shapes shapes = required_tensors(description);
+  VamWeights weights{description, {}, {}};
+  std::uint64_t index = 0;
+  for (const auto& [name, shape] : shapes) {
+    weights.tensors[name] = draw(vam_rule(shapes, name), shape, RandomStream(seed, {index++}));
+  }
+  // The sound itself, past all layers.
+  const Tensor& output = weights.at("output.weight");
+  std::vector<float> values(static_cast<std::size_t>(output.elements()));
+  const std::int64_t inputs = output.shape[1];
+  const std::int64_t taps = output.shape[2];
+  for (std::int64_t ear = 0; ear < output.shape[0]; ++ear) {
+    const std::int64_t sound = inputs - output.shape[0] + ear;
+    values[static_cast<std::size_t>((ear * inputs + sound) * taps + taps / 2)] = 1.0F;
+  }
+  weights.tensors["output.weight"] = make_tensor<float>(values, output.shape);
   return weights;
 }
 

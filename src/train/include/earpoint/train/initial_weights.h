@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include <earpoint/model/network.h>
+#include <earpoint/model/vam.h>
 #include <earpoint/model/weights.h>
 
 namespace earpoint {
@@ -22,6 +23,11 @@ namespace earpoint {
 /// outputs, the last layer uniform within 1 / sqrt(inputs) about half a second.
 [[nodiscard]] Rt60EstimatorWeights initial_rt60_weights(const Rt60Description& description,
                                                         std::uint64_t seed);
+
+/// The same for visual acoustic matching: the trunk by He's rule over the outputs, layers uniform
+/// within 1 / sqrt(inputs of a neuron), and the last convolution so that the network at first gives
+/// back its source.
+[[nodiscard]] VamWeights initial_vam_weights(const VamDescription& description, std::uint64_t seed);
 
 /// Replaces the image trunk by one trained elsewhere: a ResNet-18 with torchvision's names
 /// (`conv1.weight`, `layer1.0.conv1.weight`, ...), as .safetensors or as torch.save wrote it.
