@@ -19,6 +19,7 @@
 #include <earpoint/core/progress.h>
 #include <earpoint/evaluate/evaluation.h>
 #include <earpoint/evaluate/evaluation_table.h>
+#include <earpoint/evaluate/report.h>
 #include <earpoint/infer/rt60_estimator.h>
 #include <earpoint/model/shipped_model.h>
 #include <earpoint/model/weights.h>
@@ -57,6 +58,7 @@ struct Options {
   std::optional<std::size_t> limit;
   int jobs = 0;
   fs::path rt60_model;
+  std::optional<fs::path> report;
   bool skip_bad = false;
   bool json = false;
   bool quiet = false;
@@ -100,6 +102,12 @@ void run(const Options& options) {
   for (const earpoint::BadPair& pair : result.skipped) {
     fmt::print(stderr, "earpoint: left out {}: {}\n", pair.name, pair.problem);
   }
+  if (options.report) {
+    earpoint::ReportOptions report;
+    report.data = options.data.string();
+    report.split = options.split;
+    write_report(*options.report, *set, methods, result, report, progress);
+  }
   const earpoint::EvaluationTable table = make_table(result);
   fmt::print("{}",
              options.json ? json_of(table, options.data.string(), options.split) : text_of(table));
@@ -129,6 +137,8 @@ void add_evaluate_command(CLI::App& app) {
   command->add_option("--jobs", options->jobs, "Threads; 0 takes all cores")->capture_default_str();
   command->add_option("--rt60-model", options->rt60_model,
                       "Weight file of the estimator behind rte_s (default: the shipped one)");
+  command->add_option("--report", options->report,
+                      "Folder for a page with tables, curves, and clips to look at and listen to");
   command->add_flag("--skip-bad", options->skip_bad,
                     "Leave out pairs whose files are missing or broken, naming them");
   command->add_flag("--json", options->json, "Print the tables as JSON");
