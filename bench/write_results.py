@@ -4,13 +4,15 @@
 usage: bench/write_results.py MEASURED RESULTS.md
 
 MEASURED holds vigas.md, oracle_errors.md, render_memory.jsonl, demo.jsonl, trace_gates.md,
-home_reverberation.jsonl, camera_bench.jsonl and simulate_cost.jsonl; a section whose file is missing
-says so.
+home_reverberation.jsonl, camera_bench.jsonl, simulate_cost.jsonl, evaluate-single.json, evaluate-novel.json,
+ablations-single.json and ablations-novel.json; a section whose file is missing says so.
 """
 import json
 import os
 import platform
 import sys
+
+from evaluation_tables import evaluation_table
 
 
 def machine():
@@ -106,7 +108,20 @@ def simulation_table(text):
     return "\n".join(rows)
 
 
+EVALUATION_WORDS = (
+    "`earpoint evaluate --oracles --json` on the frozen pairs of the test split. Intervals are drawn by "
+    "conversation, since the clips of one share room, places and voices. Oracles are shown part of the "
+    "answer: they tell how much of the way to zero is to be had. ")
+
 SECTIONS = [
+    ("Methods in one home", "evaluate-single.json", evaluation_table,
+     EVALUATION_WORDS + "One home; its conversations are split."),
+    ("Methods in unseen homes", "evaluate-novel.json", evaluation_table,
+     EVALUATION_WORDS + "Homes and speakers of the test split are in no other split."),
+    ("Ablations in one home", "ablations-single.json", evaluation_table,
+     "`earpoint evaluate --ablations --json`: the network without one of its parts."),
+    ("Ablations in unseen homes", "ablations-novel.json", evaluation_table,
+     "`earpoint evaluate --ablations --json`, as above."),
     ("Exactness: our engine against the authors' code", "oracle_errors.md", None,
      "The same weights and inputs through `earpoint model run` and through the released code. "
      "Tests hold every oracle to 1e-4, on every instruction set that the machine has."),

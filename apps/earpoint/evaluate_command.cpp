@@ -35,6 +35,8 @@ constexpr const char* kExamples = R"(
 Examples:
   earpoint evaluate --data data/homes --methods input,dsp
   earpoint evaluate --data data/homes --methods input,dsp,mine=runs/mine/best.safetensors --json
+  earpoint evaluate --data data/homes --methods input,tf,dsp,vigas --oracles --report out
+  earpoint evaluate --data data/homes --ablations --runs runs/ablations
 
 Methods:
   input    the source's sound as it is
@@ -54,7 +56,7 @@ struct Options {
   fs::path data;
   std::string split = "test";
   std::optional<fs::path> pairs;
-  MethodRequest methods{.words = {"input", "dsp"}, .data = {}, .tf_index = {}, .oracles = false};
+  MethodRequest methods;
   std::optional<std::size_t> limit;
   int jobs = 0;
   fs::path rt60_model;
@@ -117,15 +119,25 @@ void run(const Options& options) {
 
 void add_evaluate_command(CLI::App& app) {
   auto options = std::make_shared<Options>();
+  options->methods.words = {"input", "dsp"};
   CLI::App* command = app.add_subcommand(
       "evaluate", "Measure methods side by side on the frozen pairs of a data set.");
   command->add_option("--data", options->data, "Folder of the data set")->required();
   command->add_option("--split", options->split, "Whose pairs")->capture_default_str();
   command->add_option("--pairs", options->pairs,
                       "Another pair list than pairs-<split>.json of the data set");
-  command->add_option("--methods", options->methods.words, "What to compare, separated by commas")
-      ->delimiter(',')
-      ->capture_default_str();
+  auto* methods =
+      command
+          ->add_option("--methods", options->methods.words, "What to compare, separated by commas")
+          ->delimiter(',')
+          ->capture_default_str();
+  command
+      ->add_flag("--ablations", options->methods.ablations,
+                 "Compare input with every shipped model of the family vigas, or every run of "
+                 "--runs")
+      ->excludes(methods);
+  command->add_option("--runs", options->methods.runs,
+                      "Folder of training runs: a row for the best weights of each");
   command->add_flag("--oracles", options->methods.oracles, "The ladder of oracles as well");
   command
       ->add_option("--tf-index", options->methods.tf_index,

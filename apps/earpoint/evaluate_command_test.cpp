@@ -11,6 +11,7 @@
 #include <earpoint/audio/sound_file.h>
 #include <earpoint/core/file.h>
 #include <earpoint/core/random.h>
+#include <earpoint/model/weights.h>
 
 namespace {
 
@@ -148,6 +149,75 @@ TEST_F(EvaluateCommandTest, BrokenPairsAreNamedAndSkippedOnlyWhenAsked) {
             std::ssize(json.at("skipped")));
 }
 
+/// A small ViGAS network, of other random numbers for every seed.
+void write_network(const fs::path& path, const std::string& name) {
+  earpoint::ViGasDescription description;
+  description.pose_encoding = earpoint::PoseEncoding::full;
+  description.inputs = {{"tgt_pose", 3}, {"tgt_rotation", 6}, {"bboxes", 4}};
+  description.fusion_width = 8;
+  description.conditioning_width = 8;
+  description.channels = 8;
+  description.blocks = 1;
+  description.layers_per_block = 2;
+  earpoint::ViGasWeights weights{.description = description, .tensors = {}, .unused = {}};
+  earpoint::RandomStream random(name.size());
+  for (const auto& [tensor, shape] : required_tensors(description)) {
+    std::size_t count = 1;
+    for (const auto size : shape) count *= static_cast<std::size_t>(size);
+    std::vector<float> values(count);
+    for (float& value : values) value = static_cast<float>(random.uniform(-0.3, 0.3));
+    weights.tensors[tensor] = earpoint::make_tensor(std::span<const float>(values), shape);
+  }
+  write_safetensors(path, vigas_weight_file(weights));
+}
+
+TEST_F(EvaluateCommandTest, RunsAndShippedModelsAreRows) {
+  for (const std::string name : {"no-box", "blind"}) {
+    fs::create_directories(folder_ / "runs" / name);
+    write_network(folder_ / "runs" / name / "best.safetensors", name);
+  }
+  fs::create_directories(folder_ / "runs/unfinished");
+  const auto methods_of = [](const ProgramOutcome& outcome) {
+    std::vector<std::string> names;
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
+    if (outcome.exit_code != 0) return names;
+    const auto json = nlohmann::json::parse(outcome.output);
+    for (const auto& row : json.at("rows")) {
+      names.push_back(row.at("method"));
+      EXPECT_GT(row.at("mag").at("mean"), 0.0);
+    }
+    return names;
+  };
+  const std::vector<std::string> few{"--limit", "2", "--json"};
+  const auto with = [&](std::vector<std::string> words) {
+    words.insert(words.end(), few.begin(), few.end());
+    return evaluate(folder_ / "data", words);
+  };
+  EXPECT_EQ(methods_of(with({"--ablations", "--runs", (folder_ / "runs").string()})),
+            (std::vector<std::string>{"input", "blind", "no-box"}));
+
+  fs::create_directories(folder_ / "models");
+  write_network(folder_ / "models/vigas.safetensors", "vigas");
+  write_network(folder_ / "models/vigas-blind.safetensors", "vigas-blind");
+  ::setenv("EARPOINT_MODELS_DIR", (folder_ / "models").c_str(), 1);
+  EXPECT_EQ(methods_of(with({"--ablations"})),
+            (std::vector<std::string>{"input", "vigas", "vigas-blind"}));
+  EXPECT_EQ(methods_of(with({"--methods", "vigas"})), (std::vector<std::string>{"vigas"}));
+  ::setenv("EARPOINT_MODELS_DIR", folder_.c_str(), 1);
+  const ProgramOutcome none = with({"--ablations"});
+  ::unsetenv("EARPOINT_MODELS_DIR");
+  EXPECT_EQ(none.exit_code, 2);
+  EXPECT_NE(none.errors.find("finds no vigas.safetensors"), std::string::npos) << none.errors;
+}
+
+TEST_F(EvaluateCommandTest, ReportIsWritten) {
+  const ProgramOutcome outcome =
+      evaluate(folder_ / "data",
+               {"--methods", "input", "--limit", "2", "--report", (folder_ / "page").string()});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
+  EXPECT_GT(fs::file_size(folder_ / "page/index.html"), 100000U);
+}
+
 TEST_F(EvaluateCommandTest, BadUseIsOneLine) {
   const auto error_of = [&](const std::vector<std::string>& more) {
     const ProgramOutcome outcome = evaluate(folder_ / "data", more);
@@ -164,6 +234,8 @@ TEST_F(EvaluateCommandTest, BadUseIsOneLine) {
   // This data set has no training split for tf.
   EXPECT_NE(error_of({"--methods", "tf"}).find("train: no such folder"), std::string::npos);
   EXPECT_NE(error_of({"--split", "val"}).find("val: no such folder"), std::string::npos);
+  EXPECT_NE(error_of({"--runs", (folder_ / "speech").string()}).find("holds no run"),
+            std::string::npos);
   EXPECT_NE(error_of({"--pairs", "none.json"}).find("none.json"), std::string::npos);
 }
 

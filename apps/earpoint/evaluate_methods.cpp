@@ -1,6 +1,10 @@
 #include "evaluate_methods.h"
 
 #include <algorithm>
+#include <system_error>
+#include <utility>
+
+#include <fmt/format.h>
 
 #include <earpoint/core/error.h>
 #include <earpoint/evaluate/oracles.h>
@@ -9,9 +13,13 @@
 
 namespace {
 
+namespace fs = std::filesystem;
 using earpoint::InputError;
 using earpoint::MethodEntry;
 using earpoint::TransferIndex;
+
+// What `earpoint train` leaves in the folder of a run.
+constexpr const char* kBestWeights = "best.safetensors";
 
 MethodEntry transfer_function(const MethodRequest& request, const std::set<std::string>& scenes) {
   const TransferIndex index = request.tf_index == "locations" ? TransferIndex::locations
@@ -42,18 +50,66 @@ MethodEntry method_of(const std::string& word, const MethodRequest& request,
                    "name a weight file: " + word + "=FILE.safetensors");
 }
 
+/// NAME=FILE of every run in a folder, in the order of names.
+std::vector<std::string> runs_in(const fs::path& folder) {
+  std::error_code error;
+  std::vector<std::string> words;
+  for (const fs::directory_entry& run : fs::directory_iterator(folder, error)) {
+    const fs::path weights = run.path() / kBestWeights;
+    if (fs::exists(weights))
+      words.push_back(run.path().filename().string() + "=" + weights.string());
+  }
+  if (error) throw InputError("--runs " + folder.string(), error.message());
+  if (words.empty()) {
+    throw InputError("--runs " + folder.string(),
+                     fmt::format("holds no run: no folder in it has a {}", kBestWeights),
+                     "train one (earpoint train)");
+  }
+  std::ranges::sort(words);
+  return words;
+}
+
+/// The names of all shipped models of the family.
+std::vector<std::string> shipped_family(const std::string& family) {
+  const auto first = earpoint::shipped_model_path(family + ".safetensors");
+  if (!first) {
+    throw InputError("--ablations", "finds no " + family + ".safetensors among the shipped models",
+                     "name the folder of your own runs with --runs");
+  }
+  std::vector<std::string> words;
+  for (const fs::directory_entry& file : fs::directory_iterator(first->parent_path())) {
+    const std::string name = file.path().stem().string();
+    if (file.path().extension() != ".safetensors") continue;
+    if (name == family || name.starts_with(family + "-")) words.push_back(name);
+  }
+  std::ranges::sort(words);
+  return words;
+}
+
+std::vector<std::string> words_of(const MethodRequest& request) {
+  std::vector<std::string> words =
+      request.ablations ? std::vector<std::string>{"input"} : request.words;
+  const auto add = [&](const std::vector<std::string>& more) {
+    words.insert(words.end(), more.begin(), more.end());
+  };
+  if (request.runs) {
+    add(runs_in(*request.runs));
+  } else if (request.ablations) {
+    add(shipped_family("vigas"));
+  }
+  if (!request.oracles) return words;
+  for (const MethodEntry& oracle : earpoint::oracle_methods()) {
+    if (std::ranges::find(words, oracle.name) == words.end()) words.push_back(oracle.name);
+  }
+  return words;
+}
+
 }  // namespace
 
 std::vector<MethodEntry> methods_of(const MethodRequest& request,
                                     const std::set<std::string>& scenes) {
-  std::vector<std::string> words = request.words;
-  if (request.oracles) {
-    for (const MethodEntry& oracle : earpoint::oracle_methods()) {
-      if (std::ranges::find(words, oracle.name) == words.end()) words.push_back(oracle.name);
-    }
-  }
   std::vector<MethodEntry> methods;
-  for (const std::string& word : words) {
+  for (const std::string& word : words_of(request)) {
     MethodEntry method = method_of(word, request, scenes);
     if (std::ranges::find(methods, method.name, &MethodEntry::name) != methods.end()) {
       throw InputError("--methods", "names " + method.name + " twice", "give one NAME=FILE");

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -14,6 +15,10 @@ struct MethodRequest {
   std::filesystem::path data;  ///< where `tf` finds the training split
   std::string tf_index;        ///< locations, relative, or empty: by whether the scenes are known
   bool oracles = false;        ///< all of them as well
+  /// `input` and every shipped model of the family vigas, or every run of `runs`, instead.
+  bool ablations = false;
+  /// Each of its folders that holds a best.safetensors is a row, named like the folder.
+  std::optional<std::filesystem::path> runs;
 };
 
 /// The rows of the table.

@@ -79,6 +79,7 @@ TEST(Readme, EveryCommandWorksAsItStands) {
   EXPECT_TRUE(fs::exists(folder / "there.mp4"));
   EXPECT_TRUE(fs::exists(folder / "outputs.safetensors"));
   EXPECT_TRUE(fs::exists(folder / "data/homes/pairs-test.json"));
+  EXPECT_TRUE(fs::exists(folder / "out/index.html"));
   fs::remove_all(folder);
 }
 

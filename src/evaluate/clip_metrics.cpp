@@ -1,6 +1,7 @@
 #include "filter_fit.h"
 #include "interaural_delay.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -93,6 +94,8 @@ const MetricName& name_of(Metric metric) { return kNames.at(static_cast<std::siz
 
 std::span<const Metric> all_metrics() { return kMetrics; }
 
+std::span<const Metric> told_metrics() { return std::span(kMetrics).first(7); }
+
 struct ClipMeasurer::State {
   EarDecays decays_of(const Waveform& sound) {
     EarDecays decays;
@@ -104,11 +107,16 @@ struct ClipMeasurer::State {
     return decays;
   }
 
-  void plan_fit(std::ptrdiff_t new_lead, const Waveform& sound) {
+  /// Keeps as much of the dry speech as the response that is looked for can reach.
+  void plan_fit(const PairTruth& truth, const Waveform& sound) {
+    const auto taps = static_cast<std::ptrdiff_t>(kResponse_s * sound.sample_rate_hz());
+    const std::ptrdiff_t new_lead = std::min(truth.lead, taps - 1);
+    const auto speech = truth.dry.channel(0);
+    EARPOINT_CHECK(std::ssize(speech) == truth.lead + sound.samples());
+    dry.assign(speech.begin() + (truth.lead - new_lead), speech.end());
     if (fit && lead == new_lead && planned_samples == sound.samples()) return;
     lead = new_lead;
     planned_samples = sound.samples();
-    const auto taps = static_cast<std::ptrdiff_t>(kResponse_s * sound.sample_rate_hz());
     fit.emplace(FilterShape{.before = 0, .after = taps}, lead, planned_samples,
                 FilterFit::Options{});
   }
@@ -142,8 +150,7 @@ void ClipMeasurer::set_target(const Waveform& target, const PairTruth* truth) {
   if (s.estimator) s.target_rt60_s = s.estimator(target);
   s.target_decays.reset();
   if (truth == nullptr) return;
-  s.dry.assign(truth->dry.channel(0).begin(), truth->dry.channel(0).end());
-  s.plan_fit(truth->lead, target);
+  s.plan_fit(*truth, target);
   s.target_decays = s.decays_of(target);
 }
 

@@ -84,10 +84,10 @@ std::string text_of(const EvaluationTable& table, const std::string& title,
   return text;
 }
 
-/// Those that any row has.
+/// Those of a table for people that any row has; the others are in the JSON.
 std::vector<Metric> present(const EvaluationTable& table) {
   std::vector<Metric> metrics;
-  for (const Metric metric : all_metrics()) {
+  for (const Metric metric : told_metrics()) {
     if (std::ranges::any_of(table.rows,
                             [&](const TableRow& row) { return row[metric].mean.has_value(); })) {
       metrics.push_back(metric);

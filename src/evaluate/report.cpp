@@ -23,9 +23,6 @@ namespace {
 
 constexpr int kPlotWidth = 480;
 constexpr float kLoudest = 0.9F;
-constexpr std::array<Metric, 7> kTold = {
-    Metric::mag,         Metric::lre,    Metric::rte, Metric::level, Metric::interaural_delay,
-    Metric::early_decay, Metric::clarity};
 
 std::string heading_of(Metric metric) {
   const MetricName& name = name_of(metric);
@@ -67,7 +64,7 @@ std::string cell(const TableRow::Column& column, int decimals, bool is_best) {
 
 std::string main_table(const EvaluationTable& table) {
   std::string html = "<table>\n<tr><th>method</th>";
-  for (const Metric metric : kTold) {
+  for (const Metric metric : told_metrics()) {
     if (is_shown(table, metric)) html += heading_of(metric);
   }
   html += "</tr>\n";
@@ -76,7 +73,7 @@ std::string main_table(const EvaluationTable& table) {
     html += fmt::format("<tr{}><td>{}{}<small>{}</small></td>",
                         row.is_oracle ? " class=\"oracle\"" : "", dot(m, row.method),
                         escaped(row.method), escaped(row.what));
-    for (const Metric metric : kTold) {
+    for (const Metric metric : told_metrics()) {
       if (!is_shown(table, metric)) continue;
       html += cell(row[metric], name_of(metric).decimals, best_of(table, metric) == m);
     }

@@ -45,12 +45,12 @@ td b { font-weight: 600; }
              margin-bottom: 12px; }
 .tag { background: var(--accent); color: #fff; border-radius: 99px; padding: 1px 11px;
        font-size: 13px; font-weight: 600; }
-.clip { display: grid; grid-template-columns: 256px 256px minmax(0, 1fr); gap: 18px;
+.clip { display: grid; grid-template-columns: 256px 256px minmax(0, 1fr); gap: 16px;
         align-items: start; }
-.clip td { vertical-align: middle; padding: 4px 10px; }
+.clip th, .clip td { vertical-align: middle; padding: 4px 7px; }
 .picture, .map svg { width: 256px; height: 256px; display: block; border-radius: 6px; }
 .caption { font-size: 12px; color: var(--soft); margin-top: 4px; }
-audio { width: 220px; height: 32px; display: block; }
+audio { width: 176px; height: 32px; display: block; }
 .plots { display: grid; grid-template-columns: repeat(3, minmax(0, 1fr)); gap: 12px;
          margin-top: 16px; }
 .plot { width: 100%; height: auto; display: block; border: 1px solid var(--line);

@@ -40,6 +40,8 @@ struct MetricName {
 
 /// Every metric once.
 [[nodiscard]] std::span<const Metric> all_metrics();
+/// Those that tables for people show: without the distances that look at samples one by one.
+[[nodiscard]] std::span<const Metric> told_metrics();
 
 /// One clip's numbers; nothing where a metric is not defined.
 class ClipMetrics {
@@ -65,7 +67,8 @@ using ReverberationEstimator = std::function<std::vector<double>(const Waveform&
 /// - interaural_delay: |ITD - ITD'|, each by GCC-PHAT between the ears within 1 ms;
 /// - early_decay, clarity: mean over the ears of |EDT - EDT'| and |C50 - C50'|. Both sounds are
 ///   first taken apart into the dry speech, which the simulator knows, and a response of half a
-///   second, by the same Wiener filter, so that its faults are the same on both sides. None where
+///   second, by the same Wiener filter, so that its faults are much the same on both sides: a
+///   second of speech tells EDT to about 0.17 s in homes of 0.7 s, and C50 to 1.2 dB. None where
 ///   the dry speech is not known or such a response has no decay.
 /// One object per thread.
 class ClipMeasurer {

@@ -1,0 +1,51 @@
+"""Markdown tables from what `earpoint evaluate --json` prints."""
+import json
+
+# Key in the JSON, heading, decimals.
+METRICS = [("mag", "Mag", 4), ("lre_db", "LRE (dB)", 2), ("rte_s", "RTE (s)", 4),
+           ("level_db", "level (dB)", 2), ("itd_us", "ITD (us)", 0), ("edt_s", "EDT (s)", 3),
+           ("c50_db", "C50 (dB)", 2)]
+RELEASED = [("mag", "Mag", 4), ("lre_db", "LRE (dB)", 2), ("rte_s", "RTE (s)", 4),
+            ("stft_distance", "STFT distance", 1), ("l2", "L2", 5), ("delay_samples", "delay", 1)]
+
+
+def present(rows, metrics):
+    return [metric for metric in metrics if any(metric[0] in row for row in rows)]
+
+
+def with_range(cell, key, decimals):
+    if not cell or cell[key] is None:
+        return "–"
+    text = f"{cell[key]:.{decimals}f}"
+    if cell["low"] is None:
+        return text
+    return f"{text} [{cell['low']:.{decimals}f}, {cell['high']:.{decimals}f}]"
+
+
+def table(rows, metrics, cell):
+    metrics = present(rows, metrics)
+    lines = ["| method | " + " | ".join(heading for _, heading, _ in metrics) + " |",
+             "|---" * (len(metrics) + 1) + "|"]
+    for row in rows:
+        cells = [cell(row, key, decimals) for key, _, decimals in metrics]
+        lines.append(f"| {row['method']} | " + " | ".join(cells) + " |")
+    return "\n".join(lines)
+
+
+def evaluation_table(text):
+    """Means, ratios to `input` and the released evaluation's numbers, one table each."""
+    run = json.loads(text)
+    rows = run["rows"]
+    parts = [f"{run['clips']} clips of {run['conversations']} conversations, split {run['split']}. "
+             "Mean error with its 95 % interval; 0 is best.", "",
+             table(rows, METRICS, lambda row, key, d: with_range(row.get(key), "mean", d)), "",
+             "As ratio to `input`:", "",
+             table(rows, METRICS,
+                   lambda row, key, d: with_range(row.get(key, {}).get("ratio"), "value", 2)), "",
+             "With what the published evaluation does with the target's help:", "",
+             table(rows, RELEASED,
+                   lambda row, key, d: f"{row['released'][key]['mean']:.{d}f}"
+                   if row["released"].get(key) else "–")]
+    if run["skipped"]:
+        parts += ["", f"{len(run['skipped'])} pairs could not be read and were left out."]
+    return "\n".join(parts)
