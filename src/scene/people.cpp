@@ -24,6 +24,19 @@ std::uint32_t append_surfaces(const Scene& figure, Scene& scene) {
   return first_material;
 }
 
+/// All postures, those most like the given one first.
+std::array<Posture, 3> nearest_postures(Posture posture) {
+  switch (posture) {
+    case Posture::standing:
+      break;
+    case Posture::sitting:
+      return {Posture::sitting, Posture::ground, Posture::standing};
+    case Posture::ground:
+      return {Posture::ground, Posture::sitting, Posture::standing};
+  }
+  return {Posture::standing, Posture::sitting, Posture::ground};
+}
+
 }  // namespace
 
 std::string_view name_of(Gender gender) { return gender == Gender::female ? "female" : "male"; }
@@ -66,11 +79,10 @@ FigureLibrary::FigureLibrary(std::vector<FigureModel> models) : models_(std::mov
 
 const FigureModel& FigureLibrary::draw(Gender gender, Posture posture, FigureSplit split,
                                        RandomStream& random) const {
-  // Where nobody of that posture is kept for the split, somebody who stands.
-  for (const Posture wanted : {posture, Posture::standing}) {
+  for (const Posture wanted : nearest_postures(posture)) {
     std::vector<const FigureModel*> found;
     for (const FigureModel& model : models_) {
-      if (model.gender == gender && model.posture == wanted &&
+      if (model.is_adult && model.gender == gender && model.posture == wanted &&
           model.for_test == (split == FigureSplit::test)) {
         found.push_back(&model);
       }

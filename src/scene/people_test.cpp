@@ -130,6 +130,38 @@ TEST(FigureLibrary, LetsSomebodyStandWhereNobodySits) {
   EXPECT_EQ(figure.posture, Posture::standing);
 }
 
+TEST(FigureLibrary, LetsPeopleSitLowerOrHigherBeforeTheyStand) {
+  RandomStream random(3);
+  const auto posture_drawn = [&](std::vector<Posture> there, Posture wanted) {
+    std::vector<FigureModel> models;
+    for (const Posture posture : there) {
+      models.push_back(figure_named("a", true));
+      models.back().posture = posture;
+    }
+    const FigureLibrary library(std::move(models));
+    return library.draw(Gender::female, wanted, FigureSplit::test, random).posture;
+  };
+  using enum Posture;
+  EXPECT_EQ(posture_drawn({standing, ground}, sitting), ground);
+  EXPECT_EQ(posture_drawn({standing, sitting}, ground), sitting);
+  EXPECT_EQ(posture_drawn({sitting, ground}, standing), sitting) << "no stand-in among real people";
+}
+
+TEST(FigureLibrary, DrawsAdultsAlone) {
+  FigureModel girl = figure_named("girl", false);
+  girl.is_adult = false;
+  const FigureLibrary library({girl, figure_named("woman", false)});
+  RandomStream random(3);
+  for (int i = 0; i < 20; ++i) {
+    EXPECT_EQ(library.draw(Gender::female, Posture::standing, FigureSplit::train, random).name,
+              "woman");
+  }
+  EXPECT_EQ(FigureLibrary({girl})
+                .draw(Gender::female, Posture::standing, FigureSplit::train, random)
+                .name,
+            "female mannequin");
+}
+
 TEST(AddPerson, PutsMouthAndBodyWhereTheyAreSaidToBe) {
   Home home = make_home(2, {}, FurnitureLibrary());
   const std::size_t faces = home.scene.mesh.triangles.size();

@@ -48,13 +48,15 @@ class FigureLibrary {
  public:
   /// Stand-ins alone.
   FigureLibrary();
-  /// Stand-ins are taken only where no model has that gender and split.
+  /// Stand-ins are taken only where no adult model has that gender and split.
   explicit FigureLibrary(std::vector<FigureModel> models);
 
   [[nodiscard]] const std::vector<FigureModel>& models() const { return models_; }
 
-  /// Draws a figure among those of that gender, posture and split; among those who stand, if there
-  /// is none of that posture (the installed figures have no man on the floor for tests).
+  /// Draws a figure among the adults of that gender, posture and split: voices are those of adults.
+  /// If there is none of that posture, among those of the next one: who cannot sit on a seat sits
+  /// on the floor, or the other way round, before anybody stands (of the installed figures kept for
+  /// tests, no woman sits on a seat and no man on the floor).
   [[nodiscard]] const FigureModel& draw(Gender gender, Posture posture, FigureSplit split,
                                         RandomStream& random) const;
 
