@@ -73,7 +73,8 @@ void check(const Options& options) {
 
 std::unique_ptr<earpoint::SceneSource> scene_source(const Options& options,
                                                     earpoint::ModelPack& models,
-                                                    const earpoint::MaterialTable* materials) {
+                                                    const earpoint::MaterialTable* materials,
+                                                    earpoint::StreamProgress& bar) {
   if (options.scenes.empty()) {
     return std::make_unique<earpoint::HomeSource>(
         options.generation.seed, earpoint::FurnitureLibrary(std::move(models.furniture)));
@@ -83,7 +84,10 @@ std::unique_ptr<earpoint::SceneSource> scene_source(const Options& options,
   if (!options.up_axis.empty()) {
     import.up_axis = options.up_axis == "y" ? earpoint::UpAxis::y : earpoint::UpAxis::z;
   }
-  return std::make_unique<earpoint::FileSource>(options.scenes, import);
+  const auto warn = [&bar](const fs::path& file, const std::string& warning) {
+    bar.note(fmt::format("earpoint: {}: {}", file.string(), warning));
+  };
+  return std::make_unique<earpoint::FileSource>(options.scenes, import, warn);
 }
 
 void run(Options options) {
@@ -102,14 +106,12 @@ void run(Options options) {
   std::optional<earpoint::MaterialTable> materials;
   if (options.materials) materials = earpoint::load_material_table(*options.materials);
   earpoint::ModelPack models = earpoint::installed_models();
+  earpoint::StreamProgress bar(stderr);
   const std::unique_ptr<earpoint::SceneSource> scenes =
-      scene_source(options, models, materials ? &*materials : nullptr);
-  // The voices are those of adults.
-  std::erase_if(models.figures, [](const auto& figure) { return !figure.is_adult; });
+      scene_source(options, models, materials ? &*materials : nullptr, bar);
   const earpoint::FigureLibrary figures(std::move(models.figures));
 
   earpoint::SilentProgress silent;
-  earpoint::StreamProgress bar(stderr);
   earpoint::ProgressSink& progress =
       options.quiet ? static_cast<earpoint::ProgressSink&>(silent) : bar;
   const earpoint::GenerationSummary summary =

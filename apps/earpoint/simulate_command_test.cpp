@@ -139,6 +139,24 @@ TEST_F(SimulateCommandTest, AScanOfOnesOwnIsSimulatedAndSummedUp) {
   EXPECT_EQ(earpoint::read_pair_list(folder_ / "out/pairs-test.json").pairs.size(), 4U);
 }
 
+TEST_F(SimulateCommandTest, WhatAnImporterDoubtsIsTold) {
+  // A box of 5 x 4 x 3 m without a ceiling, which is added; no pattern knows the name of its floor.
+  earpoint::write_file(folder_ / "box.obj",
+                       std::string_view("v 0 0 0\nv 5 0 0\nv 5 4 0\nv 0 4 0\nv 0 0 3\nv 5 0 3\n"
+                                        "v 5 4 3\nv 0 4 3\ng xyzzy\nf 1 2 3 4\ng brick\n"
+                                        "f 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n"));
+  std::vector<std::string> words = arguments("out");
+  words[1] = "--scene";
+  words[2] = (folder_ / "box.obj").string();
+  for (const char* word : {"--up", "z", "--close-ceiling", "--quiet"}) words.emplace_back(word);
+  const ProgramOutcome outcome = run_earpoint(words);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
+  EXPECT_NE(outcome.errors.find("box.obj: "), std::string::npos) << outcome.errors;
+  EXPECT_NE(outcome.errors.find("xyzzy"), std::string::npos) << outcome.errors;
+  // Two conversations share the scene, and the warnings come once.
+  EXPECT_EQ(outcome.errors.find("xyzzy"), outcome.errors.rfind("xyzzy")) << outcome.errors;
+}
+
 TEST_F(SimulateCommandTest, BadUseIsOneLineAndLeavesNothing) {
   const auto error_of = [&](const std::string& flag, const std::string& value) {
     std::vector<std::string> words = arguments("out");

@@ -47,6 +47,14 @@ void StreamProgress::finish() {
   draw(true);
 }
 
+void StreamProgress::note(const std::string& line) {
+  const std::lock_guard lock(mutex_);
+  // The next report draws the bar again.
+  if (is_terminal_) std::fprintf(stream_, "\r\033[K");
+  std::fprintf(stream_, "%s\n", line.c_str());
+  std::fflush(stream_);
+}
+
 void StreamProgress::draw(bool last) {
   const double elapsed =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();

@@ -40,6 +40,20 @@ TEST(StreamProgress, DrawsABarInPlaceOnATerminal) {
   std::fclose(stream);
 }
 
+TEST(StreamProgress, WritesANoteOnALineOfItsOwnAndDrawsTheBarAgain) {
+  std::FILE* stream = std::tmpfile();
+  StreamProgress progress(stream, true);
+  progress.begin("rendering", 4, "s");
+  progress.note("the lamp is broken");
+  progress.finish();
+  const std::string text = written(stream);
+  const std::size_t note = text.find("\r\033[Kthe lamp is broken\n");
+  ASSERT_NE(note, std::string::npos) << text;
+  EXPECT_LT(text.find("rendering"), note);
+  EXPECT_NE(text.find("rendering", note), std::string::npos);
+  std::fclose(stream);
+}
+
 TEST(FormatDuration, ReadsAsPeopleWrite) {
   EXPECT_EQ(format_duration(12.4), "12 s");
   EXPECT_EQ(format_duration(200), "3 min 20 s");

@@ -19,9 +19,10 @@ std::string HomeSource::description() const {
   return fmt::format("homes with {} models of furniture", library_.models().size());
 }
 
-FileSource::FileSource(std::vector<std::filesystem::path> paths, ImportOptions options)
-    : paths_(std::move(paths)), options_(options) {
+FileSource::FileSource(std::vector<std::filesystem::path> paths, ImportOptions options, Warn warn)
+    : paths_(std::move(paths)), options_(options), warn_(std::move(warn)) {
   EARPOINT_CHECK(!paths_.empty());
+  EARPOINT_CHECK(warn_ != nullptr);
   for (std::size_t i = 0; i < paths_.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
       if (paths_[i].stem() != paths_[j].stem()) continue;
@@ -32,7 +33,10 @@ FileSource::FileSource(std::vector<std::filesystem::path> paths, ImportOptions o
 }
 
 std::shared_ptr<const PreparedScene> FileSource::make(int scene) const {
-  return prepare_scan(name(scene), import_scene(paths_.at(scene), options_).scene);
+  const std::filesystem::path& path = paths_.at(scene);
+  ImportedScene imported = import_scene(path, options_);
+  for (const std::string& warning : imported.report.warnings()) warn_(path, warning);
+  return prepare_scan(name(scene), std::move(imported.scene));
 }
 
 std::string FileSource::name(int scene) const { return paths_.at(scene).stem().string(); }

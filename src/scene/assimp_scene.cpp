@@ -219,7 +219,8 @@ class AssimpReader {
     const aiMaterial& source = *source_.mMaterials[mesh.mMaterialIndex];
     const std::string name = source.GetName().C_Str();
     MaterialTable::Match sound = table_.match(name);
-    std::string surface = name;
+    // A surface without a material goes by its mesh, not by the name that Assimp gives it.
+    std::string surface = name == AI_DEFAULT_MATERIAL_NAME && !mesh_name.empty() ? mesh_name : name;
     for (const std::string& other : {mesh_name, node_name}) {
       if (!sound.is_default) break;
       sound = table_.match(other);

@@ -42,6 +42,9 @@ class StreamProgress : public ProgressSink {
   void advance(double amount) override;
   void finish() override;
 
+  /// Writes a line of its own between the reports.
+  void note(const std::string& line);
+
  private:
   void draw(bool last);
 

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -29,9 +30,13 @@ class HomeSource : public SceneSource {
 /// Scans and models from files.
 class FileSource : public SceneSource {
  public:
+  /// Takes what an importer warns of; called from the threads that make scenes.
+  using Warn = std::function<void(const std::filesystem::path&, const std::string& warning)>;
+
   /// @param paths  at least one
+  /// @param warn   once for every warning of a file, when its scene is made
   /// @throws InputError if two files have the same name
-  FileSource(std::vector<std::filesystem::path> paths, ImportOptions options);
+  FileSource(std::vector<std::filesystem::path> paths, ImportOptions options, Warn warn);
 
   /// @throws InputError if the file cannot be imported
   [[nodiscard]] std::shared_ptr<const PreparedScene> make(int scene) const override;
@@ -41,6 +46,7 @@ class FileSource : public SceneSource {
  private:
   std::vector<std::filesystem::path> paths_;
   ImportOptions options_;
+  Warn warn_;
 };
 
 }  // namespace earpoint
