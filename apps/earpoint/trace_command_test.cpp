@@ -1,10 +1,13 @@
 #include "run_program.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <string>
+#include <utility>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <earpoint/audio/sound_file.h>
@@ -151,6 +154,35 @@ TEST_F(TraceCommand, ClosesAModelWithoutACeiling) {
   const ProgramOutcome closed = run_earpoint(all);
   EXPECT_EQ(closed.exit_code, 0) << closed.errors;
   EXPECT_GT(energy(earpoint::read_sound(output_).channel(0)), 0.0);
+}
+
+TEST_F(TraceCommand, RefusesAListenerWhomNoSoundReaches) {
+  // Two closed boxes of 2 x 2 x 2 m with 1 m of nothing between them.
+  const auto box = [](int x, int first) {
+    std::string text;
+    for (const int z : {0, 2}) {
+      for (const auto& [dx, y] : {std::pair{0, 0}, {2, 0}, {2, 2}, {0, 2}}) {
+        text += fmt::format("v {} {} {}\n", x + dx, y, z);
+      }
+    }
+    for (const auto& [a, b, c, d] : {std::array{1, 2, 3, 4},
+                                     {5, 6, 7, 8},
+                                     {1, 2, 6, 5},
+                                     {2, 3, 7, 6},
+                                     {3, 4, 8, 7},
+                                     {4, 1, 5, 8}}) {
+      text += fmt::format("f {} {} {} {}\n", first + a, first + b, first + c, first + d);
+    }
+    return text;
+  };
+  const std::string model = (folder_ / "boxes.obj").string();
+  earpoint::write_file(model, "g concrete\n" + box(0, 0) + box(3, 8));
+  const std::vector<std::string> all = {"trace",  model,        "--up",  "z",          "--source",
+                                        "1,1,1",  "--listener", "4,1,1", "--duration", "0.2",
+                                        "--rays", "100",        "-o",    output_};
+  const std::string line = refusal(all);
+  EXPECT_EQ(line,
+            "earpoint: --listener: no sound reaches it; place it in the room of the source\n");
 }
 
 TEST_F(TraceCommand, AmbisonicMicrophoneHasItsChannels) {
