@@ -55,7 +55,7 @@ class Directivity {
 /// Speech that was recorded in front keeps its spectrum in front; the power that goes into the room
 /// is less than an omnidirectional source's, as `mean_energy` says.
 /// Source: Monson, Hunter and Story, "Horizontal directivity of low- and high-frequency energy in
-/// speech and singing", JASA 132 (2012).
+/// speech and singing", JASA 132 (2012), Table I, by way of transcriptions.
 Directivity speech_directivity();
 
 /// What makes sound: at 1 m in front, in free field, it has a level of 0 dB in every band.
