@@ -17,7 +17,7 @@ std::vector<float> convolve_strided(std::span<const float> in, int inputs,
   EARPOINT_CHECK(length * shape.stride == samples);
   const int taps = shape.taps();
   // Rows are the taps of all inputs, columns the outputs' places.
-  std::vector<float> columns(static_cast<std::size_t>(inputs * taps * length));
+  std::vector<float> columns(static_cast<std::size_t>(std::ptrdiff_t{inputs} * taps * length));
   for (int row = 0; row < inputs * taps; ++row) {
     const float* channel = in.data() + row / taps * samples;
     const std::ptrdiff_t offset = row % taps - shape.padding;

@@ -130,7 +130,7 @@ Floats Vam::State::attend(const std::string& name, std::span<const float> asking
     for (float& score : scores) score /= std::sqrt(static_cast<float>(part));
     infer::softmax_rows(scores, columns);
     infer::multiply(scores, columns_of(contents, width, first, part), heard, rows, columns, part);
-    for (int row = 0; row < rows; ++row) {
+    for (std::ptrdiff_t row = 0; row < rows; ++row) {
       std::copy_n(heard.begin() + row * part, part, joined.begin() + row * width + first);
     }
   }
@@ -144,18 +144,18 @@ Floats Vam::State::convolve_tokens(const std::string& name, std::span<const floa
   const Floats expanded = layer(name + ".expand", normed(name + ".norm", rows));
   const int length = static_cast<int>(rows.size()) / width;
   Floats gated(rows.size());
-  for (int t = 0; t < length; ++t) {
-    const float* row = expanded.data() + static_cast<std::ptrdiff_t>(t) * 2 * width;
+  for (std::ptrdiff_t t = 0; t < length; ++t) {
+    const float* row = expanded.data() + t * 2 * width;
     for (int c = 0; c < width; ++c)
       gated[t * width + c] = row[c] / (1.0F + std::exp(-row[width + c]));
   }
   const auto weight = values(name + ".depthwise.weight");
   const auto bias = values(name + ".depthwise.bias");
   Floats out(rows.size());
-  for (int t = 0; t < length; ++t) {
+  for (std::ptrdiff_t t = 0; t < length; ++t) {
     std::copy(bias.begin(), bias.end(), out.begin() + t * width);
     for (int tap = 0; tap < taps; ++tap) {
-      const int from = t + tap - taps / 2;
+      const std::ptrdiff_t from = t + tap - taps / 2;
       if (from < 0 || from >= length) continue;
       for (int c = 0; c < width; ++c) {
         out[t * width + c] += weight[c * taps + tap] * gated[from * width + c];

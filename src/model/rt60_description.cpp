@@ -61,7 +61,7 @@ Rt60Description rt60_description_from_json(std::string_view text, std::string_vi
 TensorShapes required_tensors(const Rt60Description& d) {
   TensorShapes shapes;
   add_resnet18(shapes, "feature_extraction", 1, d.channels);
-  add_layer(shapes, "predictor.0", {1, 8 * d.channels});
+  add_layer(shapes, "predictor.0", {1, std::int64_t{8} * d.channels});
   return shapes;
 }
 

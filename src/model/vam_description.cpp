@@ -165,7 +165,8 @@ TensorShapes required_tensors(const VamDescription& d) {
     add_layer(shapes, fmt::format("encoder.{}", level),
               {d.channels[level], d.encoder_inputs(level), d.taps(level)});
     const std::string decoder = fmt::format("decoder.{}", level);
-    shapes[decoder + ".weight"] = {2 * d.channels[level], d.decoder_outputs(level), d.taps(level)};
+    shapes[decoder + ".weight"] = {std::int64_t{2} * d.channels[level], d.decoder_outputs(level),
+                                   d.taps(level)};
     shapes[decoder + ".bias"] = {d.decoder_outputs(level)};
   }
   for (int block = 0; block < d.blocks; ++block) {
