@@ -126,10 +126,12 @@ class Evaluation {
   /// The released evaluation's sign fix, over the batch; what it changed is measured again.
   void fix_signs(std::vector<Clip>& batch) {
     std::vector<Waveform> targets;
+    targets.reserve(batch.size());
     for (const Clip& clip : batch) targets.push_back(clip.target);
     std::vector<std::size_t> changed;
     for (std::size_t m = 0; m < methods_.size(); ++m) {
       std::vector<Waveform> renderings;
+      renderings.reserve(batch.size());
       for (Clip& clip : batch) renderings.push_back(std::move(clip.renderings[m]));
       if (fix_sign(renderings, targets) != SignFix::none) {
         changed.push_back(m);

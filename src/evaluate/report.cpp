@@ -173,6 +173,7 @@ std::string players(const std::vector<Sound>& sounds, float gain) {
 
 std::string waveform_plot(const std::vector<Sound>& sounds) {
   std::vector<WaveformPanel> panels;
+  panels.reserve(sounds.size());
   for (const Sound& sound : sounds) panels.push_back({sound.name, WaveformOutline(sound.wave)});
   return img_tag(plot_waveforms(panels, "left ear blue, right ear orange", kPlotWidth), "waveforms",
                  "plot");

@@ -99,6 +99,7 @@ std::vector<std::vector<CurvePoint>> curves_of(const EvaluationResult& result, M
   std::vector<std::vector<CurvePoint>> curves(result.methods.size());
   for (const std::vector<std::size_t>& bin : bins_of(result, axis)) {
     std::vector<int> clusters;
+    clusters.reserve(bin.size());
     double x = 0.0;
     for (const std::size_t clip : bin) {
       clusters.push_back(result.clips[clip].cluster);
@@ -107,6 +108,7 @@ std::vector<std::vector<CurvePoint>> curves_of(const EvaluationResult& result, M
     const ClusterBootstrap bootstrap(clusters, {.replicates = 1000});
     for (std::size_t m = 0; m < curves.size(); ++m) {
       std::vector<std::optional<double>> values;
+      values.reserve(bin.size());
       for (const std::size_t clip : bin) values.push_back(result.clips[clip].honest[m][metric]);
       if (const auto mean = bootstrap.mean(values)) curves[m].push_back({x, *mean});
     }
