@@ -49,7 +49,7 @@ struct Turn {
 };
 inline Turn turn_of(float v) {
   // The nearest quarter and what is left of it, at most an eighth of a turn.
-  const int quarter = static_cast<int>(4.0F * v + 0.5F);
+  const int quarter = static_cast<int>(8.0F * v + 1.0F) / 2;
   const float x = 2.0F * kPiF * (v - 0.25F * static_cast<float>(quarter));
   const float x2 = x * x;
   const float sine = x * (1.0F + x2 * (-1.0F / 6 + x2 * (1.0F / 120 - x2 / 5040)));
