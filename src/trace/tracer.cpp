@@ -104,7 +104,7 @@ MirrorLimits mirror_limits(const TraceOptions& options, double speed_m_per_s) {
   const double reach_m = std::sqrt(options.mirror_rays * kOpeningSquareMetres / (3.0 * 4.0 * kPi));
   return {.max_reflections = options.mirror_rays > 0 ? options.max_mirrors : 0,
           .max_distance_m = std::min(reach_m, options.duration_s * speed_m_per_s),
-          .min_energy = 1e-4,
+          .min_energy = 1e-5,
           .min_purity = 0.03};
 }
 
