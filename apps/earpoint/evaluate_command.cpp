@@ -83,8 +83,11 @@ void run(const Options& options) {
   if (options.jobs < 0) {
     throw InputError("--jobs", fmt::format("expected 0 or more, found {}", options.jobs));
   }
-  const auto set = earpoint::soundspaces_evaluation_set(options.data, options.split, options.pairs,
-                                                        options.limit, kCacheBytes);
+  const std::unique_ptr<earpoint::EvaluationSet> set =
+      earpoint::is_replay_folder(options.data)
+          ? earpoint::replay_evaluation_set(options.data, options.split, options.limit)
+          : earpoint::soundspaces_evaluation_set(options.data, options.split, options.pairs,
+                                                 options.limit, kCacheBytes);
   std::set<std::string> scenes;
   for (std::size_t pair = 0; pair < set->size(); ++pair) scenes.insert(set->scene(pair));
   MethodRequest request = options.methods;
@@ -122,7 +125,10 @@ void add_evaluate_command(CLI::App& app) {
   options->methods.words = {"input", "dsp"};
   CLI::App* command = app.add_subcommand(
       "evaluate", "Measure methods side by side on the frozen pairs of a data set.");
-  command->add_option("--data", options->data, "Folder of the data set")->required();
+  command
+      ->add_option("--data", options->data,
+                   "Folder of the data set: of earpoint simulate, SoundSpaces-NVAS or Replay-NVAS")
+      ->required();
   command->add_option("--split", options->split, "Whose pairs")->capture_default_str();
   command->add_option("--pairs", options->pairs,
                       "Another pair list than pairs-<split>.json of the data set");

@@ -78,7 +78,7 @@ class Evaluation {
     }
     clip.target = sample->target;
     clip.result.source_from_target = sample->source_from_target;
-    clip.result.speaker_m = sample->speaker_m;
+    if (set_.knows_speaker()) clip.result.speaker_m = sample->speaker_m;
     clip.result.speaker_in_sight = sample->speaker_box.has_value();
     const std::optional<PairSample> released = set_.released_sample(pair);
     for (std::size_t m = 0; m < methods_.size(); ++m) {
@@ -164,6 +164,14 @@ class Evaluation {
 EvaluationResult evaluate(const EvaluationSet& set, std::span<const MethodEntry> methods,
                           const EvaluationOptions& options, ProgressSink& progress) {
   EARPOINT_CHECK(options.jobs > 0 && !methods.empty());
+  for (const MethodEntry& entry : methods) {
+    if (entry.needs_speaker && !set.knows_speaker()) {
+      throw InputError("method " + entry.name,
+                       "must know where the speaker stands, which these "
+                       "data do not tell",
+                       "leave it out");
+    }
+  }
   return Evaluation(set, methods, options).run(progress);
 }
 

@@ -28,7 +28,7 @@ class FilterFit {
  public:
   struct Options {
     double regularisation = 1e-4;
-    int steps = 24;
+    int steps = 16;
   };
 
   /// @param lead     input samples before the output's first

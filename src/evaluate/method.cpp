@@ -98,7 +98,8 @@ MethodEntry dsp_method() {
   return {.name = "dsp",
           .what = "inverse and forward head filters, true speaker position",
           .is_oracle = false,
-          .make = [hrtf = HrtfSet::load(kRate_hz)] { return std::make_unique<DspMethod>(hrtf); }};
+          .make = [hrtf = HrtfSet::load(kRate_hz)] { return std::make_unique<DspMethod>(hrtf); },
+          .needs_speaker = true};
 }
 
 MethodEntry network_method(const std::string& name, const std::string& weights) {

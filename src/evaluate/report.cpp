@@ -111,7 +111,10 @@ std::string curves(const EvaluationResult& result) {
   }
   html += "</div>\n<div class=\"figures\">\n";
   for (const Metric metric : {Metric::mag, Metric::lre, Metric::level}) {
-    for (const CurveAxis& axis : curve_axes()) html += curve_svg(result, metric, axis) + "\n";
+    for (const CurveAxis& axis : curve_axes()) {
+      if (axis.needs_speaker && !result.clips.front().speaker_m) continue;
+      html += curve_svg(result, metric, axis) + "\n";
+    }
   }
   return html + "</div>\n";
 }

@@ -180,9 +180,9 @@ std::string curve(const CurveScale& scale, const std::vector<CurvePoint>& points
 
 }  // namespace
 
-std::string map_svg(const Pose& source_from_target, const Vector3& speaker_m) {
+std::string map_svg(const Pose& source_from_target, const std::optional<Vector3>& speaker_m) {
   const Vector3& target_m = source_from_target.position_m;
-  const std::array<Vector3, 2> points{target_m, speaker_m};
+  const std::array<Vector3, 2> points{target_m, speaker_m.value_or(target_m)};
   const MapScale scale(points);
   const Vector3 source_m;
   std::string svg = fmt::format(
@@ -191,17 +191,19 @@ std::string map_svg(const Pose& source_from_target, const Vector3& speaker_m) {
       "<rect width=\"{0}\" height=\"{0}\" fill=\"#f3f5f8\"/>",
       kMapSize);
   const int rings =
-      static_cast<int>(std::ceil(std::max(horizontal(target_m), horizontal(speaker_m)) + 1.0));
+      static_cast<int>(std::ceil(std::max(horizontal(target_m), horizontal(points[1])) + 1.0));
   for (int ring = 1; ring <= rings; ++ring) {
     svg += fmt::format(
         "<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{:.1f}\" fill=\"none\" stroke=\"#dde2e9\"/>",
         scale.x(source_m), scale.y(source_m), ring * scale.pixels_per_metre());
   }
-  svg += fmt::format(
-      "<circle cx=\"{0:.1f}\" cy=\"{1:.1f}\" r=\"7\" fill=\"#e08e2b\" stroke=\"#fff\" "
-      "stroke-width=\"1.5\"/><text x=\"{0:.1f}\" y=\"{2:.1f}\" text-anchor=\"middle\">speaker"
-      "</text>",
-      scale.x(speaker_m), scale.y(speaker_m), scale.y(speaker_m) - 13.0);
+  if (speaker_m) {
+    svg += fmt::format(
+        "<circle cx=\"{0:.1f}\" cy=\"{1:.1f}\" r=\"7\" fill=\"#e08e2b\" stroke=\"#fff\" "
+        "stroke-width=\"1.5\"/><text x=\"{0:.1f}\" y=\"{2:.1f}\" text-anchor=\"middle\">speaker"
+        "</text>",
+        scale.x(*speaker_m), scale.y(*speaker_m), scale.y(*speaker_m) - 13.0);
+  }
   svg += head(scale.x(source_m), scale.y(source_m), 0.0, "#7a828e", "source");
   svg += head(scale.x(target_m), scale.y(target_m),
               euler_from_quaternion(source_from_target.orientation).yaw_rad, "#2563a8", "target");
@@ -219,8 +221,9 @@ std::span<const CurveAxis> curve_axes() {
        }},
       {"from target to speaker, m",
        [](const ClipResult& clip) {
-         return norm(clip.speaker_m - clip.source_from_target.position_m);
-       }},
+         return norm(*clip.speaker_m - clip.source_from_target.position_m);
+       },
+       true},
   }};
   return axes;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -11,12 +12,14 @@ namespace earpoint {
 
 /// A map from above, as SVG, 256 x 256: the source looks up the page, and everyone stands where
 /// they are around it; rings of a metre.
-[[nodiscard]] std::string map_svg(const Pose& source_from_target, const Vector3& speaker_m);
+[[nodiscard]] std::string map_svg(const Pose& source_from_target,
+                                  const std::optional<Vector3>& speaker_m);
 
 /// What a curve is drawn over.
 struct CurveAxis {
   std::string_view label;
   std::function<double(const ClipResult&)> value;
+  bool needs_speaker = false;  ///< it is defined only where the speaker's place is known
 };
 /// Distance of the viewpoints, turn between them, and the target's distance to the speaker.
 [[nodiscard]] std::span<const CurveAxis> curve_axes();

@@ -69,7 +69,7 @@ TEST(ReportHtml, WavIsReadBack) {
 
 TEST(ReportFigures, MapPutsLeftLeftAndAheadUp) {
   // The target stands 2 m ahead and 1 m to the left, the speaker 1 m to the right of the source.
-  const std::string svg = map_svg({{2.0, 1.0, 0.0}, {}}, {0.0, -1.0, 0.0});
+  const std::string svg = map_svg({{2.0, 1.0, 0.0}, {}}, Vector3{0.0, -1.0, 0.0});
   // Two metres across and two up fill 256 less margins of 34: 94 pixels a metre.
   EXPECT_NE(svg.find("translate(34.0 34.0)"), std::string::npos) << svg;               // target
   EXPECT_NE(svg.find("translate(128.0 222.0)"), std::string::npos) << svg;             // source

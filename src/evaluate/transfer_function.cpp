@@ -204,7 +204,8 @@ MethodEntry transfer_function_method(const fs::path& folder, TransferIndex index
                       ? "Wiener filters of the nearest training pair by true locations"
                       : "Wiener filters of the nearest training pair by relative pose",
           .is_oracle = false,
-          .make = [pairs] { return std::make_unique<TransferFunctionMethod>(pairs); }};
+          .make = [pairs] { return std::make_unique<TransferFunctionMethod>(pairs); },
+          .needs_speaker = true};
 }
 
 }  // namespace earpoint

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -20,7 +21,7 @@ struct ClipResult {
   std::string scene;
   int cluster = 0;
   Pose source_from_target;
-  Vector3 speaker_m;                  ///< source view's frame
+  std::optional<Vector3> speaker_m;   ///< source view's frame; nothing where it is not known
   bool speaker_in_sight = false;      ///< of the source view
   std::vector<ClipMetrics> honest;    ///< by method
   std::vector<ClipMetrics> released;  ///< by method, with the released evaluation's oracles

@@ -24,6 +24,8 @@ class EvaluationSet {
   [[nodiscard]] virtual int cluster(std::size_t pair) const = 0;
   /// @throws InputError naming the file that is missing or malformed
   [[nodiscard]] virtual PairSample sample(std::size_t pair) const = 0;
+  /// Whether samples tell where the speaker stands.
+  [[nodiscard]] virtual bool knows_speaker() const { return true; }
   /// What a simulator knows; nothing of recordings.
   [[nodiscard]] virtual std::optional<PairTruth> truth(std::size_t pair) const = 0;
 
@@ -44,5 +46,15 @@ class EvaluationSet {
     const std::filesystem::path& folder, const std::string& split,
     const std::optional<std::filesystem::path>& pair_list, std::optional<std::size_t> limit,
     std::size_t cache_bytes);
+
+/// Whether a folder holds the Replay-NVAS data set (v3 layout).
+[[nodiscard]] bool is_replay_folder(const std::filesystem::path& folder);
+
+/// The pairs that the released evaluation draws of a split of Replay-NVAS; a recording session is a
+/// cluster. Where the speaker stands is not known. The released samples have their source moved by
+/// a delay that was found against the target.
+/// @throws InputError as ReplayDataset
+[[nodiscard]] std::unique_ptr<EvaluationSet> replay_evaluation_set(
+    const std::filesystem::path& root, const std::string& split, std::optional<std::size_t> limit);
 
 }  // namespace earpoint

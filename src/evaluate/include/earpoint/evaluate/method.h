@@ -33,6 +33,7 @@ struct MethodEntry {
   std::string what;        ///< for people: the weight file, or a few words
   bool is_oracle = false;  ///< it is shown what it should find out
   std::function<std::unique_ptr<Method>()> make;
+  bool needs_speaker = false;  ///< it must be told where the speaker stands
 };
 
 /// The paper's first baseline: the target hears what the source heard.
