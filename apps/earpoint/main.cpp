@@ -4,6 +4,9 @@
 #include "render_command.h"
 #include "simulate_command.h"
 #include "trace_command.h"
+#if defined(EARPOINT_TRAIN)
+#include "train_command.h"
+#endif
 #include "view_command.h"
 
 #include <cstdio>
@@ -23,6 +26,9 @@ int main(int argc, char** argv) {
   add_model_command(app);
   add_simulate_command(app);
   add_trace_command(app);
+#if defined(EARPOINT_TRAIN)
+  add_train_command(app);
+#endif
   add_view_command(app);
   try {
     app.parse(argc, argv);

@@ -23,10 +23,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kRate_hz = 16000;
+constexpr int kRateHz = 16000;
 constexpr int kEars = 2;
 
 using SharedSound = std::shared_ptr<const Waveform>;
+using Response = SoundSpacesDataset::Response;
 using Spectrum = std::vector<std::complex<float>>;
 
 /// A transform of that size, of this thread: they hold work space.
@@ -46,6 +47,12 @@ void copy_window(const Waveform& sound, int channel, std::ptrdiff_t start,
   std::ranges::copy(samples, window.begin() + (first - start));
 }
 
+Waveform delayed(const Waveform& sound, std::ptrdiff_t samples) {
+  Waveform result(sound.channels(), sound.samples() + samples, sound.sample_rate_hz());
+  for (int c = 0; c < sound.channels(); ++c) copy_window(sound, c, -samples, result.channel(c));
+  return result;
+}
+
 /// The end of the convolution of `dry` with several responses, by one transform of `dry`: the
 /// samples from `lead` on, which no response reaches round the transform's end to.
 class WindowConvolver {
@@ -63,7 +70,7 @@ class WindowConvolver {
 
   Waveform heard(const Waveform& response) {
     EARPOINT_CHECK(response.samples() <= lead_ + 1);
-    Waveform sound(kEars, samples_, kRate_hz);
+    Waveform sound(kEars, samples_, kRateHz);
     for (int ear = 0; ear < kEars; ++ear) {
       copy_window(response, ear, 0, signal_);
       fft_.forward(signal_, spectrum_);
@@ -116,9 +123,9 @@ Pose world_from_viewpoint(const SoundSpacesViewpoint& viewpoint) {
 
 void check_rate(const fs::path& path) {
   const int rate_hz = probe_sound(path).sample_rate_hz;
-  if (rate_hz >= kRate_hz) return;
+  if (rate_hz >= kRateHz) return;
   throw InputError(path.string(),
-                   fmt::format("expected {} Hz or more, found {} Hz", kRate_hz, rate_hz));
+                   fmt::format("expected {} Hz or more, found {} Hz", kRateHz, rate_hz));
 }
 
 std::size_t bytes_of(const Waveform& sound) { return sound.planar().size_bytes(); }
@@ -126,8 +133,8 @@ std::size_t bytes_of(const Waveform& sound) { return sound.planar().size_bytes()
 }  // namespace
 
 struct PairSampler::State {
-  State(const SoundSpacesDataset& data, std::size_t cache_bytes)
-      : dataset(data), cache(cache_bytes) {}
+  State(const SoundSpacesDataset& data, std::size_t cache_bytes, ResponseDelays response_delays)
+      : dataset(data), delays(response_delays), cache(cache_bytes) {}
 
   SharedSound speech(const std::string& name) {
     return cache.get<Waveform>(
@@ -139,14 +146,14 @@ struct PairSampler::State {
         bytes_of);
   }
 
-  SharedSound response(const std::string& rir) {
-    return cache.get<Waveform>(
+  std::shared_ptr<const Response> response(const std::string& rir) {
+    return cache.get<Response>(
         "response " + rir,
         [&] {
           check_rate(dataset.path_of(rir));
           return dataset.read_response(rir);
         },
-        bytes_of);
+        [](const Response& response) { return bytes_of(response.sound); });
   }
 
   std::shared_ptr<const Image> picture(const std::string& name) {
@@ -156,11 +163,13 @@ struct PairSampler::State {
   }
 
   const SoundSpacesDataset& dataset;
+  ResponseDelays delays;
   ByteCache cache;
 };
 
-PairSampler::PairSampler(const SoundSpacesDataset& dataset, std::size_t cache_bytes)
-    : state_(std::make_unique<State>(dataset, cache_bytes)) {}
+PairSampler::PairSampler(const SoundSpacesDataset& dataset, std::size_t cache_bytes,
+                         ResponseDelays delays)
+    : state_(std::make_unique<State>(dataset, cache_bytes, delays)) {}
 PairSampler::~PairSampler() = default;
 PairSampler::PairSampler(PairSampler&&) noexcept = default;
 PairSampler& PairSampler::operator=(PairSampler&&) noexcept = default;
@@ -171,10 +180,14 @@ PairTruth PairSampler::truth(const SoundSpacesClip& clip, const SoundSpacesChoic
   const auto [source, target, speaker] = chosen(clip, choice);
   PairTruth truth;
   const SharedSound speech = state_->speech(*speaker.speech);
-  truth.source_response = *state_->response(source.rir.at(speaker.id));
-  truth.target_response = *state_->response(target.rir.at(speaker.id));
+  const auto to_source = state_->response(source.rir.at(speaker.id));
+  const auto to_target = state_->response(target.rir.at(speaker.id));
+  const std::ptrdiff_t later =
+      state_->delays == ResponseDelays::relative ? to_target->delay - to_source->delay : 0;
+  truth.source_response = delayed(to_source->sound, std::max(-later, std::ptrdiff_t{0}));
+  truth.target_response = delayed(to_target->sound, std::max(later, std::ptrdiff_t{0}));
   truth.lead = std::max(truth.source_response.samples(), truth.target_response.samples()) - 1;
-  truth.dry = Waveform(1, truth.lead + samples, kRate_hz);
+  truth.dry = Waveform(1, truth.lead + samples, kRateHz);
   copy_window(*speech, 0, choice.window_start - truth.lead, truth.dry.channel(0));
   return truth;
 }
@@ -202,6 +215,53 @@ PairSample PairSampler::sample(const SoundSpacesClip& clip, const SoundSpacesCho
 std::ptrdiff_t PairSampler::speech_samples(const SoundSpacesSpeaker& speaker) const {
   EARPOINT_CHECK(speaker.speech.has_value());
   return state_->speech(*speaker.speech)->samples();
+}
+
+namespace {
+
+Waveform ears_swapped(const Waveform& sound) {
+  Waveform result(kEars, sound.samples(), sound.sample_rate_hz());
+  std::ranges::copy(sound.channel(0), result.channel(1).begin());
+  std::ranges::copy(sound.channel(1), result.channel(0).begin());
+  return result;
+}
+
+Image flipped(const Image& picture) {
+  Image result(picture.width(), picture.height(), picture.channels());
+  for (int y = 0; y < picture.height(); ++y) {
+    for (int x = 0; x < picture.width(); ++x) {
+      for (int c = 0; c < picture.channels(); ++c) {
+        result.at(picture.width() - 1 - x, y, c) = picture.at(x, y, c);
+      }
+    }
+  }
+  return result;
+}
+
+Vector3 mirrored(const Vector3& v) { return {v.x, -v.y, v.z}; }
+
+/// A turn about an axis becomes the opposite turn about the mirrored axis.
+Pose mirrored(const Pose& pose) {
+  const Quaternion& q = pose.orientation;
+  return {mirrored(pose.position_m), {.w = q.w, .x = -q.x, .y = q.y, .z = -q.z}};
+}
+
+}  // namespace
+
+PairSample mirrored(const PairSample& sample) {
+  PairSample result = sample;
+  result.source = ears_swapped(sample.source);
+  result.target = ears_swapped(sample.target);
+  result.picture = std::make_shared<const Image>(flipped(*sample.picture));
+  if (sample.speaker_box) {
+    result.speaker_box->x_min = 1.0 - sample.speaker_box->x_max;
+    result.speaker_box->x_max = 1.0 - sample.speaker_box->x_min;
+  }
+  result.source_from_target = mirrored(sample.source_from_target);
+  result.speaker_m = mirrored(sample.speaker_m);
+  if (sample.speaker_yaw_rad) result.speaker_yaw_rad = wrap_angle(-*sample.speaker_yaw_rad);
+  result.world_from_source = mirrored(sample.world_from_source);
+  return result;
 }
 
 SoundSpacesDataset::Options soundspaces_options(const fs::path& folder, const std::string& split) {

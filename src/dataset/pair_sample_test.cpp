@@ -117,6 +117,48 @@ TEST_F(PairSamplerTest, TruthConvolvesToTheSample) {
   expect_same(sample.target, heard);
 }
 
+TEST_F(PairSamplerTest, RelativeDelaysAreTheWaysDifference) {
+  const SoundSpacesDataset data = dataset();
+  const SoundSpacesClip& clip = data.clips()[0];
+  const SoundSpacesChoice choice{.source = 0, .target = 1, .speaker = 0, .window_start = 2000};
+  const PairTruth dropped = PairSampler(data, kPlenty).truth(clip, choice);
+  const PairTruth relative =
+      PairSampler(data, kPlenty, ResponseDelays::relative).truth(clip, choice);
+  const Vector3 speaker = clip.speakers[0].location;
+  const double farther_m =
+      norm(clip.viewpoints[1].location - speaker) - norm(clip.viewpoints[0].location - speaker);
+  // The set's responses begin at distance / 343 m/s, in whole samples.
+  const std::ptrdiff_t source =
+      relative.source_response.samples() - dropped.source_response.samples();
+  const std::ptrdiff_t target =
+      relative.target_response.samples() - dropped.target_response.samples();
+  EXPECT_NEAR(static_cast<double>(target - source), farther_m / 343.0 * 16000.0, 1.0);
+  EXPECT_EQ(std::min(source, target), 0);
+  EXPECT_GT(std::max(source, target), 0);
+}
+
+TEST_F(PairSamplerTest, AMirrorSwapsLeftAndRight) {
+  const SoundSpacesDataset data = dataset();
+  const PairSampler sampler(data, kPlenty);
+  const PairSample sample =
+      sampler.sample(data.clips()[0], {.source = 1, .target = 2, .speaker = 0});
+  const PairSample mirror = mirrored(sample);
+  EXPECT_TRUE(std::ranges::equal(mirror.source.channel(0), sample.source.channel(1)));
+  EXPECT_TRUE(std::ranges::equal(mirror.target.channel(1), sample.target.channel(0)));
+  EXPECT_EQ(mirror.picture->at(0, 20, 1), sample.picture->at(63, 20, 1));
+  EXPECT_DOUBLE_EQ(mirror.speaker_box->x_min, 1.0 - sample.speaker_box->x_max);
+  const EulerAngles turn = euler_from_quaternion(sample.source_from_target.orientation);
+  const EulerAngles mirrored_turn = euler_from_quaternion(mirror.source_from_target.orientation);
+  EXPECT_NEAR(mirrored_turn.yaw_rad, -turn.yaw_rad, 1e-12);
+  EXPECT_EQ(mirror.speaker_m.y, -sample.speaker_m.y);
+  // The speaker, as the target sees it, lies as far to the other side.
+  const auto seen_by_target = [](const PairSample& pair) {
+    return transform_point(inverse(pair.source_from_target), pair.speaker_m);
+  };
+  EXPECT_NEAR(seen_by_target(mirror).y, -seen_by_target(sample).y, 1e-12);
+  EXPECT_NEAR(seen_by_target(mirror).x, seen_by_target(sample).x, 1e-12);
+}
+
 TEST_F(PairSamplerTest, ManyThreadsAndATinyCacheGetTheSameSamples) {
   const SoundSpacesDataset data = dataset();
   const PairSampler patient(data, kPlenty);

@@ -114,7 +114,7 @@ ReverberantSpeech::ReverberantSpeech(const SoundSpacesDataset& dataset,
   const std::size_t kept = std::min(names.size(), most_responses);
   for (std::size_t i = 0; i < kept; ++i) {
     const std::string& name = names[i * names.size() / kept];
-    const Waveform response = dataset.read_response(name);
+    const Waveform response = dataset.read_response(name).sound;
     for (int ear = 0; ear < response.channels(); ++ear) {
       const auto samples = response.channel(ear);
       if (const auto t60_s = middle_t60_s(samples)) {

@@ -74,7 +74,7 @@ TEST_F(ReverberantSpeechTest, KnowsTheTimesOfItsResponses) {
   for (const SoundSpacesClip& clip : data.clips()) {
     for (const SoundSpacesViewpoint& viewpoint : clip.viewpoints) {
       for (const auto& [speaker, name] : viewpoint.rir) {
-        const Waveform response = data.read_response(name);
+        const Waveform response = data.read_response(name).sound;
         for (int ear = 0; ear < 2; ++ear) {
           RandomStream random(1, {index});
           const ReverberantSecond second = speech.measured(index++, random);

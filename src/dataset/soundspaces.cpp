@@ -26,12 +26,12 @@ constexpr std::ptrdiff_t kFewestSpeechSamples = 34;
 // Below this a response counts as silence and keeps its delay, as in the released loader.
 constexpr float kSilence = 1e-8F;
 
-/// Drops what lies before the earlier ear's first sample that is not zero.
-Waveform without_delay(const Waveform& response, const std::string& where) {
+/// Samples before the earlier ear's first that is not zero.
+std::ptrdiff_t delay_of(const Waveform& response, const std::string& where) {
   const auto samples = response.planar();
   if (std::all_of(samples.begin(), samples.end(),
                   [](float sample) { return std::abs(sample) <= kSilence; })) {
-    return response;
+    return 0;
   }
   std::ptrdiff_t first = response.samples();
   for (int ear = 0; ear < response.channels(); ++ear) {
@@ -43,7 +43,7 @@ Waveform without_delay(const Waveform& response, const std::string& where) {
     }
     first = std::min(first, onset - channel.begin());
   }
-  return window_of(response, first, response.samples() - first);
+  return first;
 }
 
 Waveform heard(const Waveform& speech, const Waveform& response) {
@@ -131,14 +131,16 @@ Waveform SoundSpacesDataset::read_speech(const std::string& speech) const {
   return resample_sinc(highpass(sound, kCutoff_hz), kRate_hz);
 }
 
-Waveform SoundSpacesDataset::read_response(const std::string& rir) const {
+SoundSpacesDataset::Response SoundSpacesDataset::read_response(const std::string& rir) const {
   const fs::path path = path_of(rir);
-  const Waveform response = read_sound(path);
+  Waveform response = read_sound(path);
   if (response.channels() != 2) {
     throw InputError(path.string(),
                      fmt::format("expected 2 channels, found {}", response.channels()));
   }
-  return without_delay(resample_sinc(response, kRate_hz), path.string());
+  response = resample_sinc(response, kRate_hz);
+  const std::ptrdiff_t delay = delay_of(response, path.string());
+  return {window_of(response, delay, response.samples() - delay), delay};
 }
 
 NvasSample SoundSpacesDataset::sample(const SoundSpacesClip& clip,
@@ -155,9 +157,9 @@ NvasSample SoundSpacesDataset::sample(const SoundSpacesClip& clip,
 
   NvasSample sample;
   const Waveform speech = read_speech(*speaker.speech);
-  sample.source = window_of(heard(speech, read_response(source.rir.at(speaker.id))),
+  sample.source = window_of(heard(speech, read_response(source.rir.at(speaker.id)).sound),
                             choice.window_start, kSamples);
-  sample.target = window_of(heard(speech, read_response(target.rir.at(speaker.id))),
+  sample.target = window_of(heard(speech, read_response(target.rir.at(speaker.id)).sound),
                             choice.window_start, kSamples);
   sample.source_rgb = read_rgb(path_of(source.image));
   sample.target_rgb = read_rgb(path_of(target.image));

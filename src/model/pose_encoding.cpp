@@ -76,4 +76,8 @@ std::vector<float> encode_box(BoxEncoding encoding, const Box& box) {
   return to_floats({box.x_min, box.y_min, box.x_max, box.y_max});
 }
 
+std::vector<float> encode_box(BoxEncoding encoding, const std::optional<Box>& box) {
+  return encode_box(encoding, box.value_or(Box{}));
+}
+
 }  // namespace earpoint

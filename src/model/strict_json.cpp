@@ -53,6 +53,8 @@ void JsonObjectReader::fail(const std::string& key, std::string_view expected,
                                        text.size() <= 60 ? text : text.substr(0, 60) + "..."));
 }
 
+bool JsonObjectReader::has(const std::string& key) const { return object_.contains(key); }
+
 const Json& JsonObjectReader::value(const std::string& key) {
   const auto found = object_.find(key);
   if (found == object_.end()) throw InputError(where_, fmt::format("has no {}", in_quotes(key)));

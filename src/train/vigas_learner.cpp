@@ -74,7 +74,7 @@ std::vector<float> ViGasLearner::predict(const TrainingBatch& batch) {
   return {values.begin(), values.end()};
 }
 
-std::vector<double> ViGasLearner::magnitude_distances(const TrainingBatch& batch) {
+std::vector<double> ViGasLearner::errors(const TrainingBatch& batch) {
   const at::NoGradGuard no_gradients;
   const at::Tensor prediction = state_->graph.forward(state_->inputs(batch), GraphMode::evaluation);
   const Tensor distances = from_torch(
@@ -107,6 +107,8 @@ std::map<std::string, Tensor> ViGasLearner::gradients() const {
 void ViGasLearner::apply_gradients(double learning_rate) { state_->adam.step(learning_rate); }
 
 std::int64_t ViGasLearner::steps() const { return state_->adam.steps(); }
+
+SafetensorsFile ViGasLearner::weight_file() const { return vigas_weight_file(weights()); }
 
 SafetensorsFile ViGasLearner::checkpoint() const {
   SafetensorsFile file = vigas_weight_file(weights());

@@ -19,16 +19,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kRate_hz = 16000;
+constexpr int kRateHz = 16000;
 constexpr int kPictureSize = 64;
-constexpr double kSpeedOfSound_mps = 343.0;
+constexpr double kSpeedOfSoundMps = 343.0;
 
 /// Pulses of noise like syllables.
 Waveform speech(double duration_s, RandomStream& random) {
-  Waveform sound(1, std::lround(duration_s * kRate_hz), kRate_hz);
+  Waveform sound(1, std::lround(duration_s * kRateHz), kRateHz);
   const double syllables_hz = random.uniform(3.0, 6.0);
   for (std::ptrdiff_t i = 0; i < sound.samples(); ++i) {
-    const double time_s = static_cast<double>(i) / kRate_hz;
+    const double time_s = static_cast<double>(i) / kRateHz;
     const double loudness = std::max(0.1, std::sin(2.0 * kPi * syllables_hz * time_s));
     sound.channel(0)[i] = static_cast<float>(0.2 * loudness * random.uniform(-1.0, 1.0));
   }
@@ -36,15 +36,15 @@ Waveform speech(double duration_s, RandomStream& random) {
 }
 
 Waveform response(const Vector3& speaker_m, double duration_s, RandomStream& random) {
-  Waveform sound(2, std::lround(duration_s * kRate_hz), kRate_hz);
+  Waveform sound(2, std::lround(duration_s * kRateHz), kRateHz);
   const Spherical seen = spherical_from_cartesian(speaker_m);
-  const auto delay = static_cast<std::ptrdiff_t>(seen.distance_m / kSpeedOfSound_mps * kRate_hz);
+  const auto delay = static_cast<std::ptrdiff_t>(seen.distance_m / kSpeedOfSoundMps * kRateHz);
   for (int ear = 0; ear < 2; ++ear) {
     const double towards = (ear == 0 ? 1.0 : -1.0) * std::sin(seen.azimuth_rad);
     const auto samples = sound.channel(ear);
     samples[delay] = static_cast<float>((1.0 + 0.6 * towards) / seen.distance_m);
     for (std::ptrdiff_t i = delay + 1; i < sound.samples(); ++i) {
-      const double decay = std::exp(-6.9 * static_cast<double>(i - delay) / (0.1 * kRate_hz));
+      const double decay = std::exp(-6.9 * static_cast<double>(i - delay) / (0.1 * kRateHz));
       samples[i] = static_cast<float>(0.03 * decay * random.normal());
     }
   }
@@ -58,10 +58,11 @@ class Writer {
 
   void write_split(const std::string& split) {
     std::vector<SoundSpacesClip> clips;
+    clips.reserve(static_cast<std::size_t>(options_.clips));
     for (int i = 0; i < options_.clips; ++i) clips.push_back(make_clip(split, i));
     write_file(folder_ / split / "room" / kSoundSpacesMetadata, soundspaces_metadata(clips));
     const auto length = [&](const std::string&) {
-      return std::lround(options_.speech_s * kRate_hz);
+      return std::lround(options_.speech_s * kRateHz);
     };
     write_file(folder_ / fmt::format("pairs-{}.json", split),
                text_of(draw_pair_list(split, clips, length, options_.seed)));

@@ -40,6 +40,12 @@ struct PairTruth {
   Waveform target_response;
 };
 
+/// What becomes of the time that sound travels to the two viewpoints.
+enum class ResponseDelays {
+  dropped,   ///< both begin with the sound, as the released loader has it
+  relative,  ///< the nearer one does, the other as much later as it is farther
+};
+
 /// Makes samples of a data set fast: it keeps filtered speech, responses and decoded pictures, and
 /// convolves only what the window hears. Any thread may call it.
 /// Cost: about 4 ms a sample with responses of a second, once its files are kept.
@@ -47,13 +53,14 @@ class PairSampler {
  public:
   /// @param dataset      must outlive this
   /// @param cache_bytes  how much it may keep
-  PairSampler(const SoundSpacesDataset& dataset, std::size_t cache_bytes);
+  PairSampler(const SoundSpacesDataset& dataset, std::size_t cache_bytes,
+              ResponseDelays delays = ResponseDelays::dropped);
   ~PairSampler();
   PairSampler(PairSampler&&) noexcept;
   PairSampler& operator=(PairSampler&&) noexcept;
 
-  /// Source and target are those of SoundSpacesDataset::sample() for the same choice, but for
-  /// rounding.
+  /// With delays dropped, source and target are those of SoundSpacesDataset::sample() for the same
+  /// choice, but for rounding.
   /// @param samples  length of the window, > 0
   /// @throws InputError naming the file if one is missing, malformed, empty, holds NaN, has another
   ///         number of channels or a rate below 16 kHz; or the clip, if it lacks what the choice
@@ -72,6 +79,10 @@ class PairSampler {
   struct State;
   std::unique_ptr<State> state_;
 };
+
+/// The sample as a mirror shows it: left and right change places in sounds, picture and poses.
+/// Heads are nearly symmetric, so it could have been heard.
+PairSample mirrored(const PairSample& sample);
 
 /// Where things lie in a folder that `earpoint simulate` wrote (told by its dataset.json), or else
 /// in one that holds the published layout.

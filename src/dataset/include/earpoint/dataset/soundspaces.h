@@ -53,10 +53,15 @@ class SoundSpacesDataset {
   /// @throws InputError naming the file
   [[nodiscard]] Waveform read_speech(const std::string& speech) const;
 
-  /// A binaural response as samples are made of it: 2 ears, 16 kHz, its delay dropped.
+  /// A binaural response at 16 kHz, and where it begins.
+  struct Response {
+    Waveform sound;            ///< 2 ears, its delay dropped: what samples are made of
+    std::ptrdiff_t delay = 0;  ///< samples that were dropped
+  };
+
   /// @param rir  as a viewpoint names it
   /// @throws InputError naming the file
-  [[nodiscard]] Waveform read_response(const std::string& rir) const;
+  [[nodiscard]] Response read_response(const std::string& rir) const;
 
   /// Where a file lies that the metadata name, e.g. a viewpoint's picture.
   [[nodiscard]] std::filesystem::path path_of(const std::string& name) const {

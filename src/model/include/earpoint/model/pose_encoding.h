@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include <earpoint/core/image.h>
@@ -31,5 +32,8 @@ EncodedPose encode_pose(PoseEncoding encoding, const Pose& source_from_target);
 /// @return the four numbers of `bboxes`: [y_min, y_max, x_min, x_max] for soundspaces, [x_min,
 ///         y_min, x_max, y_max] for corners; fractions of the picture
 std::vector<float> encode_box(BoxEncoding encoding, const Box& box);
+
+/// The same; four zeros stand for a speaker who is out of sight, as in the SoundSpaces data set.
+std::vector<float> encode_box(BoxEncoding encoding, const std::optional<Box>& box);
 
 }  // namespace earpoint

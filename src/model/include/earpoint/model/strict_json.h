@@ -21,6 +21,9 @@ class JsonObjectReader {
   /// @param object  must outlive this; if it is not an object, InputError
   JsonObjectReader(const nlohmann::json& object, std::string_view where);
 
+  /// Whether the object has that key.
+  [[nodiscard]] bool has(const std::string& key) const;
+
   /// @throws InputError if the key is missing
   const nlohmann::json& value(const std::string& key);
 

@@ -19,6 +19,18 @@ namespace earpoint {
 [[nodiscard]] ViGasWeights initial_vigas_weights(const ViGasDescription& description,
                                                  std::uint64_t seed);
 
+/// Weights with which the network gives back its input nearly unchanged, so that training begins at
+/// the error of a mere copy: two channels carry the ears, scaled into the gates' linear range, and
+/// skips, residuals and the head undo the scale. All other channels carry random mixtures, and
+/// small random weights join them and the conditioning vector to the ears' channels, so that
+/// everything learns from the first steps on. The image trunk is drawn as in
+/// initial_vigas_weights().
+///
+/// Sounds may reach full scale; the copy is good to some per cent of their level.
+/// @param description  of at least as many channels as ears
+[[nodiscard]] ViGasWeights identity_vigas_weights(const ViGasDescription& description,
+                                                  std::uint64_t seed);
+
 /// The same for an estimator of reverberation time: convolutions normal by He's rule over the
 /// outputs, the last layer uniform within 1 / sqrt(inputs) about half a second.
 [[nodiscard]] Rt60EstimatorWeights initial_rt60_weights(const Rt60Description& description,

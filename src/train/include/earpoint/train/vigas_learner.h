@@ -10,6 +10,7 @@
 #include <earpoint/model/network.h>
 #include <earpoint/model/safetensors.h>
 #include <earpoint/model/weights.h>
+#include <earpoint/train/learner.h>
 #include <earpoint/train/training_batch.h>
 
 namespace earpoint {
@@ -33,11 +34,11 @@ struct LearnerOptions {
 /// predict() is that of the inference engine.
 /// The same numbers come out on the same machine with the same number of threads.
 /// Source: Novel-View Acoustic Synthesis, CVPR 2023, section 5, and its released code.
-class ViGasLearner {
+class ViGasLearner : public Learner {
  public:
   /// @throws InputError if LibTorch does not have the device
   explicit ViGasLearner(const ViGasWeights& weights, LearnerOptions options = {});
-  ~ViGasLearner();
+  ~ViGasLearner() override;
   ViGasLearner(ViGasLearner&&) noexcept;
   ViGasLearner& operator=(ViGasLearner&&) noexcept;
 
@@ -51,26 +52,30 @@ class ViGasLearner {
   [[nodiscard]] std::vector<float> predict(const TrainingBatch& batch);
 
   /// The metric Mag of each clip: the sum over the ears of mean | |S| - |S'| |.
-  [[nodiscard]] std::vector<double> magnitude_distances(const TrainingBatch& batch);
+  [[nodiscard]] std::vector<double> errors(const TrainingBatch& batch) override;
+  [[nodiscard]] std::string_view error_name() const override { return "mag"; }
+
+  /// A weight file as vigas_weight_file() makes it.
+  [[nodiscard]] SafetensorsFile weight_file() const override;
 
   /// Computes the loss of a batch and its gradient by every parameter, in place of the last one;
   /// batch norms move their running statistics.
   /// @return the loss
-  double compute_gradients(const TrainingBatch& batch);
+  double compute_gradients(const TrainingBatch& batch) override;
 
   /// The last gradient, by parameter.
   [[nodiscard]] std::map<std::string, Tensor> gradients() const;
 
   /// One step of Adam along the last gradient.
-  void apply_gradients(double learning_rate);
+  void apply_gradients(double learning_rate) override;
 
   /// Steps of Adam so far.
-  [[nodiscard]] std::int64_t steps() const;
+  [[nodiscard]] std::int64_t steps() const override;
 
   /// Everything that learning goes on from: a weight file that vigas_weights() reads, with the
   /// optimizer's moments beside the weights ("adam.first/NAME", "adam.second/NAME") and its steps
   /// in the metadata ("earpoint.adam_steps").
-  [[nodiscard]] SafetensorsFile checkpoint() const;
+  [[nodiscard]] SafetensorsFile checkpoint() const override;
 
   /// The learner that wrote `file`.
   /// @param where  the file, for messages

@@ -1,0 +1,193 @@
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include <earpoint/audio/gcc_phat.h>
+#include <earpoint/core/error.h>
+#include <earpoint/core/random.h>
+#include <earpoint/dataset/pair_list.h>
+#include <earpoint/train/example_source.h>
+
+namespace earpoint {
+namespace {
+
+constexpr double kSeparationCutoffHz = 80.0;
+// What the released loader clamps the delay to; the way is at most 4 m longer.
+constexpr double kLargestShift = 200.0;
+/// In a row, by when the data set is beyond repair.
+constexpr std::uint64_t kMostBadExamples = 100;
+
+/// Keys of random streams: the draws of an example, and of its noise.
+enum Purpose : std::uint64_t { kDraw = 1, kNoise = 2, kValidationNoise = 3 };
+
+std::vector<float> both_ears(const Waveform& sound) {
+  std::vector<float> mean(static_cast<std::size_t>(sound.samples()));
+  for (std::size_t i = 0; i < mean.size(); ++i) {
+    mean[i] = 0.5F * (sound.channel(0)[i] + sound.channel(1)[i]);
+  }
+  return mean;
+}
+
+bool is_silent(std::span<const float> sound) {
+  return std::ranges::all_of(sound, [](float sample) { return sample == 0.0F; });
+}
+
+/// The target's sound as much earlier as GCC-PHAT finds it later than the source's.
+void align_target(PairSample& sample) {
+  const std::vector<float> source = both_ears(sample.source);
+  const std::vector<float> target = both_ears(sample.target);
+  if (is_silent(source) || is_silent(target)) return;
+  const auto later =
+      static_cast<std::ptrdiff_t>(gcc_phat_delay_samples(target, source, kLargestShift));
+  Waveform moved(sample.target.channels(), sample.target.samples(), sample.target.sample_rate_hz());
+  const std::ptrdiff_t kept = moved.samples() - std::abs(later);
+  for (int ear = 0; ear < moved.channels() && kept > 0; ++ear) {
+    const auto from = sample.target.channel(ear).subspan(std::max<std::ptrdiff_t>(later, 0), kept);
+    std::ranges::copy(from, moved.channel(ear).begin() + std::max<std::ptrdiff_t>(-later, 0));
+  }
+  sample.target = std::move(moved);
+}
+
+/// `count` of `size` numbers, evenly spread.
+std::vector<std::size_t> spread(std::size_t size, std::size_t count) {
+  if (count == 0 || count > size) count = size;
+  std::vector<std::size_t> chosen(count);
+  for (std::size_t i = 0; i < count; ++i) chosen[i] = i * size / count;
+  return chosen;
+}
+
+std::vector<int> speaking(const SoundSpacesClip& clip) {
+  std::vector<int> found;
+  for (std::size_t i = 0; i < clip.speakers.size(); ++i) {
+    if (clip.speakers[i].speech) found.push_back(static_cast<int>(i));
+  }
+  if (found.empty()) {
+    throw InputError(fmt::format("{}, clip {}", clip.scene, clip.index), "nobody has speech");
+  }
+  return found;
+}
+
+}  // namespace
+
+struct PairExamples::State {
+  State(PairOptions pair_options, Encoder encoder)
+      : options(std::move(pair_options)),
+        encode(std::move(encoder)),
+        train(soundspaces_options(options.data, "train")),
+        val(soundspaces_options(options.data, "val")),
+        train_sampler(train, options.cache_bytes,
+                      options.alignment == Alignment::responses ? ResponseDelays::dropped
+                                                                : ResponseDelays::relative),
+        // Validation is the same whatever training looks like, so that runs can be compared.
+        val_sampler(val, options.cache_bytes / 4) {
+    const std::filesystem::path list = options.data / "pairs-val.json";
+    const PairList pairs = read_pair_list(list);
+    for (const std::size_t index : spread(pairs.pairs.size(), options.validation_pairs)) {
+      const ViewPair& pair = pairs.pairs[index];
+      validation.emplace_back(&clip_of(pair, val.clips(), list.string()), pair.choice);
+    }
+    if (validation.empty()) throw InputError(list.string(), "holds no pair");
+  }
+
+  [[nodiscard]] SoundSpacesChoice draw_choice(const SoundSpacesClip& clip,
+                                              RandomStream& random) const {
+    SoundSpacesChoice choice;
+    const std::size_t viewpoints = clip.viewpoints.size();
+    choice.source = static_cast<int>(random.index(viewpoints));
+    choice.target = static_cast<int>(random.index(viewpoints - 1));
+    if (choice.target >= choice.source) ++choice.target;
+    const std::vector<int> speakers = speaking(clip);
+    choice.speaker = speakers[random.index(speakers.size())];
+    const std::ptrdiff_t spare =
+        train_sampler.speech_samples(clip.speakers[choice.speaker]) - options.samples;
+    if (spare > 0) {
+      choice.window_start =
+          static_cast<std::ptrdiff_t>(random.index(static_cast<std::uint64_t>(spare) + 1));
+    }
+    return choice;
+  }
+
+  void add_room(PairSample& sample, std::uint64_t noise_seed) const {
+    if (!options.ambient_db) return;
+    add_ambient(sample, *options.ambient_db, noise_seed);
+    if (!options.separate) return;
+    sample.source = highpass(sample.source, kSeparationCutoffHz);
+    sample.target = highpass(sample.target, kSeparationCutoffHz);
+  }
+
+  [[nodiscard]] PairSample training_sample(std::uint64_t number, std::uint64_t attempt) const {
+    RandomStream random(options.seed, {kDraw, number, attempt});
+    const SoundSpacesClip& clip = train.clips()[random.index(train.clips().size())];
+    const SoundSpacesChoice choice = draw_choice(clip, random);
+    PairSample sample = train_sampler.sample(clip, choice, options.samples);
+    add_room(sample, RandomStream(options.seed, {kNoise, number}).next());
+    if (options.alignment == Alignment::gcc_phat) align_target(sample);
+    // Drawn in any case, so that the other draws are the same with and without.
+    const bool is_mirrored = random.index(2) == 1;
+    return options.mirror && is_mirrored ? mirrored(sample) : sample;
+  }
+
+  PairOptions options;
+  Encoder encode;
+  SoundSpacesDataset train;
+  SoundSpacesDataset val;
+  PairSampler train_sampler;
+  PairSampler val_sampler;
+  std::vector<std::pair<const SoundSpacesClip*, SoundSpacesChoice>> validation;
+};
+
+PairExamples::PairExamples(PairOptions options, Encoder encode)
+    : state_(std::make_unique<State>(std::move(options), std::move(encode))) {}
+PairExamples::~PairExamples() = default;
+
+PairSample PairExamples::training_sample(std::uint64_t number) const {
+  for (std::uint64_t attempt = 0;; ++attempt) {
+    try {
+      return state_->training_sample(number, attempt);
+    } catch (const InputError& error) {
+      if (!state_->options.on_bad || attempt == kMostBadExamples) throw;
+      state_->options.on_bad(error.what());
+    }
+  }
+}
+
+TrainingExample PairExamples::training(std::uint64_t number) const {
+  return state_->encode(training_sample(number));
+}
+
+std::size_t PairExamples::validations() const { return state_->validation.size(); }
+
+std::optional<TrainingExample> PairExamples::validation(std::size_t index) const {
+  const auto& [clip, choice] = state_->validation.at(index);
+  try {
+    PairSample sample = state_->val_sampler.sample(*clip, choice);
+    state_->add_room(sample, RandomStream(1, {kValidationNoise, index}).next());
+    return state_->encode(sample);
+  } catch (const InputError& error) {
+    if (!state_->options.on_bad) throw;
+    state_->options.on_bad(error.what());
+    return std::nullopt;
+  }
+}
+
+void add_ambient(PairSample& sample, double level_db, std::uint64_t seed) {
+  constexpr double kCornerHz = 20.0;
+  RandomStream random(seed);
+  for (Waveform* sound : {&sample.source, &sample.target}) {
+    // One pole at 20 Hz; a white input of this size leaves it with a root mean square of one.
+    const double pole = std::exp(-2.0 * kPi * kCornerHz / sound->sample_rate_hz());
+    const double input = std::pow(10.0, level_db / 20.0) * std::sqrt(1.0 - pole * pole);
+    for (int ear = 0; ear < sound->channels(); ++ear) {
+      double noise = std::pow(10.0, level_db / 20.0) * random.normal();
+      for (float& value : sound->channel(ear)) {
+        noise = pole * noise + input * random.normal();
+        value += static_cast<float>(noise);
+      }
+    }
+  }
+}
+
+}  // namespace earpoint

@@ -1,0 +1,101 @@
+#include <utility>
+
+#include <fmt/format.h>
+
+#include <earpoint/core/error.h>
+#include <earpoint/core/resize.h>
+#include <earpoint/model/pose_encoding.h>
+#include <earpoint/train/initial_weights.h>
+#include <earpoint/train/training_task.h>
+#include <earpoint/train/vigas_learner.h>
+
+namespace earpoint {
+namespace {
+
+ViGasWeights starting_weights(const ViGasConfig& config, std::uint64_t seed,
+                              std::string_view where) {
+  ViGasWeights weights;
+  switch (config.start) {
+    case ViGasStart::released:
+      weights = initial_vigas_weights(config.description, seed);
+      break;
+    case ViGasStart::identity:
+      weights = identity_vigas_weights(config.description, seed);
+      break;
+    case ViGasStart::file:
+      weights = read_vigas_weights(config.start_file);
+      if (to_json(weights.description) != to_json(config.description)) {
+        throw InputError(where, fmt::format("'init': {} is of another network than this one",
+                                            config.start_file.string()));
+      }
+      break;
+  }
+  if (config.trunk) load_image_trunk(*config.trunk, weights);
+  return weights;
+}
+
+std::unique_ptr<Learner> vigas_learner(const ViGasConfig& config, std::uint64_t seed,
+                                       std::string_view where, const TaskOptions& options) {
+  const LearnerOptions learner_options{.loss = config.loss, .device = options.device};
+  if (options.checkpoint == nullptr) {
+    return std::make_unique<ViGasLearner>(starting_weights(config, seed, where), learner_options);
+  }
+  auto learner = std::make_unique<ViGasLearner>(
+      ViGasLearner::from_checkpoint(*options.checkpoint, "the checkpoint", learner_options));
+  if (to_json(learner->description()) != to_json(config.description)) {
+    throw InputError(where, "describes another network than the checkpoint is of");
+  }
+  return learner;
+}
+
+TrainingTask vigas_task(const TrainConfig& config, std::string_view where,
+                        const TaskOptions& options) {
+  PairOptions pairs = pair_options_from_json(config.data, fmt::format("{}: 'data'", where));
+  pairs.data = options.data;
+  pairs.seed = config.training.seed;
+  pairs.cache_bytes = options.cache_bytes;
+  pairs.on_bad = options.on_bad;
+  const ViGasConfig network =
+      vigas_config_from_json(config.network, fmt::format("{}: 'network'", where), pairs.separate);
+  TrainingTask task;
+  const auto encode = [description = network.description](const PairSample& sample) {
+    return vigas_example(description, sample);
+  };
+  task.examples = std::make_unique<PairExamples>(std::move(pairs), encode);
+  task.learner = vigas_learner(network, config.training.seed, where, options);
+  return task;
+}
+
+std::vector<float> planar(const Waveform& sound) {
+  return {sound.planar().begin(), sound.planar().end()};
+}
+
+}  // namespace
+
+TrainingTask make_training_task(const TrainConfig& config, std::string_view where,
+                                const TaskOptions& options) {
+  if (config.kind == "vigas") return vigas_task(config, where, options);
+  throw InputError(where,
+                   fmt::format("'network': 'kind': expected \"vigas\", found \"{}\"", config.kind));
+}
+
+TrainingExample vigas_example(const ViGasDescription& description, const PairSample& sample) {
+  TrainingExample example;
+  example.source = planar(sample.source);
+  example.target = planar(sample.target);
+  if (const auto& encoder = description.image_encoder) {
+    ImagePlanes picture =
+        resize_bilinear(planes_of(*sample.picture), encoder->width_px, encoder->height_px);
+    for (float& value : picture.values) value /= 255.0F;
+    example.picture = std::move(picture.values);
+  }
+  EncodedPose pose = encode_pose(description.pose_encoding, sample.source_from_target);
+  example.inputs["tgt_pose"] = std::move(pose.tgt_pose);
+  example.inputs["tgt_rotation"] = std::move(pose.tgt_rotation);
+  if (description.has_input("bboxes")) {
+    example.inputs["bboxes"] = encode_box(description.box_encoding, sample.speaker_box);
+  }
+  return example;
+}
+
+}  // namespace earpoint
