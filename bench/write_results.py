@@ -5,7 +5,8 @@ usage: bench/write_results.py MEASURED RESULTS.md
 
 MEASURED holds vigas.md, oracle_errors.md, render_memory.jsonl, demo.jsonl, trace_gates.md,
 home_reverberation.jsonl, camera_bench.jsonl, simulate_cost.jsonl, evaluate-single.json, evaluate-novel.json,
-ablations-single.json and ablations-novel.json; a section whose file is missing says so.
+ablations-single.json and ablations-novel.json; a section whose file is missing stays as it is in RESULTS.md,
+or says so where it is new.
 """
 import json
 import os
@@ -157,18 +158,28 @@ SECTIONS = [
 ]
 
 
+def sections_of(path):
+    """The sections that a page has, by title."""
+    if not os.path.exists(path):
+        return {}
+    with open(path) as file:
+        parts = file.read().split("\n## ")[1:]
+    return {part.split("\n", 1)[0]: part.split("\n", 1)[1].strip() for part in parts}
+
+
 def main():
     folder, output = sys.argv[1:3]
+    earlier = sections_of(output)
     text = ["# Results", "",
             f"Written by `./dev results` on {machine()}. Timings on another machine differ; ratios "
             "are measured in one run.", ""]
     for title, name, table, words in SECTIONS:
         content = read(folder, name)
-        text += [f"## {title}", "", words, ""]
-        if content is None:
-            text += ["*Not measured in this run.*", ""]
-        else:
-            text += [table(content) if table else content, ""]
+        if content is None and title in earlier:
+            text += [f"## {title}", "", earlier[title], ""]
+            continue
+        measured = "*Not measured yet.*" if content is None else table(content) if table else content
+        text += [f"## {title}", "", words, "", measured, ""]
     with open(output, "w") as file:
         file.write("\n".join(text))
 

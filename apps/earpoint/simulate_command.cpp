@@ -7,12 +7,14 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include <earpoint/core/error.h>
+#include <earpoint/core/file.h>
 #include <earpoint/core/parallel.h>
 #include <earpoint/core/progress.h>
 #include <earpoint/generate/generation.h>
@@ -74,6 +76,7 @@ void check(const Options& options) {
 std::unique_ptr<earpoint::SceneSource> scene_source(const Options& options,
                                                     earpoint::ModelPack& models,
                                                     const earpoint::MaterialTable* materials,
+                                                    std::string_view materials_text,
                                                     earpoint::StreamProgress& bar) {
   if (options.scenes.empty()) {
     return std::make_unique<earpoint::HomeSource>(
@@ -87,7 +90,7 @@ std::unique_ptr<earpoint::SceneSource> scene_source(const Options& options,
   const auto warn = [&bar](const fs::path& file, const std::string& warning) {
     bar.note(fmt::format("earpoint: {}: {}", file.string(), warning));
   };
-  return std::make_unique<earpoint::FileSource>(options.scenes, import, warn);
+  return std::make_unique<earpoint::FileSource>(options.scenes, import, materials_text, warn);
 }
 
 void run(Options options) {
@@ -104,11 +107,15 @@ void run(Options options) {
   const earpoint::SpeechCorpus corpus =
       earpoint::SpeechCorpus::load(options.speech.value_or(earpoint::default_speech_folder()));
   std::optional<earpoint::MaterialTable> materials;
-  if (options.materials) materials = earpoint::load_material_table(*options.materials);
+  std::string materials_text;
+  if (options.materials) {
+    materials_text = earpoint::read_text_file(*options.materials);
+    materials = earpoint::MaterialTable::parse(materials_text, options.materials->string());
+  }
   earpoint::ModelPack models = earpoint::installed_models();
   earpoint::StreamProgress bar(stderr);
   const std::unique_ptr<earpoint::SceneSource> scenes =
-      scene_source(options, models, materials ? &*materials : nullptr, bar);
+      scene_source(options, models, materials ? &*materials : nullptr, materials_text, bar);
   const earpoint::FigureLibrary figures(std::move(models.figures));
 
   earpoint::SilentProgress silent;

@@ -7,6 +7,7 @@
 
 #include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
+#include <earpoint/core/name_number.h>
 #include <earpoint/core/random.h>
 #include <earpoint/dataset/pair_list.h>
 
@@ -15,13 +16,6 @@ namespace {
 
 constexpr const char* kFormat = "earpoint-pairs-1";
 constexpr std::ptrdiff_t kWindow = 16000;
-
-/// FNV-1a: a number for a scene's name, the same on every machine.
-std::uint64_t number_of(std::string_view name) {
-  std::uint64_t hash = 0xCBF29CE484222325U;
-  for (const char c : name) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001B3U;
-  return hash;
-}
 
 ViewPair draw_pair(const SoundSpacesClip& clip, int target, const std::vector<int>& speakers,
                    const std::function<std::ptrdiff_t(const std::string&)>& speech_samples,
@@ -60,7 +54,7 @@ PairList draw_pair_list(const std::string& split, std::span<const SoundSpacesCli
                         std::uint64_t seed) {
   PairList list{.split = split, .pairs = {}};
   for (const SoundSpacesClip& clip : clips) {
-    RandomStream random(seed, {number_of(clip.scene), static_cast<std::uint64_t>(clip.index)});
+    RandomStream random(seed, {name_number(clip.scene), static_cast<std::uint64_t>(clip.index)});
     std::vector<int> speakers;
     for (std::size_t i = 0; i < clip.speakers.size(); ++i) {
       if (clip.speakers[i].speech) speakers.push_back(static_cast<int>(i));

@@ -3,6 +3,7 @@
 #include "conversation_folder.h"
 #include "speech_writer.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <system_error>
@@ -130,7 +131,11 @@ void begin_dataset(const GenerationOptions& options, const SceneSource& scenes,
   if (error) throw InputError(options.folder.string(), "cannot be made: " + error.message());
   const fs::path path = options.folder / kRecord;
   const Json wanted = record_of(options, scenes, corpus);
-  if (!fs::exists(path)) {
+  // A run that failed before it made anything, by a wrong unit say, binds nobody.
+  const bool holds_more = std::any_of(
+      fs::directory_iterator(options.folder), fs::directory_iterator(),
+      [&](const fs::directory_entry& entry) { return entry.path().filename() != kRecord; });
+  if (!fs::exists(path) || !holds_more) {
     write_file(path, wanted.dump(1) + "\n");
     return;
   }

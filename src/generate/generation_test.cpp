@@ -8,6 +8,8 @@
 #include <earpoint/core/file.h>
 #include <earpoint/dataset/soundspaces.h>
 #include <earpoint/generate/generation.h>
+#include <earpoint/generate/scene_source.h>
+#include <earpoint/scene/material_table.h>
 
 namespace earpoint {
 namespace {
@@ -108,6 +110,29 @@ TEST_F(GenerationTest, OtherOptionsInTheSameFolderAreRefused) {
   options.seed = 2;
   const std::string refusal = refusal_of(options);
   EXPECT_NE(refusal.find("seed is 1 there, 2 here"), std::string::npos) << refusal;
+}
+
+TEST_F(GenerationTest, ARunThatMadeNothingBindsNobody) {
+  GenerationOptions options = three_conversations("set");
+  options.order.conversations = 1;
+  static_cast<void>(generate(options));
+  fs::remove_all(options.folder / "train");
+  fs::remove_all(options.folder / "speech");
+  options.seed = 2;
+  EXPECT_EQ(refusal_of(options), "none");
+}
+
+TEST(FileSource, DescriptionTellsHowFilesAreRead) {
+  const auto description = [](const ImportOptions& options, const char* materials) {
+    return FileSource({"flat.glb"}, options, materials, [](const auto&, const auto&) {})
+        .description();
+  };
+  EXPECT_EQ(description({}, ""), "files flat.glb, unit 1 m, materials standard");
+  EXPECT_EQ(description({.up_axis = UpAxis::z, .unit_m = 0.01, .close_ceiling = true}, ""),
+            "files flat.glb, up z, ceiling closed, unit 0.01 m, materials standard");
+  const ImportOptions own{.materials = &standard_materials()};
+  EXPECT_NE(description(own, "one table"), description(own, "another"));
+  EXPECT_EQ(description(own, "one table"), description(own, "one table"));
 }
 
 TEST_F(GenerationTest, AnotherSeedMakesOtherConversations) {

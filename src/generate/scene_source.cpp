@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <earpoint/core/error.h>
+#include <earpoint/core/name_number.h>
+#include <earpoint/core/random.h>
 #include <earpoint/generate/scene_source.h>
 #include <earpoint/scene/homes.h>
 
@@ -19,8 +21,13 @@ std::string HomeSource::description() const {
   return fmt::format("homes with {} models of furniture", library_.models().size());
 }
 
-FileSource::FileSource(std::vector<std::filesystem::path> paths, ImportOptions options, Warn warn)
-    : paths_(std::move(paths)), options_(options), warn_(std::move(warn)) {
+FileSource::FileSource(std::vector<std::filesystem::path> paths, ImportOptions options,
+                       std::string_view materials, Warn warn)
+    : paths_(std::move(paths)),
+      options_(options),
+      materials_(options.materials == nullptr ? "standard"
+                                              : fmt::format("{:016x}", name_number(materials))),
+      warn_(std::move(warn)) {
   EARPOINT_CHECK(!paths_.empty());
   EARPOINT_CHECK(warn_ != nullptr);
   for (std::size_t i = 0; i < paths_.size(); ++i) {
@@ -44,7 +51,9 @@ std::string FileSource::name(int scene) const { return paths_.at(scene).stem().s
 std::string FileSource::description() const {
   std::string text = "files";
   for (const auto& path : paths_) text += " " + path.filename().string();
-  return text;
+  if (options_.up_axis) text += *options_.up_axis == UpAxis::y ? ", up y" : ", up z";
+  if (options_.close_ceiling) text += ", ceiling closed";
+  return text + fmt::format(", unit {:g} m, materials {}", options_.unit_m, materials_);
 }
 
 }  // namespace earpoint

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <earpoint/generate/generation.h>
@@ -33,10 +34,13 @@ class FileSource : public SceneSource {
   /// Takes what an importer warns of; called from the threads that make scenes.
   using Warn = std::function<void(const std::filesystem::path&, const std::string& warning)>;
 
-  /// @param paths  at least one
-  /// @param warn   once for every warning of a file, when its scene is made
+  /// @param paths      at least one
+  /// @param materials  the text of options.materials, if there is one: description() tells tables
+  ///                   apart by it
+  /// @param warn       once for every warning of a file, when its scene is made
   /// @throws InputError if two files have the same name
-  FileSource(std::vector<std::filesystem::path> paths, ImportOptions options, Warn warn);
+  FileSource(std::vector<std::filesystem::path> paths, ImportOptions options,
+             std::string_view materials, Warn warn);
 
   /// @throws InputError if the file cannot be imported
   [[nodiscard]] std::shared_ptr<const PreparedScene> make(int scene) const override;
@@ -46,6 +50,7 @@ class FileSource : public SceneSource {
  private:
   std::vector<std::filesystem::path> paths_;
   ImportOptions options_;
+  std::string materials_;  // as the description calls them
   Warn warn_;
 };
 
