@@ -111,8 +111,10 @@ void Rt60Learner::apply_gradients(double learning_rate) { state_->adam.step(lear
 
 std::int64_t Rt60Learner::steps() const { return state_->adam.steps(); }
 
+SafetensorsFile Rt60Learner::weight_file() const { return rt60_weight_file(weights()); }
+
 SafetensorsFile Rt60Learner::checkpoint() const {
-  SafetensorsFile file = rt60_weight_file(weights());
+  SafetensorsFile file = weight_file();
   state_->adam.save(file);
   return file;
 }

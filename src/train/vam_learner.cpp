@@ -111,8 +111,10 @@ void VamLearner::apply_gradients(double learning_rate) { state_->adam.step(learn
 
 std::int64_t VamLearner::steps() const { return state_->adam.steps(); }
 
+SafetensorsFile VamLearner::weight_file() const { return vam_weight_file(weights()); }
+
 SafetensorsFile VamLearner::checkpoint() const {
-  SafetensorsFile file = vam_weight_file(weights());
+  SafetensorsFile file = weight_file();
   state_->adam.save(file);
   return file;
 }

@@ -10,6 +10,7 @@
 #include <earpoint/model/network.h>
 #include <earpoint/model/safetensors.h>
 #include <earpoint/model/weights.h>
+#include <earpoint/train/learner.h>
 #include <earpoint/train/training_batch.h>
 
 namespace earpoint {
@@ -23,11 +24,11 @@ inline constexpr std::string_view kT60Input = "t60_s";
 /// An estimator of reverberation time that learns by gradients, with its Adam optimizer. Of a batch
 /// it looks at the sources, [clips][Rt60Description::kWindowSamples], and the times. The loss is
 /// the mean absolute error in seconds. As ViGasLearner, in all else.
-class Rt60Learner {
+class Rt60Learner : public Learner {
  public:
   /// @throws InputError if LibTorch does not have the device
   explicit Rt60Learner(const Rt60EstimatorWeights& weights, const std::string& device = "cpu");
-  ~Rt60Learner();
+  ~Rt60Learner() override;
   Rt60Learner(Rt60Learner&&) noexcept;
   Rt60Learner& operator=(Rt60Learner&&) noexcept;
 
@@ -40,24 +41,27 @@ class Rt60Learner {
   [[nodiscard]] std::vector<double> estimate_s(const TrainingBatch& batch);
 
   /// Absolute errors of what it says, seconds.
-  [[nodiscard]] std::vector<double> errors(const TrainingBatch& batch);
+  [[nodiscard]] std::vector<double> errors(const TrainingBatch& batch) override;
+  [[nodiscard]] std::string_view error_name() const override { return "t60_error_s"; }
 
   /// Computes the loss of a batch and its gradient by every parameter, in place of the last one;
   /// batch norms move their running statistics.
   /// @return the loss, seconds
-  double compute_gradients(const TrainingBatch& batch);
+  double compute_gradients(const TrainingBatch& batch) override;
 
   /// The last gradient, by parameter.
   [[nodiscard]] std::map<std::string, Tensor> gradients() const;
 
   /// One step of Adam along the last gradient.
-  void apply_gradients(double learning_rate);
+  void apply_gradients(double learning_rate) override;
 
   /// Steps of Adam so far.
-  [[nodiscard]] std::int64_t steps() const;
+  [[nodiscard]] std::int64_t steps() const override;
+
+  [[nodiscard]] SafetensorsFile weight_file() const override;
 
   /// Everything that learning goes on from: the weight file, and the optimizer's state in it.
-  [[nodiscard]] SafetensorsFile checkpoint() const;
+  [[nodiscard]] SafetensorsFile checkpoint() const override;
 
   /// The learner that wrote `file`.
   /// @param where  the file, for messages

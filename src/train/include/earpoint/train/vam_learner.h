@@ -10,6 +10,7 @@
 #include <earpoint/dataset/pair_sample.h>
 #include <earpoint/model/safetensors.h>
 #include <earpoint/model/vam.h>
+#include <earpoint/train/learner.h>
 #include <earpoint/train/training_batch.h>
 
 namespace earpoint {
@@ -24,11 +25,11 @@ inline constexpr std::string_view kVamPoseInput = "pose";
 /// A visual acoustic matching network that learns by gradients, with its Adam optimizer. Its loss
 /// is ViGAS's, the mean difference of STFT magnitudes; the original's adversarial loss is left out.
 /// As ViGasLearner, in all else.
-class VamLearner {
+class VamLearner : public Learner {
  public:
   /// @throws InputError if LibTorch does not have the device
   explicit VamLearner(const VamWeights& weights, const std::string& device = "cpu");
-  ~VamLearner();
+  ~VamLearner() override;
   VamLearner(VamLearner&&) noexcept;
   VamLearner& operator=(VamLearner&&) noexcept;
 
@@ -42,24 +43,27 @@ class VamLearner {
   [[nodiscard]] std::vector<float> predict(const TrainingBatch& batch);
 
   /// The metric Mag of each clip.
-  [[nodiscard]] std::vector<double> errors(const TrainingBatch& batch);
+  [[nodiscard]] std::vector<double> errors(const TrainingBatch& batch) override;
+  [[nodiscard]] std::string_view error_name() const override { return "mag"; }
 
   /// Computes the loss of a batch and its gradient by every parameter, in place of the last one;
   /// batch norms move their running statistics.
   /// @return the loss
-  double compute_gradients(const TrainingBatch& batch);
+  double compute_gradients(const TrainingBatch& batch) override;
 
   /// The last gradient, by parameter.
   [[nodiscard]] std::map<std::string, Tensor> gradients() const;
 
   /// One step of Adam along the last gradient.
-  void apply_gradients(double learning_rate);
+  void apply_gradients(double learning_rate) override;
 
   /// Steps of Adam so far.
-  [[nodiscard]] std::int64_t steps() const;
+  [[nodiscard]] std::int64_t steps() const override;
+
+  [[nodiscard]] SafetensorsFile weight_file() const override;
 
   /// Everything that learning goes on from: the weight file, and the optimizer's state in it.
-  [[nodiscard]] SafetensorsFile checkpoint() const;
+  [[nodiscard]] SafetensorsFile checkpoint() const override;
 
   /// The learner that wrote `file`.
   /// @param where  the file, for messages

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <string_view>
+
+#include <earpoint/train/training_task.h>
+
+namespace earpoint {
+
+/// make_training_task() for one kind of network each: "rt60" and "vam". Both sections hold what the
+/// network's description (docs/formats.md) has, where it is not the default.
+TrainingTask rt60_task(const TrainConfig& config, std::string_view where,
+                       const TaskOptions& options);
+TrainingTask vam_task(const TrainConfig& config, std::string_view where,
+                      const TaskOptions& options);
+
+}  // namespace earpoint

@@ -1,0 +1,119 @@
+#include <filesystem>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <earpoint/core/error.h>
+#include <earpoint/dataset_testing/tiny_dataset.h>
+#include <earpoint/model/vam.h>
+#include <earpoint/model/weights.h>
+#include <earpoint/train/trainer.h>
+#include <earpoint/train/training_task.h>
+
+namespace earpoint {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kRt60 = R"({"kind": "rt60", "channels": 2, "input_rms": 1.0})";
+constexpr const char* kVam = R"({"kind": "vam", "image_width_px": 32, "image_height_px": 32,
+  "trunk_channels": 2, "strides": [5, 4], "channels": [4, 6], "heads": 2,
+  "feed_forward_width": 8})";
+
+std::string config_of(const std::string& network, const std::string& data = "{}") {
+  return R"({"format": "earpoint-train-1", "network": )" + network + R"(, "data": )" + data +
+         R"(, "training": {"batch": 2, "steps": 2, "validate_every": 2}})";
+}
+
+class TaskKinds : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::path(testing::TempDir()) / ("task_kinds." + std::to_string(::getpid()));
+    fs::remove_all(folder_);
+    write_tiny_dataset(folder_ / "data", {.response_s = 0.3});
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  /// Trains to the end and gives the best weights.
+  [[nodiscard]] SafetensorsFile trained(const std::string& text) const {
+    const TrainConfig config = train_config_from_json(text, "config");
+    const TrainingTask task =
+        make_training_task(config, "config", {.data = folder_ / "data", .on_bad = {}});
+    SilentProgress silent;
+    const TrainingSummary summary = train(*task.learner, *task.examples,
+                                          {.folder = folder_ / "run",
+                                           .plan = config.training,
+                                           .config = config.text,
+                                           .on_validation = {}},
+                                          nullptr, silent);
+    EXPECT_EQ(summary.steps, 2);
+    EXPECT_GT(summary.best_error, 0.0);
+    return read_safetensors(folder_ / "run" / "best.safetensors");
+  }
+
+  [[nodiscard]] std::string refusal(const std::string& text,
+                                    const SafetensorsFile* checkpoint = nullptr) const {
+    try {
+      const TrainConfig config = train_config_from_json(text, "config");
+      (void)make_training_task(config, "config",
+                               {.data = folder_ / "data", .on_bad = {}, .checkpoint = checkpoint});
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "accepted";
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(TaskKinds, TrainsAnEstimatorOfReverberationTime) {
+  const Rt60EstimatorWeights weights =
+      rt60_estimator_weights(trained(config_of(kRt60, R"({"validation_seconds": 3})")), "best");
+  EXPECT_EQ(weights.description.channels, 2);
+  EXPECT_EQ(weights.description.input_rms, 1.0);
+}
+
+TEST_F(TaskKinds, TrainsVisualAcousticMatching) {
+  const VamWeights weights =
+      vam_weights(trained(config_of(kVam, R"({"validation_pairs": 2})")), "best");
+  EXPECT_EQ(weights.description.width(), 6);
+  EXPECT_EQ(weights.description.highpass_cutoff_hz, 80.0);  // it learns separated sound
+}
+
+TEST_F(TaskKinds, ExamplesDependOnTheirNumberAlone) {
+  const TrainConfig config = train_config_from_json(config_of(kRt60), "config");
+  const TrainingTask task =
+      make_training_task(config, "config", {.data = folder_ / "data", .on_bad = {}});
+  EXPECT_EQ(task.examples->training(5).source, task.examples->training(5).source);
+  EXPECT_NE(task.examples->training(5).source, task.examples->training(6).source);
+  EXPECT_EQ(task.examples->validations(), 2U * 3U * 2U * 2U);  // one for every ear's response
+}
+
+TEST_F(TaskKinds, WrongKeysAreNamed) {
+  EXPECT_NE(refusal(config_of(R"({"kind": "rt60", "width": 2})")).find("width"), std::string::npos);
+  EXPECT_NE(refusal(config_of(R"({"kind": "rt60", "format": 1})")).find("format"),
+            std::string::npos);
+  EXPECT_NE(refusal(config_of(kRt60, R"({"responses": 0})")).find("responses"), std::string::npos);
+  EXPECT_NE(refusal(config_of(R"({"kind": "vam", "heads": 5})")).find("heads"), std::string::npos);
+  EXPECT_NE(refusal(config_of(R"({"kind": "gan"})")).find("found \"gan\""), std::string::npos);
+}
+
+TEST_F(TaskKinds, DoesNotGoOnWithAnotherNetwork) {
+  const TrainConfig config = train_config_from_json(config_of(kRt60), "config");
+  const TrainingTask task =
+      make_training_task(config, "config", {.data = folder_ / "data", .on_bad = {}});
+  const SafetensorsFile checkpoint = [&] {
+    (void)task.learner->compute_gradients(
+        join(std::vector{task.examples->training(0), task.examples->training(1)}));
+    task.learner->apply_gradients(1e-3);
+    return task.learner->checkpoint();
+  }();
+  EXPECT_EQ(refusal(config_of(kRt60), &checkpoint), "accepted");
+  EXPECT_NE(
+      refusal(config_of(R"({"kind": "rt60", "channels": 3})"), &checkpoint).find("another network"),
+      std::string::npos);
+}
+
+}  // namespace
+}  // namespace earpoint
