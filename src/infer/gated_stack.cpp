@@ -1,6 +1,5 @@
 #include "gated_stack.h"
 
-#include "aligned_floats.h"
 #include "packed_layer.h"
 #include "phase_team.h"
 #include "tile_kernels.h"
@@ -12,6 +11,7 @@
 
 #include <earpoint/core/error.h>
 #include <earpoint/core/parallel.h>
+#include <earpoint/simd/aligned_floats.h>
 
 namespace earpoint::infer {
 namespace {

@@ -1,6 +1,5 @@
 #pragma once
 
-#include "aligned_floats.h"
 #include "stack_plan.h"
 #include "stack_weights.h"
 
@@ -8,6 +7,8 @@
 #include <cstddef>
 #include <span>
 #include <vector>
+
+#include <earpoint/simd/aligned_floats.h>
 
 namespace earpoint::infer {
 

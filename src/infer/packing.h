@@ -1,10 +1,11 @@
 #pragma once
 
-#include "aligned_floats.h"
 #include "lattice.h"
 
 #include <cstddef>
 #include <span>
+
+#include <earpoint/simd/aligned_floats.h>
 
 namespace earpoint::infer {
 

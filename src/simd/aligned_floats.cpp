@@ -1,16 +1,15 @@
-#include "aligned_floats.h"
-
 #include <cstdlib>
 #include <cstring>
 #include <new>
 
 #include <earpoint/core/error.h>
+#include <earpoint/simd/aligned_floats.h>
 
 #ifdef __linux__
 #include <sys/mman.h>
 #endif
 
-namespace earpoint::infer {
+namespace earpoint {
 namespace {
 
 constexpr std::size_t kAlignment = 64;
@@ -36,4 +35,4 @@ AlignedFloats::AlignedFloats(std::ptrdiff_t size) : size_(size) {
 
 void AlignedFloats::Free::operator()(float* data) const { std::free(data); }
 
-}  // namespace earpoint::infer
+}  // namespace earpoint

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <memory>
 
-namespace earpoint::infer {
+namespace earpoint {
 
 /// Floats on a 64-byte boundary, all zero at first. Large arrays ask for large pages: the planes of
 /// all channels are visited together, which would need more page addresses than a core remembers.
@@ -25,4 +25,4 @@ class AlignedFloats {
   std::ptrdiff_t size_ = 0;
 };
 
-}  // namespace earpoint::infer
+}  // namespace earpoint
