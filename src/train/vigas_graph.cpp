@@ -48,7 +48,7 @@ at::Tensor per_clip(const at::Tensor& weight, std::int64_t clips) {
 }  // namespace
 
 ViGasGraph::ViGasGraph(const ViGasWeights& weights, const at::Device& device)
-    : description_(weights.description), tensors_(weights.tensors, device) {}
+    : description_(weights.description), tensors_(weights.tensors, device), stack_(description_) {}
 
 at::Tensor ViGasGraph::image_feature(const at::Tensor& picture, GraphMode mode) {
   const at::Tensor map = resnet18(tensors_, "visual_encoder", picture, mode);
@@ -98,9 +98,15 @@ at::Tensor ViGasGraph::gate(int layer, const at::Tensor& x, const at::Tensor& fu
   return (halves[0].tanh() * halves[1].sigmoid()).sin();
 }
 
-at::Tensor ViGasGraph::forward(const GraphInputs& inputs, GraphMode mode) {
+at::Tensor ViGasGraph::forward(const GraphInputs& inputs, GraphMode mode, StackKind kind) {
   const at::Tensor fused = fuse(inputs, mode);
-  at::Tensor x = pointwise("input", inputs.source);
+  return kind == StackKind::fused && inputs.source.is_cpu()
+             ? stack_.forward(tensors_, inputs.source, fused)
+             : operations(inputs.source, fused);
+}
+
+at::Tensor ViGasGraph::operations(const at::Tensor& source, const at::Tensor& fused) {
+  at::Tensor x = pointwise("input", source);
   at::Tensor skips;
   const int layers = description_.layers();
   for (int i = 0; i < layers; ++i) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "resnet18_graph.h"
+#include "stack_graph.h"
 
 #include <map>
 #include <string>
@@ -20,6 +21,10 @@ struct GraphInputs {
   std::map<std::string, at::Tensor> values;  ///< [clips][width], all inputs that are not made here
 };
 
+/// How the audio core is computed: by our own kernels, where they are to be had (float32 on the
+/// processor), or by LibTorch's operations anywhere.
+enum class StackKind { fused, operations };
+
 /// The ViGAS network as a graph of LibTorch operations over named tensors: the names are those of
 /// its weight file.
 class ViGasGraph {
@@ -27,7 +32,8 @@ class ViGasGraph {
   ViGasGraph(const ViGasWeights& weights, const at::Device& device);
 
   /// @return [clips][audio channels][samples]; keeps what a gradient needs unless gradients are off
-  at::Tensor forward(const GraphInputs& inputs, GraphMode mode);
+  /// @see StackGraph::forward() for when the gradient is to be had
+  at::Tensor forward(const GraphInputs& inputs, GraphMode mode, StackKind kind = StackKind::fused);
 
   [[nodiscard]] const ViGasDescription& description() const { return description_; }
   /// What is learned by gradients.
@@ -37,12 +43,14 @@ class ViGasGraph {
  private:
   at::Tensor image_feature(const at::Tensor& picture, GraphMode mode);
   at::Tensor fuse(const GraphInputs& inputs, GraphMode mode);
+  at::Tensor operations(const at::Tensor& source, const at::Tensor& fused);
   at::Tensor gate(int layer, const at::Tensor& x, const at::Tensor& fused);
   at::Tensor pointwise(const std::string& name, const at::Tensor& x);
   const at::Tensor& parameter(const std::string& name) const { return tensors_.parameter(name); }
 
   ViGasDescription description_;
   GraphTensors tensors_;
+  StackGraph stack_;
 };
 
 }  // namespace earpoint
