@@ -38,6 +38,8 @@ def read_safetensors(path):
 
 
 class Network:
+    training = False  # whether batch norms follow their batch
+
     def __init__(self, weights, description):
         self.weights = weights
         self.layers = description["blocks"] * description["layers_per_block"]
@@ -62,7 +64,7 @@ class Network:
     def normalize(self, x, name):
         w = self.weights
         return F.batch_norm(x, w[name + ".running_mean"], w[name + ".running_var"],
-                            w[name + ".weight"], w[name + ".bias"], False, 0.1, 1e-5)
+                            w[name + ".weight"], w[name + ".bias"], self.training, 0.1, 1e-5)
 
     def block(self, x, name, stride):
         y = F.relu(self.normalize(

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <earpoint/model_testing/oracle_weights.h>
 
@@ -32,33 +33,41 @@ Tensor draw_weights(const std::string& name, const std::vector<std::int64_t>& sh
 
 }  // namespace
 
+ViGasWeights drawn_network(const ViGasDescription& description) {
+  check_description(description, "the network of the benchmark");
+  ViGasWeights weights{description, {}, {}};
+  for (const auto& [name, shape] : required_tensors(description)) {
+    weights.tensors.emplace(name, draw_weights(name, shape));
+  }
+  return weights;
+}
+
 ViGasWeights released_network() {
-  ViGasWeights weights;
-  ViGasDescription& network = weights.description;
+  ViGasDescription network;
   network.image_encoder = ImageEncoderDescription{.width_px = 256, .height_px = 256, .channels = 8};
   network.highpass_cutoff_hz = 80.0;
   network.inputs = {{"visual_feat", network.image_encoder->feature_width()},
                     {"tgt_pose", 3},
                     {"tgt_rotation", 2},
                     {"bboxes", 4}};
-  check_description(network, "the network of the benchmark");
-  for (const auto& [name, shape] : required_tensors(network)) {
-    weights.tensors.emplace(name, draw_weights(name, shape));
-  }
-  return weights;
+  return drawn_network(network);
 }
 
-SafetensorsFile released_inputs(const ViGasDescription& network) {
+SafetensorsFile drawn_inputs(const ViGasDescription& network, std::int64_t clips) {
   SafetensorsFile inputs;
-  const auto add = [&](const char* name, std::vector<std::int64_t> shape, double lo, double hi) {
+  const auto add = [&](const std::string& name, std::vector<std::int64_t> shape, double lo,
+                       double hi) {
     inputs.tensors.emplace(name, draw(name, std::move(shape), lo, hi));
   };
-  add("src_wav", {1, network.audio_channels, network.window_samples}, -1.0, 1.0);
-  add("src_rgb", {1, 3, network.image_encoder->height_px, network.image_encoder->width_px}, 0.0,
-      1.0);
-  add("tgt_pose", {1, 3}, -1.0, 1.0);
-  add("tgt_rotation", {1, 2}, -1.0, 1.0);
-  add("bboxes", {1, 4}, 0.0, 1.0);
+  add("src_wav", {clips, network.audio_channels, network.window_samples}, -1.0, 1.0);
+  for (const ConditioningInput& input : network.inputs) {
+    if (input.name == "visual_feat" && network.image_encoder) {
+      add("src_rgb", {clips, 3, network.image_encoder->height_px, network.image_encoder->width_px},
+          0.0, 1.0);
+    } else {
+      add(input.name, {clips, input.width}, input.name == "bboxes" ? 0.0 : -1.0, 1.0);
+    }
+  }
   return inputs;
 }
 

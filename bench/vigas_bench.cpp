@@ -96,7 +96,7 @@ class Bench {
   explicit Bench(const Options& options)
       : threads_(options.threads),
         weights_(earpoint::released_network()),
-        inputs_(earpoint::released_inputs(weights_.description)),
+        inputs_(earpoint::drawn_inputs(weights_.description, 1)),
         network_(weights_, options.threads),
         fused_(weights_.description.conditioning_width),
         output_(floats("src_wav").size()) {

@@ -3,7 +3,7 @@
 
 usage: bench/write_results.py MEASURED RESULTS.md
 
-MEASURED holds vigas.md, oracle_errors.md, render_memory.jsonl, demo.jsonl, trace_gates.md,
+MEASURED holds vigas.md, training.json, oracle_errors.md, render_memory.jsonl, demo.jsonl, trace_gates.md,
 home_reverberation.jsonl, camera_bench.jsonl, simulate_cost.jsonl, evaluate-single.json, evaluate-novel.json,
 ablations-single.json and ablations-novel.json; a section whose file is missing stays as it is in RESULTS.md,
 or says so where it is new.
@@ -28,6 +28,19 @@ def read(folder, name):
         return None
     with open(path) as file:
         return file.read().strip()
+
+
+def training_table(text):
+    rows = ["| layers x channels | picture | batch | Earpoint, clips/s | PyTorch, clips/s | times faster "
+            "| processor-s per clip | PyTorch's |", "|---|---|---|---|---|---|---|---|"]
+    for run in json.loads(text)["networks"]:
+        ours, peer = run["earpoint"], run["peer"]
+        picture = f"{run['picture_px']} px" if run["picture_px"] else "none"
+        rows.append(f"| {run['layers']} x {run['channels']} | {picture} | {run['clips']} | "
+                    f"{ours['clips_per_s']:.2f} | {peer['clips_per_s']:.2f} | "
+                    f"{run['times_faster']:.2f} | {ours['processor_s_per_clip']:.3f} | "
+                    f"{peer['processor_s_per_clip']:.3f} |")
+    return "\n".join(rows)
 
 
 def memory_table(text):
@@ -129,6 +142,10 @@ SECTIONS = [
     ("Speed: one second of sound through the released network", "vigas.md", None,
      "`bench/compare_vigas.py`: Earpoint and PyTorch take turns in one run; medians. GFLOP are "
      "counted by the direct form of the convolutions, whatever was really multiplied."),
+    ("Speed: training steps", "training.json", training_table,
+     "`bench/compare_training.py`: forward, backward and Adam on batches of one-second clips, in turns "
+     "with Debian's python3-torch, which computes only the head that is heard and keeps freed memory; "
+     "medians on two threads."),
     ("Memory: a ten-minute clip", "render_memory.jsonl", memory_table,
      "`bench/render_memory.py`: the bundled clip looped, rendered to an mp4 for one earpoint. "
      "The limit is 600 MB."),
