@@ -14,6 +14,7 @@
 #include <nlohmann/json.hpp>
 
 #include <earpoint/model/checkpoint.h>
+#include <earpoint/model/gtf.h>
 #include <earpoint/model/network.h>
 #include <earpoint/model/safetensors.h>
 #include <earpoint/model/vam.h>
@@ -80,6 +81,9 @@ ModelFacts facts_of(const fs::path& path) {
   switch (kind) {
     case earpoint::NetworkKind::vigas:
       take(earpoint::vigas_weights(std::move(file), where));
+      break;
+    case earpoint::NetworkKind::gtf:
+      take(earpoint::gtf_weights(std::move(file), where));
       break;
     case earpoint::NetworkKind::rt60_estimator:
       take(earpoint::rt60_estimator_weights(std::move(file), where));

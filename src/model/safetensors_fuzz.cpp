@@ -3,6 +3,7 @@
 #include <span>
 
 #include <earpoint/core/error.h>
+#include <earpoint/model/gtf.h>
 #include <earpoint/model/safetensors.h>
 #include <earpoint/model/vam.h>
 #include <earpoint/model/weights.h>
@@ -19,6 +20,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     switch (network_kind(file, "input")) {
       case NetworkKind::vigas:
         (void)vigas_weights(std::move(file), "input");
+        break;
+      case NetworkKind::gtf:
+        (void)gtf_weights(std::move(file), "input");
         break;
       case NetworkKind::rt60_estimator:
         (void)rt60_estimator_weights(std::move(file), "input");

@@ -31,11 +31,12 @@ NetworkKind network_kind(const SafetensorsFile& file, std::string_view where) {
   const Json json = parse_strict_json(description_of(file, where), here, kDepth);
   const std::string network = JsonObjectReader(json, here).string("network");
   if (network == "vigas") return NetworkKind::vigas;
+  if (network == "gtf") return NetworkKind::gtf;
   if (network == "rt60_estimator") return NetworkKind::rt60_estimator;
   if (network == "vam") return NetworkKind::vam;
-  throw InputError(here,
-                   fmt::format("'network': expected 'vigas', 'vam' or 'rt60_estimator', found {}",
-                               in_quotes(network)));
+  throw InputError(
+      here, fmt::format("'network': expected 'vigas', 'gtf', 'vam' or 'rt60_estimator', found {}",
+                        in_quotes(network)));
 }
 
 const Tensor& ViGasWeights::at(const std::string& name) const { return tensor_at(tensors, name); }
