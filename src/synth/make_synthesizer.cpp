@@ -4,6 +4,7 @@
 #include <earpoint/model/safetensors.h>
 #include <earpoint/model/weights.h>
 #include <earpoint/synth/dsp_synthesizer.h>
+#include <earpoint/synth/gtf_synthesizer.h>
 #include <earpoint/synth/input_synthesizer.h>
 #include <earpoint/synth/make_synthesizer.h>
 #include <earpoint/synth/vam_synthesizer.h>
@@ -23,6 +24,9 @@ std::unique_ptr<AcousticSynthesizer> make_synthesizer(const std::string& model,
   }
   SafetensorsFile file = read_safetensors(model);
   switch (network_kind(file, model)) {
+    case NetworkKind::gtf:
+      return std::make_unique<GtfSynthesizer>(gtf_weights(std::move(file), model),
+                                              options.horizontal_fov_rad);
     case NetworkKind::vam:
       return std::make_unique<VamSynthesizer>(vam_weights(std::move(file), model), model,
                                               options.threads);

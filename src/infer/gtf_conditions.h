@@ -1,0 +1,67 @@
+#pragma once
+
+#include "dense.h"
+#include "gtf_eye.h"
+
+#include <array>
+#include <complex>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include <earpoint/core/image.h>
+#include <earpoint/core/pose.h>
+#include <earpoint/core/vector3.h>
+#include <earpoint/model/gtf.h>
+
+namespace earpoint::infer {
+
+/// Where a network takes its speaker to be, in the source's frame.
+struct GtfPlace {
+  Vector3 position_m;
+  double heading_x = 0.0;  ///< of any length
+  double heading_y = 0.0;
+  double log_reverberant = 0.0;
+};
+
+/// From what is known of a scene and a sound to what conditions the filter.
+class GtfConditions {
+ public:
+  explicit GtfConditions(const GtfWeights& weights);
+
+  /// What the camera sees; kept until it changes. Allocates nothing.
+  void look(std::span<const float> picture, const std::optional<Box>& box);
+
+  /// Computes vector() and delays. Allocates nothing.
+  /// @param summary    [summary features]
+  /// @param speaker_m  the mouth, if it is known
+  void update(std::span<const float> summary, const std::optional<Vector3>& speaker_m,
+              const Pose& source_from_target);
+
+  [[nodiscard]] std::span<const float> vector() const { return vector_; }
+  /// Of the direct sound at the ears, at the source and at the target.
+  [[nodiscard]] const std::array<float, 2>& source_delay_s() const { return source_delay_s_; }
+  [[nodiscard]] const std::array<float, 2>& target_delay_s() const { return target_delay_s_; }
+  /// As update() took it.
+  [[nodiscard]] const GtfPlace& place() const { return place_; }
+
+ private:
+  void locate(std::span<const float> summary);
+  float* put_geometry(const Pose& source_from_target, float* to);
+  void put_box(const std::optional<Box>& box);
+
+  GtfDescription description_;
+  std::optional<GtfEye> eye_;
+  Dense locator_[3];
+  Dense summary_, hidden_, output_;
+  std::vector<float> power_, diffuse_power_, delay_s_;  // tables of the head
+  std::vector<float> feature_;                          // of the picture
+  std::array<float, GtfDescription::kBoxFeatures> box_{};
+  std::vector<float> known_, first_, second_, joined_, middle_, vector_;
+  std::array<float, 9> found_{};
+  GtfPlace place_;
+  std::array<float, 2> source_delay_s_{};
+  std::array<float, 2> target_delay_s_{};
+};
+
+}  // namespace earpoint::infer

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include <earpoint/core/image.h>
+#include <earpoint/core/pose.h>
+#include <earpoint/core/vector3.h>
+#include <earpoint/model/gtf.h>
+
+namespace earpoint {
+
+/// What a network keeps in mind of a sound: its level, and how its ears relate.
+struct GtfStatistics {
+  float level = 0.0F;  ///< root mean square over both ears
+  std::vector<float> summary;
+};
+
+/// A geometric time-frequency network, ready to run on the processor. Either window by window,
+///
+///   look(), aim(), synthesize()
+///
+/// or as a stream, hop by hop, whose conditions may change at any hop:
+///
+///   start(), then look() and aim() whenever something changes, and advance().
+///
+/// Both are exactly equivariant to gain, up to rounding, above -80 dB re full scale. Nothing
+/// allocates after the first window of a length. One caller at a time, one thread.
+class Gtf {
+ public:
+  explicit Gtf(const GtfWeights& weights);
+  ~Gtf();
+  Gtf(Gtf&&) noexcept;
+  Gtf& operator=(Gtf&&) noexcept;
+
+  [[nodiscard]] const GtfDescription& description() const;
+
+  /// What the source's camera sees from here on, as gtf_view() has it.
+  /// @param picture  [3][picture_px][picture_px]; empty if the network does not look
+  void look(std::span<const float> picture, const std::optional<Box>& speaker_box);
+
+  /// Where the target is from here on, and the speaker's mouth if it is known, both in the source's
+  /// frame. Pitch and roll turn the ears; what was learned knows the yaw alone.
+  void aim(const Pose& source_from_target, const std::optional<Vector3>& speaker_m = {});
+
+  /// The sound at the target of a window on its own.
+  /// @param source  planar, [2][samples], left ear first, at 16 kHz, samples >= 400
+  /// @param output  the same size; must not overlap it
+  void synthesize(std::span<const float> source, std::span<float> output);
+
+  /// What synthesize() heard in its window.
+  [[nodiscard]] const GtfStatistics& statistics() const;
+
+  /// Begins a stream at silence.
+  /// @param statistics  held throughout; without them running means of about a second are taken
+  void start(std::optional<GtfStatistics> statistics = {});
+
+  /// The next hop of a stream: source in, and out what lies latency_samples() back.
+  /// @param source  planar, [2][hop]
+  /// @param output  planar, [2][hop]
+  void advance(std::span<const float> source, std::span<float> output);
+
+  /// By how much the output of a stream is later than its input: the frames ahead and the window.
+  [[nodiscard]] std::ptrdiff_t latency_samples() const;
+
+  /// Where the speaker was taken to be, in the source's frame; nothing without geometry.
+  [[nodiscard]] std::optional<Vector3> speaker_m() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace earpoint

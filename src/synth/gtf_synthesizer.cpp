@@ -1,0 +1,41 @@
+#include <earpoint/model/gtf_view.h>
+#include <earpoint/synth/gtf_synthesizer.h>
+
+namespace earpoint {
+
+GtfSynthesizer::GtfSynthesizer(const GtfWeights& weights, double horizontal_fov_rad)
+    : network_(weights), horizontal_fov_rad_(horizontal_fov_rad) {}
+
+WindowShape GtfSynthesizer::window_shape(int /*source_rate_hz*/) const {
+  const std::ptrdiff_t samples = network_.description().window_samples;
+  return {.sample_rate_hz = GtfDescription::kSampleRateHz,
+          .samples = samples,
+          .overlap = samples / 4,
+          .context = 0};
+}
+
+double GtfSynthesizer::ambient_cutoff_hz() const {
+  return network_.description().highpass_cutoff_hz.value_or(0.0);
+}
+
+PictureUse GtfSynthesizer::picture_use() const {
+  return network_.description().picture_px > 0 ? PictureUse::always : PictureUse::never;
+}
+
+void GtfSynthesizer::observe(const Observation& observation) {
+  const int size = network_.description().picture_px;
+  const GtfView view = gtf_view(size > 0 ? observation.picture : nullptr, observation.speaker_box,
+                                horizontal_fov_rad_, size > 0 ? size : 1);
+  network_.look(view.picture, view.speaker_box);
+  speaker_m_ = observation.speaker_m;
+  sound_ = observation.sound;
+}
+
+Waveform GtfSynthesizer::synthesize(const Pose& source_from_target) {
+  network_.aim(source_from_target, speaker_m_);
+  Waveform result(2, sound_.samples(), sound_.sample_rate_hz());
+  network_.synthesize(sound_.planar(), result.planar());
+  return result;
+}
+
+}  // namespace earpoint

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <earpoint/infer/gtf.h>
+#include <earpoint/model/gtf.h>
+#include <earpoint/synth/synthesizer.h>
+
+namespace earpoint {
+
+/// Geometric time-frequency synthesis, window by window, a quarter of which overlaps. A speaker who
+/// is known neither by place nor by box is looked for by picture and sound.
+class GtfSynthesizer : public AcousticSynthesizer {
+ public:
+  /// @param horizontal_fov_rad  of the source camera
+  GtfSynthesizer(const GtfWeights& weights, double horizontal_fov_rad);
+
+  [[nodiscard]] WindowShape window_shape(int source_rate_hz) const override;
+  [[nodiscard]] double ambient_cutoff_hz() const override;
+  [[nodiscard]] PictureUse picture_use() const override;
+  void observe(const Observation& observation) override;
+  [[nodiscard]] Waveform synthesize(const Pose& source_from_target) override;
+
+ private:
+  Gtf network_;
+  double horizontal_fov_rad_;
+  Waveform sound_;
+  std::optional<Vector3> speaker_m_;
+};
+
+}  // namespace earpoint
