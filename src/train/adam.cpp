@@ -16,8 +16,6 @@
 namespace earpoint {
 namespace {
 
-constexpr double kFirstDecay = 0.9;
-constexpr double kSecondDecay = 0.999;
 constexpr double kEpsilon = 1e-8;
 
 constexpr std::string_view kStepsKey = "earpoint.adam_steps";
@@ -59,7 +57,8 @@ std::int64_t steps_in(const SafetensorsFile& file, std::string_view where) {
 
 }  // namespace
 
-Adam::Adam(std::map<std::string, at::Tensor> parameters) : parameters_(std::move(parameters)) {
+Adam::Adam(std::map<std::string, at::Tensor> parameters, AdamDecay decay)
+    : decay_(decay), parameters_(std::move(parameters)) {
   for (const auto& [name, parameter] : parameters_) {
     first_[name] = at::zeros_like(parameter);
     second_[name] = at::zeros_like(parameter);
@@ -70,15 +69,15 @@ void Adam::step(double learning_rate) {
   const at::NoGradGuard no_gradients;
   ++steps_;
   const double count = static_cast<double>(steps_);
-  const double first_bias = 1.0 - std::pow(kFirstDecay, count);
-  const double second_bias = 1.0 - std::pow(kSecondDecay, count);
+  const double first_bias = 1.0 - std::pow(decay_.first, count);
+  const double second_bias = 1.0 - std::pow(decay_.second, count);
   for (auto& [name, parameter] : parameters_) {
     const at::Tensor gradient = parameter.grad();
     if (!gradient.defined()) continue;
     at::Tensor& first = first_.at(name);
     at::Tensor& second = second_.at(name);
-    first.mul_(kFirstDecay).add_(gradient, 1.0 - kFirstDecay);
-    second.mul_(kSecondDecay).addcmul_(gradient, gradient, 1.0 - kSecondDecay);
+    first.mul_(decay_.first).add_(gradient, 1.0 - decay_.first);
+    second.mul_(decay_.second).addcmul_(gradient, gradient, 1.0 - decay_.second);
     const at::Tensor scale = second.sqrt().div_(std::sqrt(second_bias)).add_(kEpsilon);
     parameter.addcdiv_(first, scale, -learning_rate / first_bias);
   }
@@ -100,6 +99,20 @@ void Adam::load(const SafetensorsFile& file, std::string_view where) {
   second_ = moments(file, where, kSecond, parameters_);
   first_ = std::move(first);
   steps_ = steps;
+}
+
+double clip_gradients(const std::map<std::string, at::Tensor>& parameters, double longest) {
+  const at::NoGradGuard no_gradients;
+  double squares = 0.0;
+  for (const auto& [name, parameter] : parameters) {
+    if (parameter.grad().defined()) squares += parameter.grad().square().sum().item<double>();
+  }
+  const double length = std::sqrt(squares);
+  if (length <= longest) return length;
+  for (const auto& [name, parameter] : parameters) {
+    if (parameter.grad().defined()) parameter.grad().mul_(longest / length);
+  }
+  return length;
 }
 
 }  // namespace earpoint

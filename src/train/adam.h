@@ -11,12 +11,18 @@
 
 namespace earpoint {
 
-/// Adam without weight decay, beta 0.9 and 0.999, epsilon 1e-8.
+/// How much of its running means Adam keeps at each step.
+struct AdamDecay {
+  double first = 0.9;
+  double second = 0.999;
+};
+
+/// Adam without weight decay, epsilon 1e-8.
 /// Source: Kingma and Ba, ICLR 2015, algorithm 1.
 class Adam {
  public:
   /// @param parameters  share their memory with the network's
-  explicit Adam(std::map<std::string, at::Tensor> parameters);
+  explicit Adam(std::map<std::string, at::Tensor> parameters, AdamDecay decay = {});
 
   /// Moves every parameter against its gradient; those without one stay.
   void step(double learning_rate);
@@ -34,10 +40,15 @@ class Adam {
   void load(const SafetensorsFile& file, std::string_view where);
 
  private:
+  AdamDecay decay_;
   std::map<std::string, at::Tensor> parameters_;
   std::map<std::string, at::Tensor> first_;
   std::map<std::string, at::Tensor> second_;
   std::int64_t steps_ = 0;
 };
+
+/// Scales all gradients down together so that their common length is at most `longest`.
+/// @return the length before
+double clip_gradients(const std::map<std::string, at::Tensor>& parameters, double longest);
 
 }  // namespace earpoint

@@ -92,6 +92,14 @@ struct PairExamples::State {
     if (validation.empty()) throw InputError(list.string(), "holds no pair");
   }
 
+  /// Where a window of the speaker's speech begins.
+  [[nodiscard]] std::ptrdiff_t draw_start(const SoundSpacesSpeaker& speaker,
+                                          RandomStream& random) const {
+    const std::ptrdiff_t spare = train_sampler.speech_samples(speaker) - options.samples;
+    if (spare <= 0) return 0;
+    return static_cast<std::ptrdiff_t>(random.index(static_cast<std::uint64_t>(spare) + 1));
+  }
+
   [[nodiscard]] SoundSpacesChoice draw_choice(const SoundSpacesClip& clip,
                                               RandomStream& random) const {
     SoundSpacesChoice choice;
@@ -101,12 +109,7 @@ struct PairExamples::State {
     if (choice.target >= choice.source) ++choice.target;
     const std::vector<int> speakers = speaking(clip);
     choice.speaker = speakers[random.index(speakers.size())];
-    const std::ptrdiff_t spare =
-        train_sampler.speech_samples(clip.speakers[choice.speaker]) - options.samples;
-    if (spare > 0) {
-      choice.window_start =
-          static_cast<std::ptrdiff_t>(random.index(static_cast<std::uint64_t>(spare) + 1));
-    }
+    choice.window_start = draw_start(clip.speakers[choice.speaker], random);
     return choice;
   }
 
@@ -118,11 +121,24 @@ struct PairExamples::State {
     sample.target = highpass(sample.target, kSeparationCutoffHz);
   }
 
+  /// The same places and responses, but a window of any speech of the split.
+  [[nodiscard]] PairSample other_words(const SoundSpacesClip& clip, SoundSpacesChoice choice,
+                                       RandomStream& random) const {
+    const SoundSpacesClip& other = train.clips()[random.index(train.clips().size())];
+    const std::vector<int> speakers = speaking(other);
+    SoundSpacesClip retold = clip;
+    SoundSpacesSpeaker& speaker = retold.speakers[choice.speaker];
+    speaker.speech = other.speakers[speakers[random.index(speakers.size())]].speech;
+    choice.window_start = draw_start(speaker, random);
+    return train_sampler.sample(retold, choice, options.samples);
+  }
+
   [[nodiscard]] PairSample training_sample(std::uint64_t number, std::uint64_t attempt) const {
     RandomStream random(options.seed, {kDraw, number, attempt});
     const SoundSpacesClip& clip = train.clips()[random.index(train.clips().size())];
     const SoundSpacesChoice choice = draw_choice(clip, random);
-    PairSample sample = train_sampler.sample(clip, choice, options.samples);
+    PairSample sample = options.any_speech ? other_words(clip, choice, random)
+                                           : train_sampler.sample(clip, choice, options.samples);
     add_room(sample, RandomStream(options.seed, {kNoise, number}).next());
     if (options.alignment == Alignment::gcc_phat) align_target(sample);
     // Drawn in any case, so that the other draws are the same with and without.

@@ -53,6 +53,26 @@ double energy_of(std::span<const float> sound) {
   return sum;
 }
 
+TEST_F(PairExamplesTest, AnySpeechIsHeardAtTheSamePlaces) {
+  PairOptions any = options();
+  any.any_speech = true;
+  // Later draws differ.
+  any.mirror = false;
+  PairOptions own = any;
+  own.any_speech = false;
+  const PairExamples retold = examples(any);
+  const PairExamples told = examples(own);
+  int changed = 0;
+  for (std::uint64_t number = 0; number < 8; ++number) {
+    const PairSample a = told.training_sample(number);
+    const PairSample b = retold.training_sample(number);
+    EXPECT_EQ(a.speaker_m, b.speaker_m);
+    EXPECT_EQ(a.source_from_target.position_m, b.source_from_target.position_m);
+    changed += std::ranges::equal(a.source.planar(), b.source.planar()) ? 0 : 1;
+  }
+  EXPECT_GE(changed, 4);
+}
+
 TEST_F(PairExamplesTest, ANumberIsAnExampleAndSeedsDiffer) {
   const PairExamples one = examples(options());
   const PairExamples same = examples(options());

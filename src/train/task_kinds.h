@@ -6,8 +6,11 @@
 
 namespace earpoint {
 
-/// make_training_task() for one kind of network each: "rt60" and "vam". Both sections hold what the
-/// network's description (docs/formats.md) has, where it is not the default.
+/// make_training_task() for one kind of network each: "gtf", "rt60" and "vam". Their sections hold
+/// what the network's description (docs/formats.md) has, where it is not the default. That of "gtf"
+/// also has a `loss`, whose keys are the terms of GtfLossWeights.
+TrainingTask gtf_task(const TrainConfig& config, std::string_view where,
+                      const TaskOptions& options);
 TrainingTask rt60_task(const TrainConfig& config, std::string_view where,
                        const TaskOptions& options);
 TrainingTask vam_task(const TrainConfig& config, std::string_view where,

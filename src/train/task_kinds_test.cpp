@@ -6,6 +6,7 @@
 
 #include <earpoint/core/error.h>
 #include <earpoint/dataset_testing/tiny_dataset.h>
+#include <earpoint/model/gtf.h>
 #include <earpoint/model/vam.h>
 #include <earpoint/model/weights.h>
 #include <earpoint/train/trainer.h>
@@ -20,6 +21,9 @@ constexpr const char* kRt60 = R"({"kind": "rt60", "channels": 2, "input_rms": 1.
 constexpr const char* kVam = R"({"kind": "vam", "image_width_px": 32, "image_height_px": 32,
   "trunk_channels": 2, "strides": [5, 4], "channels": [4, 6], "heads": 2,
   "feed_forward_width": 8})";
+
+constexpr const char* kGtf = R"({"kind": "gtf", "channels": 8, "layers": 2, "bands": 8,
+  "picture_px": 32, "loss": {"level": 0.5}})";
 
 std::string config_of(const std::string& network, const std::string& data = "{}") {
   return R"({"format": "earpoint-train-1", "network": )" + network + R"(, "data": )" + data +
@@ -66,6 +70,22 @@ class TaskKinds : public ::testing::Test {
 
   fs::path folder_;
 };
+
+TEST_F(TaskKinds, TrainsAGeometricNetwork) {
+  const GtfWeights weights = gtf_weights(
+      trained(config_of(kGtf, R"({"any_speech": true, "window_samples": 8000})")), "best");
+  EXPECT_EQ(weights.description.channels, 8);
+  EXPECT_EQ(weights.description.window_samples, 8000);
+  EXPECT_EQ(weights.description.highpass_cutoff_hz, 80.0);
+}
+
+TEST_F(TaskKinds, NamesWhatIsWrongWithAGeometricNetwork) {
+  const auto said = [&](const char* network) { return refusal(config_of(network)); };
+  EXPECT_NE(said(R"({"kind": "gtf", "loss": {"levels": 1}})").find("levels"), std::string::npos);
+  EXPECT_NE(said(R"({"kind": "gtf", "loss": {"level": -1}})").find("'level': expected 0 to 1000"),
+            std::string::npos);
+  EXPECT_NE(said(R"({"kind": "gtf", "picture_px": 33})").find("multiple of 32"), std::string::npos);
+}
 
 TEST_F(TaskKinds, TrainsAnEstimatorOfReverberationTime) {
   const Rt60EstimatorWeights weights =

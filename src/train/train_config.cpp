@@ -249,6 +249,7 @@ PairOptions pair_options_from_json(std::string_view text, std::string_view where
   int samples = static_cast<int>(options.samples);
   section.take("window_samples", samples, 1000, 1 << 20);
   options.samples = samples;
+  section.take("any_speech", options.any_speech);
   section.take("mirror", options.mirror);
   section.take("align", options.alignment, kAlignments);
   section.take("ambient_db", options.ambient_db, -120.0, 0.0);

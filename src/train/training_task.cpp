@@ -77,11 +77,13 @@ std::vector<float> planar(const Waveform& sound) {
 TrainingTask make_training_task(const TrainConfig& config, std::string_view where,
                                 const TaskOptions& options) {
   if (config.kind == "vigas") return vigas_task(config, where, options);
+  if (config.kind == "gtf") return gtf_task(config, where, options);
   if (config.kind == "vam") return vam_task(config, where, options);
   if (config.kind == "rt60") return rt60_task(config, where, options);
   throw InputError(
-      where, fmt::format("'network': 'kind': expected \"vigas\", \"vam\" or \"rt60\", found \"{}\"",
-                         config.kind));
+      where,
+      fmt::format(R"('network': 'kind': expected "vigas", "gtf", "vam" or "rt60", found "{}")",
+                  config.kind));
 }
 
 TrainingExample vigas_example(const ViGasDescription& description, const PairSample& sample) {

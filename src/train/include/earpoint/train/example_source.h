@@ -41,6 +41,7 @@ struct PairOptions {
   std::filesystem::path data;      ///< a folder that soundspaces_options() knows
   std::uint64_t seed = 1;          ///< of the draws in training
   std::ptrdiff_t samples = 16000;  ///< of a training window; validation takes a second
+  bool any_speech = false;         ///< whoever speaks says what anyone of the split said
   bool mirror = true;              ///< half of the training examples are mirrored, left to right
   Alignment alignment = Alignment::responses;  ///< in training; validation pairs are aligned
   std::optional<double> ambient_db;    ///< level of room noise in both sounds, dB re full scale

@@ -36,7 +36,7 @@ struct TrainingPlan {
 
 /// A configuration file: docs/formats.md has the keys.
 struct TrainConfig {
-  std::string kind;     ///< of network: "vigas"
+  std::string kind;     ///< of network: "vigas", "gtf", ...
   std::string network;  ///< its section as JSON, for the kind's own parser
   std::string data;     ///< likewise
   TrainingPlan training;

@@ -1,0 +1,22 @@
+#pragma once
+
+#include "gtf_graph.h"
+#include "stft_loss.h"
+
+#include <ATen/core/Tensor.h>
+
+#include <earpoint/train/gtf_learner.h>
+
+namespace earpoint {
+
+/// What a prediction is measured by.
+struct GtfTruth {
+  at::Tensor target;           ///< [clips][2][samples]
+  at::Tensor speaker_m;        ///< [clips][3]: the mouth in the source's frame
+  at::Tensor speaker_heading;  ///< [clips][2]: cosine and sine of where it looks; zeros if unknown
+};
+
+/// The loss that the network learns by; see GtfLossWeights.
+at::Tensor gtf_loss(const GtfLossWeights& weights, const GtfOutput& output, const GtfTruth& truth);
+
+}  // namespace earpoint

@@ -1,0 +1,96 @@
+#include "description_section.h"
+#include "task_kinds.h"
+
+#include <initializer_list>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <earpoint/core/error.h>
+#include <earpoint/model/strict_json.h>
+#include <earpoint/spatial/hrtf.h>
+#include <earpoint/train/gtf_learner.h>
+
+namespace earpoint {
+namespace {
+
+using Json = nlohmann::json;
+
+GtfLossWeights loss_from(const Json& json, const std::string& where) {
+  constexpr double kMost = 1000.0;
+  GtfLossWeights weights;
+  JsonObjectReader reader(json, where);
+  for (const auto& [key, weight] : std::initializer_list<std::pair<const char*, double*>>{
+           {"log_magnitude", &weights.log_magnitude},
+           {"level_difference", &weights.level_difference},
+           {"level", &weights.level},
+           {"phase_difference", &weights.phase_difference},
+           {"place", &weights.place}}) {
+    if (!reader.has(key)) continue;
+    *weight = reader.number(key);
+    if (*weight >= 0.0 && *weight <= kMost) continue;
+    throw InputError(where, fmt::format("'{}': expected 0 to {}, found {}", key, kMost, *weight));
+  }
+  reader.expect_nothing_else();
+  return weights;
+}
+
+/// Takes `loss` out of the network's section.
+GtfLossWeights take_loss(std::string& section, const std::string& where) {
+  constexpr int kDepth = 2;
+  Json json = parse_strict_json(section, where, kDepth);
+  if (!json.is_object() || !json.contains("loss")) return {};
+  const GtfLossWeights weights = loss_from(json["loss"], fmt::format("{}: 'loss'", where));
+  json.erase("loss");
+  section = json.dump();
+  return weights;
+}
+
+GtfLearner make_learner(const GtfDescription& description, const GtfLearnerOptions& learner,
+                        std::uint64_t seed, const TaskOptions& options) {
+  if (options.device != "cpu") {
+    throw InputError("--device " + options.device, "this network learns on the processor only",
+                     "use --device cpu");
+  }
+  if (options.checkpoint != nullptr) {
+    return GtfLearner::from_checkpoint(*options.checkpoint, "the checkpoint", learner);
+  }
+  const HrtfSet head = HrtfSet::load(GtfDescription::kSampleRateHz);
+  return GtfLearner(initial_gtf_weights(description, head, seed), learner);
+}
+
+}  // namespace
+
+TrainingTask gtf_task(const TrainConfig& config, std::string_view where,
+                      const TaskOptions& options) {
+  PairOptions pairs = pair_options_from_json(config.data, fmt::format("{}: 'data'", where));
+  pairs.data = options.data;
+  pairs.seed = config.training.seed;
+  pairs.cache_bytes = options.cache_bytes;
+  pairs.on_bad = options.on_bad;
+  const std::string network = fmt::format("{}: 'network'", where);
+  std::string section = config.network;
+  GtfLearnerOptions learner_options;
+  learner_options.loss = take_loss(section, network);
+  GtfDescription usual;
+  if (pairs.separate) usual.highpass_cutoff_hz = 80.0;
+  usual.window_samples = static_cast<int>(pairs.samples);
+  const GtfDescription description =
+      gtf_description_from_json(description_with(section, to_json(usual), network), network);
+  TrainingTask task;
+  const auto encode = [description](const PairSample& sample) {
+    return gtf_example(description, sample);
+  };
+  task.examples = std::make_unique<PairExamples>(std::move(pairs), encode);
+  auto learner = std::make_unique<GtfLearner>(
+      make_learner(description, learner_options, config.training.seed, options));
+  if (learner->description() != description) {
+    throw InputError(where, "describes another network than the checkpoint is of");
+  }
+  task.learner = std::move(learner);
+  return task;
+}
+
+}  // namespace earpoint
