@@ -332,7 +332,7 @@ void Gtf::aim(const Pose& source_from_target, const std::optional<Vector3>& spea
 
 void Gtf::synthesize(std::span<const float> source, std::span<float> output) {
   EARPOINT_CHECK(source.size() == output.size() && source.size() % kEars == 0);
-  EARPOINT_CHECK(std::ssize(source) >= kEars * D::kFrameSamples);
+  EARPOINT_CHECK(std::ssize(source) >= std::ptrdiff_t{kEars} * D::kFrameSamples);
   State& state = *state_;
   state.reserve(std::ssize(source) / kEars);
   state.start_over();
@@ -360,10 +360,11 @@ void Gtf::start(std::optional<GtfStatistics> statistics) {
 
 void Gtf::advance(std::span<const float> source, std::span<float> output) {
   State& state = *state_;
-  EARPOINT_CHECK(std::ssize(source) == kEars * D::kHop && source.size() == output.size());
+  EARPOINT_CHECK(std::ssize(source) == std::ptrdiff_t{kEars} * D::kHop &&
+                 source.size() == output.size());
   if (!state.holds_statistics) state.follow(source);
   // Frames have their middle at multiples of the hop: one lies 40 samples before the hops' grid.
-  constexpr std::ptrdiff_t kOffset = 2 * D::kHop - kHalf;
+  constexpr std::ptrdiff_t kOffset = std::ptrdiff_t{2} * D::kHop - kHalf;
   for (std::ptrdiff_t part = 0; part < 2; ++part) {
     const std::ptrdiff_t first = part == 0 ? 0 : D::kHop - kOffset;
     const std::ptrdiff_t count = part == 0 ? D::kHop - kOffset : kOffset;

@@ -44,7 +44,7 @@ void read_table(std::span<const float> table, double azimuth_rad, std::span<floa
   }
 }
 
-using EarBands = std::array<float, kEars * D::kHeadBands>;
+using EarBands = std::array<float, std::size_t{kEars} * D::kHeadBands>;
 
 /// Cosine of the angle between the heading and where the listener is.
 double facing(double x, double y, const Vector3& listener) {

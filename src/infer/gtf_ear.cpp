@@ -49,7 +49,7 @@ void GtfEar::measure(EarSpectra spectrum, std::span<float> magnitude) {
 
 void GtfEar::hear(EarSpectra spectrum, std::span<const float> magnitude,
                   std::span<float> features) {
-  EARPOINT_CHECK(std::ssize(features) == 4 * bands_);
+  EARPOINT_CHECK(std::ssize(features) == std::ptrdiff_t{4} * bands_);
   const std::complex<float>* left = spectrum.data();
   const std::complex<float>* right = left + D::kBins;
   frames_ += 1.0;
@@ -105,8 +105,8 @@ void GtfEar::summarize(std::span<float> summary) const {
     summary[3 * bands_ + band] = std::log(left + right + kBandFloor) / 4;
   }
   for (int lag = 0; lag < kLagCount; ++lag) {
-    const float* cosine = lag_cosine_.data() + lag * D::kBins;
-    const float* sine = lag_sine_.data() + lag * D::kBins;
+    const float* cosine = lag_cosine_.data() + std::ptrdiff_t{lag} * D::kBins;
+    const float* sine = lag_sine_.data() + std::ptrdiff_t{lag} * D::kBins;
     float sum = 0.0F;
     for (int bin = 0; bin < D::kBins; ++bin) {
       const float weight = 1.0F / (strength_[bin] + 1e-6F);

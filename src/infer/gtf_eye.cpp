@@ -112,7 +112,8 @@ void GtfEye::convolve(const Layer& layer) {
         if (from_y < 0 || from_x < 0) {
           column = std::fill_n(column, in, 0.0F);
         } else {
-          column = std::copy_n(map_.data() + (from_y * layer.side_in + from_x) * in, in, column);
+          column = std::copy_n(map_.data() + std::ptrdiff_t{from_y * layer.side_in + from_x} * in,
+                               in, column);
         }
       }
     }

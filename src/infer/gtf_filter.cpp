@@ -107,12 +107,12 @@ void GtfFilter::filter_magnitudes(std::ptrdiff_t index, std::span<const float> m
   std::ranges::fill(magnitude_, 0.0F);
   const float* weight = kernels_.data() + index * kernel_.row();
   for (int out = 0; out < kEars; ++out) {
-    float* sum = magnitude_.data() + out * D::kBins;
+    float* sum = magnitude_.data() + std::ptrdiff_t{out} * D::kBins;
     for (int in = 0; in < kEars; ++in) {
       for (int tap = 0; tap < description_.taps(); ++tap, weight += bands) {
-        const float* x = (tap < frames ? magnitudes.data() + tap * kFrame
-                                       : tails_.data() + (tap - frames) * kFrame) +
-                         in * D::kBins;
+        const float* x = (tap < frames ? magnitudes.data() + std::ptrdiff_t{tap} * kFrame
+                                       : tails_.data() + std::ptrdiff_t{tap - frames} * kFrame) +
+                         std::ptrdiff_t{in} * D::kBins;
         for (int band = 0; band < bands; ++band) {
           const int first = edges_[band];
           add_scaled(sum + first, x + first, weight[band], edges_[band + 1] - first);

@@ -190,7 +190,8 @@ TensorShapes required_tensors(const GtfDescription& d) {
   add_layer(shapes, "trunk.input", {d.channels, d.frame_features()});
   for (int i = 0; i < d.layers; ++i) {
     add_layer(shapes, fmt::format("trunk.{}", i), {d.channels, d.channels, 3});
-    add_layer(shapes, fmt::format("trunk.{}.film", i), {2 * d.channels, d.conditioning_width});
+    add_layer(shapes, fmt::format("trunk.{}.film", i),
+              {std::int64_t{2} * d.channels, d.conditioning_width});
   }
   const std::int64_t kernels = std::int64_t{kEars} * kEars * d.taps() * d.bands;
   add_layer(shapes, "kernel", {kernels, d.channels});
