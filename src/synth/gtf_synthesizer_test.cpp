@@ -1,0 +1,115 @@
+#include <cmath>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <earpoint/core/random.h>
+#include <earpoint/model/gtf.h>
+#include <earpoint/model/gtf_view.h>
+#include <earpoint/synth/gtf_synthesizer.h>
+#include <earpoint/synth/make_synthesizer.h>
+
+namespace earpoint {
+namespace {
+
+constexpr double kFov_rad = 0.5 * kPi;
+
+GtfWeights make_weights(int picture_px = 32) {
+  GtfDescription description;
+  description.channels = 8;
+  description.layers = 2;
+  description.bands = 10;
+  description.picture_px = picture_px;
+  description.window_samples = 4000;
+  description.highpass_cutoff_hz = 80.0;
+  GtfWeights weights{description, {}, {}};
+  RandomStream random(1);
+  for (const auto& [name, shape] : required_tensors(description)) {
+    std::vector<float> values(static_cast<std::size_t>(element_count(shape).value()));
+    // Powers must be positive.
+    const double low = name.find("power") != std::string::npos ? 0.5 : -0.2;
+    for (float& value : values) value = static_cast<float>(random.uniform(low, low + 0.4));
+    weights.tensors[name] = make_tensor<float>(values, shape);
+  }
+  return weights;
+}
+
+Observation make_observation(const Image& picture) {
+  Observation observation;
+  observation.sound = Waveform(2, 4000, 16000);
+  RandomStream random(2);
+  for (float& sample : observation.sound.planar()) {
+    sample = static_cast<float>(0.1 * random.normal());
+  }
+  observation.picture = &picture;
+  observation.speaker_box = Box{0.1, 0.2, 0.3, 0.4};
+  return observation;
+}
+
+std::vector<float> samples(const Waveform& sound) {
+  return {sound.planar().begin(), sound.planar().end()};
+}
+
+TEST(GtfSynthesizer, GivesWhatTheNetworkGivesForTheView) {
+  const Image picture(96, 54, 3, 77);
+  const Observation observation = make_observation(picture);
+  const Pose pose{{1, -0.5, 0}, quaternion_from_euler({.yaw_rad = 0.4})};
+  GtfSynthesizer synthesizer(make_weights(), kFov_rad);
+  EXPECT_EQ(synthesizer.window_shape(48000).samples, 4000);
+  EXPECT_EQ(synthesizer.ambient_cutoff_hz(), 80.0);
+  EXPECT_EQ(synthesizer.picture_use(), PictureUse::always);
+  synthesizer.observe(observation);
+  const Waveform found = synthesizer.synthesize(pose);
+
+  Gtf network(make_weights());
+  const GtfView view = gtf_view(&picture, observation.speaker_box, kFov_rad, 32);
+  network.look(view.picture, view.speaker_box);
+  network.aim(pose);
+  std::vector<float> expected(2 * 4000);
+  network.synthesize(observation.sound.planar(), expected);
+  EXPECT_EQ(samples(found), expected);
+}
+
+TEST(GtfSynthesizer, HeedsTheSpeakersPlace) {
+  const Image picture(64, 64, 3, 77);
+  Observation observation = make_observation(picture);
+  GtfSynthesizer synthesizer(make_weights(), kFov_rad);
+  const auto heard = [&] {
+    synthesizer.observe(observation);
+    return samples(synthesizer.synthesize({{1, 0, 0}, {}}));
+  };
+  const std::vector<float> guessed = heard();
+  observation.speaker_m = Vector3{0.5, 2, 0};
+  const std::vector<float> at_left = heard();
+  observation.speaker_m = Vector3{0.5, -2, 0};
+  EXPECT_NE(at_left, guessed);
+  EXPECT_NE(at_left, heard());
+}
+
+TEST(GtfSynthesizer, WorksWithoutAPictureWhereTheNetworkDoesNotLook) {
+  Observation observation = make_observation(Image(64, 64, 3, 77));
+  observation.picture = nullptr;
+  observation.speaker_box.reset();
+  GtfSynthesizer synthesizer(make_weights(0), kFov_rad);
+  EXPECT_EQ(synthesizer.picture_use(), PictureUse::never);
+  synthesizer.observe(observation);
+  for (const float sample : samples(synthesizer.synthesize({}))) {
+    ASSERT_TRUE(std::isfinite(sample));
+  }
+}
+
+TEST(GtfSynthesizer, IsMadeOfAWeightFile) {
+  const std::filesystem::path path = std::filesystem::path(testing::TempDir()) /
+                                     ("gtf." + std::to_string(::getpid()) + ".safetensors");
+  write_safetensors(path, gtf_weight_file(make_weights()));
+  const auto synthesizer = make_synthesizer(path.string(), {});
+  EXPECT_EQ(synthesizer->window_shape(48000).samples, 4000);
+  EXPECT_NE(dynamic_cast<GtfSynthesizer*>(synthesizer.get()), nullptr);
+  std::filesystem::remove(path);
+}
+
+}  // namespace
+}  // namespace earpoint
