@@ -78,10 +78,12 @@ void run(int rounds) {
   const earpoint::GtfWeights weights = drawn_network(description);
   Gtf gtf(weights);
   const std::vector<float> picture =
-      noise(static_cast<std::size_t>(3 * description.picture_px * description.picture_px), 0.3, 3);
-  const std::vector<float> second = noise(2 * 16000, 0.1, 4);
+      noise(std::size_t{3} * static_cast<std::size_t>(description.picture_px) *
+                static_cast<std::size_t>(description.picture_px),
+            0.3, 3);
+  const std::vector<float> second = noise(std::size_t{2} * 16000, 0.1, 4);
   std::vector<float> output(second.size());
-  std::vector<float> hop(2 * GtfDescription::kHop);
+  std::vector<float> hop(std::size_t{2} * GtfDescription::kHop);
 
   const earpoint::ViGasWeights released = earpoint::released_network();
   earpoint::ViGas vigas(released, 2);
