@@ -24,6 +24,10 @@
 
 #include <earpoint/core/error.h>
 
+#if AT_PARALLEL_OPENMP && !defined(_OPENMP)
+#error "at::parallel_for() is a plain loop where OpenMP is not switched on"
+#endif
+
 namespace earpoint {
 namespace {
 
