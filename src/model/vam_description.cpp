@@ -1,3 +1,4 @@
+#include "description_head.h"
 #include "layer_shapes.h"
 #include "quote.h"
 
@@ -127,11 +128,7 @@ VamDescription vam_description_from_json(std::string_view text, std::string_view
   constexpr int kDepth = 2;  // the object, a list
   const Json json = parse_strict_json(text, where, kDepth);
   JsonObjectReader reader(json, where);
-  check_range(where, "format", reader.integer("format"), kFormat, kFormat);
-  if (const std::string network = reader.string("network"); network != kNetwork) {
-    throw InputError(
-        where, fmt::format("'network': expected '{}', found {}", kNetwork, in_quotes(network)));
-  }
+  expect_head(reader, where, kFormat, kNetwork);
   VamDescription d;
   d.sample_rate_hz = reader.integer("sample_rate_hz");
   d.window_samples = reader.integer("window_samples");

@@ -1,4 +1,5 @@
 #include "adam.h"
+#include "graph_tensors.h"
 #include "gtf_graph.h"
 #include "gtf_loss.h"
 #include "stft_loss.h"
@@ -23,10 +24,7 @@ struct GtfLearner::State {
 
   [[nodiscard]] static at::Tensor sounds(const TrainingBatch& batch,
                                          const std::vector<float>& values) {
-    EARPOINT_CHECK(batch.clips > 0 && !values.empty());
-    return to_torch(values,
-                    {batch.clips, 2, static_cast<std::int64_t>(values.size()) / (2 * batch.clips)},
-                    at::kCPU);
+    return sounds_to_torch(values, batch.clips, 2, at::kCPU);
   }
 
   [[nodiscard]] static at::Tensor values(const TrainingBatch& batch, const std::string& name,
@@ -75,31 +73,25 @@ GtfWeights GtfLearner::weights() const {
 
 std::vector<float> GtfLearner::predict(const TrainingBatch& batch) {
   const at::NoGradGuard no_gradients;
-  const Tensor sound = from_torch(state_->forward(batch).sound);
-  const auto values = sound.as<float>();
-  return {values.begin(), values.end()};
+  return numbers_of<float>(state_->forward(batch).sound);
 }
 
 std::vector<float> GtfLearner::locate(const TrainingBatch& batch) {
   const at::NoGradGuard no_gradients;
   const GtfOutput output = state_->forward(batch);
   if (!output.speaker) return {};
-  const Tensor places = from_torch(output.speaker->position_m);
-  const auto values = places.as<float>();
-  return {values.begin(), values.end()};
+  return numbers_of<float>(output.speaker->position_m);
 }
 
 std::vector<double> GtfLearner::errors(const TrainingBatch& batch) {
   const at::NoGradGuard no_gradients;
-  const Tensor distances = from_torch(magnitude_distance(
-      state_->magnitude, state_->forward(batch).sound, State::sounds(batch, batch.target)));
-  const auto values = distances.as<float>();
-  return {values.begin(), values.end()};
+  return numbers_of<double>(magnitude_distance(state_->magnitude, state_->forward(batch).sound,
+                                               State::sounds(batch, batch.target)));
 }
 
 double GtfLearner::compute_gradients(const TrainingBatch& batch) {
   State& state = *state_;
-  for (auto& [name, parameter] : state.graph.parameters()) parameter.mutable_grad().reset();
+  forget_gradients(state.graph.parameters());
   const GtfTruth truth{State::sounds(batch, batch.target), State::values(batch, "speaker_m", 3),
                        State::values(batch, "speaker_heading", 2)};
   const at::Tensor loss = gtf_loss(state.options.loss, state.forward(batch), truth);

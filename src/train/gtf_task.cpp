@@ -65,11 +65,7 @@ GtfLearner make_learner(const GtfDescription& description, const GtfLearnerOptio
 
 TrainingTask gtf_task(const TrainConfig& config, std::string_view where,
                       const TaskOptions& options) {
-  PairOptions pairs = pair_options_from_json(config.data, fmt::format("{}: 'data'", where));
-  pairs.data = options.data;
-  pairs.seed = config.training.seed;
-  pairs.cache_bytes = options.cache_bytes;
-  pairs.on_bad = options.on_bad;
+  PairOptions pairs = pair_options(config, where, options);
   const std::string network = fmt::format("{}: 'network'", where);
   std::string section = config.network;
   GtfLearnerOptions learner_options;

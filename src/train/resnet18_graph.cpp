@@ -1,7 +1,5 @@
 #include "resnet18_graph.h"
 
-#include "torch_tensor.h"
-
 #include <cstdint>
 
 #include <ATen/TensorOperators.h>
@@ -32,24 +30,6 @@ at::Tensor basic_block(const GraphTensors& tensors, const std::string& name, con
 }
 
 }  // namespace
-
-GraphTensors::GraphTensors(const std::map<std::string, Tensor>& weights, const at::Device& device) {
-  for (const auto& [name, tensor] : weights) {
-    at::Tensor values = to_torch(tensor, device);
-    if (name.find(".running_") != std::string::npos) {
-      buffers[name] = values;
-    } else {
-      parameters[name] = values.set_requires_grad(true);
-    }
-  }
-}
-
-std::map<std::string, Tensor> GraphTensors::weights() const {
-  std::map<std::string, Tensor> weights;
-  for (const auto& [name, tensor] : parameters) weights[name] = from_torch(tensor);
-  for (const auto& [name, tensor] : buffers) weights[name] = from_torch(tensor);
-  return weights;
-}
 
 at::Tensor batch_norm(const GraphTensors& tensors, const std::string& name, const at::Tensor& x,
                       GraphMode mode) {

@@ -1,32 +1,15 @@
 #pragma once
 
-#include <map>
+#include "graph_tensors.h"
+
 #include <string>
 
 #include <ATen/core/Tensor.h>
-
-#include <earpoint/model/tensor.h>
 
 namespace earpoint {
 
 /// Batch norm either follows its batch and learns running statistics, or uses those.
 enum class GraphMode { training, evaluation };
-
-/// A network's tensors under the names of its weight file.
-struct GraphTensors {
-  std::map<std::string, at::Tensor> parameters;  ///< what is learned by gradients
-  std::map<std::string, at::Tensor> buffers;     ///< running statistics of batch norms
-
-  GraphTensors() = default;
-  /// Copies; the parameters ask for gradients.
-  GraphTensors(const std::map<std::string, Tensor>& weights, const at::Device& device);
-
-  [[nodiscard]] const at::Tensor& parameter(const std::string& name) const {
-    return parameters.at(name);
-  }
-  /// Copies of all, as they are now.
-  [[nodiscard]] std::map<std::string, Tensor> weights() const;
-};
 
 /// @param name  of the layer: `<name>.weight`, `.bias`, `.running_mean` and `.running_var`
 at::Tensor batch_norm(const GraphTensors& tensors, const std::string& name, const at::Tensor& x,

@@ -77,9 +77,7 @@ Rt60EstimatorWeights Rt60Learner::weights() const {
 
 std::vector<double> Rt60Learner::estimate_s(const TrainingBatch& batch) {
   const at::NoGradGuard no_gradients;
-  const Tensor estimates = from_torch(state_->forward(batch, GraphMode::evaluation));
-  const auto values = estimates.as<float>();
-  return {values.begin(), values.end()};
+  return numbers_of<double>(state_->forward(batch, GraphMode::evaluation));
 }
 
 std::vector<double> Rt60Learner::errors(const TrainingBatch& batch) {
@@ -91,21 +89,14 @@ std::vector<double> Rt60Learner::errors(const TrainingBatch& batch) {
 
 double Rt60Learner::compute_gradients(const TrainingBatch& batch) {
   State& state = *state_;
-  for (auto& [name, parameter] : state.tensors.parameters) parameter.mutable_grad().reset();
+  forget_gradients(state.tensors.parameters);
   const at::Tensor loss =
       (state.forward(batch, GraphMode::training) - state.wanted(batch)).abs().mean();
   loss.backward();
   return loss.item<double>();
 }
 
-std::map<std::string, Tensor> Rt60Learner::gradients() const {
-  std::map<std::string, Tensor> gradients;
-  for (const auto& [name, parameter] : state_->tensors.parameters) {
-    EARPOINT_CHECK(parameter.grad().defined());
-    gradients[name] = from_torch(parameter.grad());
-  }
-  return gradients;
-}
+std::map<std::string, Tensor> Rt60Learner::gradients() const { return state_->tensors.gradients(); }
 
 void Rt60Learner::apply_gradients(double learning_rate) { state_->adam.step(learning_rate); }
 

@@ -6,6 +6,10 @@
 
 namespace earpoint {
 
+/// The `data` section of a network that learns pairs of viewpoints, and what the run adds to it.
+PairOptions pair_options(const TrainConfig& config, std::string_view where,
+                         const TaskOptions& options);
+
 /// make_training_task() for one kind of network each: "gtf", "rt60" and "vam". Their sections hold
 /// what the network's description (docs/formats.md) has, where it is not the default. That of "gtf"
 /// also has a `loss`, whose keys are the terms of GtfLossWeights.

@@ -40,4 +40,11 @@ Tensor from_torch(const at::Tensor& tensor) {
   return make_tensor<float>(values, here.sizes().vec());
 }
 
+at::Tensor sounds_to_torch(const std::vector<float>& values, std::int64_t clips,
+                           std::int64_t channels, const at::Device& device) {
+  EARPOINT_CHECK(clips > 0 && !values.empty());
+  const auto samples = static_cast<std::int64_t>(values.size()) / (clips * channels);
+  return to_torch(values, {clips, channels, samples}, device);
+}
+
 }  // namespace earpoint

@@ -24,4 +24,17 @@ at::Tensor to_torch(const Tensor& tensor, const at::Device& device);
 /// A copy in memory of a float32 tensor, wherever it lies.
 Tensor from_torch(const at::Tensor& tensor);
 
+/// The numbers of a float32 tensor, row-major.
+template <typename Number>
+std::vector<Number> numbers_of(const at::Tensor& tensor) {
+  const Tensor copy = from_torch(tensor);
+  const auto values = copy.as<float>();
+  return {values.begin(), values.end()};
+}
+
+/// The sounds of a batch. @param values  planar, clip after clip, of equal length
+/// @return [clips][channels][samples]
+at::Tensor sounds_to_torch(const std::vector<float>& values, std::int64_t clips,
+                           std::int64_t channels, const at::Device& device);
+
 }  // namespace earpoint

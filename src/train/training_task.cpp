@@ -52,11 +52,7 @@ std::unique_ptr<Learner> vigas_learner(const ViGasConfig& config, std::uint64_t 
 
 TrainingTask vigas_task(const TrainConfig& config, std::string_view where,
                         const TaskOptions& options) {
-  PairOptions pairs = pair_options_from_json(config.data, fmt::format("{}: 'data'", where));
-  pairs.data = options.data;
-  pairs.seed = config.training.seed;
-  pairs.cache_bytes = options.cache_bytes;
-  pairs.on_bad = options.on_bad;
+  PairOptions pairs = pair_options(config, where, options);
   const ViGasConfig network =
       vigas_config_from_json(config.network, fmt::format("{}: 'network'", where), pairs.separate);
   TrainingTask task;
@@ -73,6 +69,16 @@ std::vector<float> planar(const Waveform& sound) {
 }
 
 }  // namespace
+
+PairOptions pair_options(const TrainConfig& config, std::string_view where,
+                         const TaskOptions& options) {
+  PairOptions pairs = pair_options_from_json(config.data, fmt::format("{}: 'data'", where));
+  pairs.data = options.data;
+  pairs.seed = config.training.seed;
+  pairs.cache_bytes = options.cache_bytes;
+  pairs.on_bad = options.on_bad;
+  return pairs;
+}
 
 TrainingTask make_training_task(const TrainConfig& config, std::string_view where,
                                 const TaskOptions& options) {

@@ -23,10 +23,7 @@ struct VamLearner::State {
 
   [[nodiscard]] at::Tensor sounds(const TrainingBatch& batch,
                                   const std::vector<float>& values) const {
-    const std::int64_t channels = graph.description().audio_channels;
-    EARPOINT_CHECK(batch.clips > 0 && !values.empty());
-    const auto samples = static_cast<std::int64_t>(values.size()) / (batch.clips * channels);
-    return to_torch(values, {batch.clips, channels, samples}, device);
+    return sounds_to_torch(values, batch.clips, graph.description().audio_channels, device);
   }
 
   at::Tensor forward(const TrainingBatch& batch, GraphMode mode) {
@@ -75,23 +72,19 @@ VamWeights VamLearner::weights() const {
 
 std::vector<float> VamLearner::predict(const TrainingBatch& batch) {
   const at::NoGradGuard no_gradients;
-  const Tensor prediction = from_torch(state_->forward(batch, GraphMode::evaluation));
-  const auto values = prediction.as<float>();
-  return {values.begin(), values.end()};
+  return numbers_of<float>(state_->forward(batch, GraphMode::evaluation));
 }
 
 std::vector<double> VamLearner::errors(const TrainingBatch& batch) {
   const at::NoGradGuard no_gradients;
   const at::Tensor prediction = state_->forward(batch, GraphMode::evaluation);
-  const Tensor distances = from_torch(
+  return numbers_of<double>(
       magnitude_distance(state_->magnitude, prediction, state_->sounds(batch, batch.target)));
-  const auto values = distances.as<float>();
-  return {values.begin(), values.end()};
 }
 
 double VamLearner::compute_gradients(const TrainingBatch& batch) {
   State& state = *state_;
-  for (auto& [name, parameter] : state.graph.tensors().parameters) parameter.mutable_grad().reset();
+  forget_gradients(state.graph.tensors().parameters);
   const at::Tensor loss = magnitude_loss(state.magnitude, state.forward(batch, GraphMode::training),
                                          state.sounds(batch, batch.target));
   loss.backward();
@@ -99,12 +92,7 @@ double VamLearner::compute_gradients(const TrainingBatch& batch) {
 }
 
 std::map<std::string, Tensor> VamLearner::gradients() const {
-  std::map<std::string, Tensor> gradients;
-  for (const auto& [name, parameter] : state_->graph.tensors().parameters) {
-    EARPOINT_CHECK(parameter.grad().defined());
-    gradients[name] = from_torch(parameter.grad());
-  }
-  return gradients;
+  return state_->graph.tensors().gradients();
 }
 
 void VamLearner::apply_gradients(double learning_rate) { state_->adam.step(learning_rate); }

@@ -23,10 +23,7 @@ struct ViGasLearner::State {
 
   [[nodiscard]] at::Tensor sounds(const TrainingBatch& batch,
                                   const std::vector<float>& values) const {
-    const std::int64_t channels = graph.description().audio_channels;
-    EARPOINT_CHECK(batch.clips > 0 && !values.empty());
-    const auto samples = static_cast<std::int64_t>(values.size()) / (batch.clips * channels);
-    return to_torch(values, {batch.clips, channels, samples}, device);
+    return sounds_to_torch(values, batch.clips, graph.description().audio_channels, device);
   }
 
   [[nodiscard]] GraphInputs inputs(const TrainingBatch& batch) const {
@@ -68,24 +65,19 @@ ViGasWeights ViGasLearner::weights() const {
 
 std::vector<float> ViGasLearner::predict(const TrainingBatch& batch) {
   const at::NoGradGuard no_gradients;
-  const Tensor prediction =
-      from_torch(state_->graph.forward(state_->inputs(batch), GraphMode::evaluation));
-  const auto values = prediction.as<float>();
-  return {values.begin(), values.end()};
+  return numbers_of<float>(state_->graph.forward(state_->inputs(batch), GraphMode::evaluation));
 }
 
 std::vector<double> ViGasLearner::errors(const TrainingBatch& batch) {
   const at::NoGradGuard no_gradients;
   const at::Tensor prediction = state_->graph.forward(state_->inputs(batch), GraphMode::evaluation);
-  const Tensor distances = from_torch(
+  return numbers_of<double>(
       magnitude_distance(state_->magnitude, prediction, state_->sounds(batch, batch.target)));
-  const auto values = distances.as<float>();
-  return {values.begin(), values.end()};
 }
 
 double ViGasLearner::compute_gradients(const TrainingBatch& batch) {
   State& state = *state_;
-  for (auto& [name, parameter] : state.graph.parameters()) parameter.mutable_grad().reset();
+  forget_gradients(state.graph.parameters());
   const at::Tensor prediction = state.graph.forward(state.inputs(batch), GraphMode::training);
   const at::Tensor target = state.sounds(batch, batch.target);
   const at::Tensor loss = state.loss == LossKind::magnitude
@@ -96,12 +88,7 @@ double ViGasLearner::compute_gradients(const TrainingBatch& batch) {
 }
 
 std::map<std::string, Tensor> ViGasLearner::gradients() const {
-  std::map<std::string, Tensor> gradients;
-  for (const auto& [name, parameter] : state_->graph.parameters()) {
-    EARPOINT_CHECK(parameter.grad().defined());
-    gradients[name] = from_torch(parameter.grad());
-  }
-  return gradients;
+  return state_->graph.tensors().gradients();
 }
 
 void ViGasLearner::apply_gradients(double learning_rate) { state_->adam.step(learning_rate); }

@@ -1,0 +1,23 @@
+#include "description_head.h"
+
+#include "layer_shapes.h"
+#include "quote.h"
+
+#include <string>
+
+#include <fmt/format.h>
+
+#include <earpoint/core/error.h>
+
+namespace earpoint {
+
+void expect_head(JsonObjectReader& reader, std::string_view where, int format,
+                 std::string_view network) {
+  check_range(where, "format", reader.integer("format"), format, format);
+  if (const std::string found = reader.string("network"); found != network) {
+    throw InputError(where,
+                     fmt::format("'network': expected '{}', found {}", network, in_quotes(found)));
+  }
+}
+
+}  // namespace earpoint

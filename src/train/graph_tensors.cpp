@@ -1,0 +1,40 @@
+#include "graph_tensors.h"
+
+#include "torch_tensor.h"
+
+#include <earpoint/core/error.h>
+
+namespace earpoint {
+
+GraphTensors::GraphTensors(const std::map<std::string, Tensor>& weights, const at::Device& device) {
+  for (const auto& [name, tensor] : weights) {
+    at::Tensor values = to_torch(tensor, device);
+    if (name.find(".running_") != std::string::npos) {
+      buffers[name] = values;
+    } else {
+      parameters[name] = values.set_requires_grad(true);
+    }
+  }
+}
+
+std::map<std::string, Tensor> GraphTensors::weights() const {
+  std::map<std::string, Tensor> weights;
+  for (const auto& [name, tensor] : parameters) weights[name] = from_torch(tensor);
+  for (const auto& [name, tensor] : buffers) weights[name] = from_torch(tensor);
+  return weights;
+}
+
+std::map<std::string, Tensor> GraphTensors::gradients() const {
+  std::map<std::string, Tensor> gradients;
+  for (const auto& [name, parameter] : parameters) {
+    EARPOINT_CHECK(parameter.grad().defined());
+    gradients[name] = from_torch(parameter.grad());
+  }
+  return gradients;
+}
+
+void forget_gradients(std::map<std::string, at::Tensor>& parameters) {
+  for (auto& [name, parameter] : parameters) parameter.mutable_grad().reset();
+}
+
+}  // namespace earpoint
