@@ -1,6 +1,7 @@
 #include "gtf_conditions.h"
 #include "gtf_ear.h"
 #include "gtf_filter.h"
+#include "gtf_frames.h"
 #include "gtf_trunk.h"
 
 #include <algorithm>
@@ -9,7 +10,6 @@
 #include <complex>
 #include <utility>
 
-#include <earpoint/audio/fft.h>
 #include <earpoint/core/error.h>
 #include <earpoint/infer/gtf.h>
 
@@ -23,18 +23,8 @@ constexpr int kEars = 2;
 constexpr std::ptrdiff_t kFrame = std::ptrdiff_t{kEars} * D::kBins;
 constexpr std::ptrdiff_t kBlock = 16;  ///< frames that share one reading of the weights
 constexpr std::ptrdiff_t kHalf = D::kFrameSamples / 2;
-constexpr std::ptrdiff_t kPad = (D::kFftSize - D::kFrameSamples) / 2;
 constexpr float kHeardLevel = 0.05F;
 constexpr float kQuietest = 1e-4F;
-
-std::array<float, D::kFrameSamples> hamming() {
-  std::array<float, D::kFrameSamples> window{};
-  for (std::size_t i = 0; i < window.size(); ++i) {
-    const double turn = static_cast<double>(i) / static_cast<double>(window.size());
-    window[i] = static_cast<float>(0.54 - 0.46 * std::cos(2.0 * kPi * turn));
-  }
-  return window;
-}
 
 float level_of(double squares, double count) {
   return std::max(static_cast<float>(std::sqrt(squares / std::max(count, 1.0))), kQuietest);
@@ -51,13 +41,12 @@ struct Gtf::State {
         ear(description),
         trunk(weights, kBlock),
         filter(weights, kBlock),
+        frames(kBlock),
         states(static_cast<std::size_t>((late_states() + kBlock) * trunk.row())),
         block_features(static_cast<std::size_t>(kBlock * description.frame_features())),
         magnitudes(static_cast<std::size_t>((past + ahead + kBlock) * kFrame)),
         spectra(static_cast<std::size_t>((ahead + kBlock) * kFrame)),
-        filtered(static_cast<std::size_t>(kFrame)),
-        ring(static_cast<std::size_t>(kEars) * kRing),
-        ring_weight(kRing) {
+        filtered(static_cast<std::size_t>(kFrame)) {
     statistics.summary.resize(static_cast<std::size_t>(description.summary_features()));
     reserve(description.window_samples);
     start_over();
@@ -67,11 +56,11 @@ struct Gtf::State {
   [[nodiscard]] std::ptrdiff_t late_states() const { return ahead - description.look_ahead_frames; }
 
   void reserve(std::ptrdiff_t samples) {
-    const auto frames = static_cast<std::size_t>(1 + samples / D::kHop);
-    if (window_spectra.size() == frames * kFrame) return;
-    window_spectra.resize(frames * kFrame);
-    window_magnitudes.resize(frames * kFrame);
-    window_features.resize(frames * static_cast<std::size_t>(description.frame_features()));
+    const auto count = static_cast<std::size_t>(1 + samples / D::kHop);
+    if (window_spectra.size() == count * kFrame) return;
+    window_spectra.resize(count * kFrame);
+    window_magnitudes.resize(count * kFrame);
+    window_features.resize(count * static_cast<std::size_t>(description.frame_features()));
   }
 
   void start_over() {
@@ -81,53 +70,47 @@ struct Gtf::State {
     std::ranges::fill(states, 0.0F);
     std::ranges::fill(magnitudes, 0.0F);
     std::ranges::fill(spectra, Complex{});
-    std::ranges::fill(ring, 0.0F);
-    std::ranges::fill(ring_weight, 0.0F);
+    frames.reset();
     frames_in = 0;
-    frames_out = 0;
   }
 
-  /// The spectrum of the frame whose middle is `source[centre]`, zeros outside, scaled.
-  void transform(std::span<const float> source, std::ptrdiff_t centre, float scale,
-                 std::span<Complex> spectrum) {
-    std::ranges::fill(frame, 0.0F);
-    const std::ptrdiff_t first = centre - kHalf;
-    const std::ptrdiff_t begin = std::max<std::ptrdiff_t>(0, -first);
-    const std::ptrdiff_t end =
-        std::min<std::ptrdiff_t>(D::kFrameSamples, std::ssize(source) - first);
-    for (std::ptrdiff_t i = begin; i < end; ++i) {
-      frame[kPad + i] = source[first + i] * scale * window[i];
-    }
-    fft.forward(frame, spectrum);
+  /// Takes in what was heard and seen.
+  void hear() {
+    conditions.hear(statistics.summary);
+    is_heard = true;
+    is_aimed = false;
   }
 
-  void update_conditions() {
-    conditions.update(statistics.summary, speaker_m, source_from_target);
+  /// What the next frames are filtered by. Costs nothing where nothing has changed.
+  void condition(const Pose& pose) {
+    if (is_aimed && pose == conditioned) return;
+    conditioned = pose;
+    conditions.aim(speaker_m, pose);
     trunk.condition(conditions.vector());
     filter.condition(conditions);
     is_aimed = true;
   }
 
   /// Takes a block of frames and filters those that have all they need.
-  /// @param features    [frames][frame features]
-  /// @param new_spectra, new_magnitudes  [frames][2][bins]
-  void take(std::ptrdiff_t frames, const float* features, const Complex* new_spectra,
+  /// @param features    [count][frame features]
+  /// @param new_spectra, new_magnitudes  [count][2][bins]
+  void take(std::ptrdiff_t count, const float* features, const Complex* new_spectra,
             const float* new_magnitudes) {
-    std::copy_n(new_magnitudes, frames * kFrame, magnitudes.data() + (past + ahead) * kFrame);
-    std::copy_n(new_spectra, frames * kFrame, spectra.data() + ahead * kFrame);
+    std::copy_n(new_magnitudes, count * kFrame, magnitudes.data() + (past + ahead) * kFrame);
+    std::copy_n(new_spectra, count * kFrame, spectra.data() + ahead * kFrame);
     float* new_states = states.data() + late_states() * trunk.row();
     // The trunk's first frame stands for the output's first: it begins with what lies ahead.
     const std::ptrdiff_t skipped =
-        std::clamp<std::ptrdiff_t>(description.look_ahead_frames - frames_in, 0, frames);
+        std::clamp<std::ptrdiff_t>(description.look_ahead_frames - frames_in, 0, count);
     std::fill_n(new_states, skipped * trunk.row(), 0.0F);
-    if (skipped < frames) {
-      trunk.run(features + skipped * description.frame_features(), frames - skipped,
+    if (skipped < count) {
+      trunk.run(features + skipped * description.frame_features(), count - skipped,
                 new_states + skipped * trunk.row());
     }
-    frames_in += frames;
-    filter.read(states.data(), trunk.row(), frames);
-    for (std::ptrdiff_t i = 0; i < frames; ++i) {
-      if (frames_in - frames + i < ahead) continue;
+    frames_in += count;
+    filter.read(states.data(), trunk.row(), count);
+    for (std::ptrdiff_t i = 0; i < count; ++i) {
+      if (frames_in - count + i < ahead) continue;
       filter.filter(
           i,
           std::span<const float>(magnitudes)
@@ -136,51 +119,18 @@ struct Gtf::State {
           std::span<const Complex>(spectra).subspan(static_cast<std::size_t>(i * kFrame),
                                                     static_cast<std::size_t>(kFrame)),
           filtered);
-      add_output();
+      frames.add(filtered, statistics.level / kHeardLevel);
     }
     const auto keep = [&](auto& rows, std::ptrdiff_t kept, std::ptrdiff_t width) {
-      std::copy_n(rows.data() + frames * width, kept * width, rows.data());
+      std::copy_n(rows.data() + count * width, kept * width, rows.data());
     };
     keep(states, late_states(), trunk.row());
     keep(magnitudes, past + ahead, kFrame);
     keep(spectra, ahead, kFrame);
   }
 
-  /// Overlaps the filtered frame into the ring.
-  void add_output() {
-    const std::ptrdiff_t first = frames_out * D::kHop - kHalf;
-    for (int e = 0; e < kEars; ++e) {
-      fft.inverse(std::span<const Complex>(filtered).subspan(static_cast<std::size_t>(e) * D::kBins,
-                                                             D::kBins),
-                  frame);
-      for (std::ptrdiff_t i = std::max<std::ptrdiff_t>(0, -first); i < D::kFrameSamples; ++i) {
-        ring[e * kRing + (first + i) % kRing] += frame[kPad + i] * window[i];
-      }
-    }
-    for (std::ptrdiff_t i = std::max<std::ptrdiff_t>(0, -first); i < D::kFrameSamples; ++i) {
-      ring_weight[(first + i) % kRing] += window[i] * window[i];
-    }
-    ++frames_out;
-  }
-
-  /// Takes finished samples out of the ring.
-  /// @param output  planar, channels `stride` apart
-  void drain(std::ptrdiff_t start, std::ptrdiff_t count, float scale, float* output,
-             std::ptrdiff_t stride) {
-    for (std::ptrdiff_t i = 0; i < count; ++i) {
-      const std::ptrdiff_t at = (start + i) % kRing;
-      const float weight = ring_weight[at];
-      for (int e = 0; e < kEars; ++e) {
-        float& sum = ring[e * kRing + at];
-        output[e * stride + i] = weight > 0.0F ? sum * scale / weight : 0.0F;
-        sum = 0.0F;
-      }
-      ring_weight[at] = 0.0F;
-    }
-  }
-
   void measure_window(std::span<const float> source);
-  void render_window(std::span<float> output);
+  void render_window(std::span<const Pose> path, std::span<float> output);
   void follow(std::span<const float> hop);
   void take_hop();
 
@@ -191,14 +141,14 @@ struct Gtf::State {
   infer::GtfEar ear;
   infer::GtfTrunk trunk;
   infer::GtfFilter filter;
-  std::array<float, D::kFrameSamples> window = hamming();
-  RealFft<float> fft{D::kFftSize};
-  std::array<float, D::kFftSize> frame{};
+  infer::GtfFrames frames;
 
   Pose source_from_target;
   std::optional<Vector3> speaker_m;
   GtfStatistics statistics;
-  bool is_aimed = false;
+  bool is_heard = false;  ///< `conditions` has heard these statistics, and seen what is seen
+  bool is_aimed = false;  ///< trunk and filter are conditioned by `conditioned`
+  Pose conditioned;
 
   // What the next frames need of those before, oldest first.
   std::vector<float> states;
@@ -207,12 +157,6 @@ struct Gtf::State {
   std::vector<Complex> spectra;
   std::vector<Complex> filtered;
   std::ptrdiff_t frames_in = 0;
-  std::ptrdiff_t frames_out = 0;
-
-  /// Room for the frames of a block that overlap.
-  static constexpr std::ptrdiff_t kRing = (kBlock + 1) * D::kHop + D::kFrameSamples;
-  std::vector<float> ring;  // [2][kRing]
-  std::vector<float> ring_weight;
 
   std::vector<Complex> window_spectra;
   std::vector<float> window_magnitudes;
@@ -231,15 +175,16 @@ void Gtf::State::measure_window(std::span<const float> source) {
   for (const float x : source) sum += double{x} * x;
   statistics.level = level_of(sum, static_cast<double>(source.size()));
   const std::size_t samples = source.size() / kEars;
-  const std::ptrdiff_t frames = 1 + static_cast<std::ptrdiff_t>(samples) / D::kHop;
+  const std::ptrdiff_t count = 1 + static_cast<std::ptrdiff_t>(samples) / D::kHop;
   const auto part = [](auto& rows, std::ptrdiff_t index, std::ptrdiff_t width) {
     return std::span(rows).subspan(static_cast<std::size_t>(index * width),
                                    static_cast<std::size_t>(width));
   };
-  for (std::ptrdiff_t t = 0; t < frames; ++t) {
+  for (std::ptrdiff_t t = 0; t < count; ++t) {
     for (std::size_t e = 0; e < kEars; ++e) {
-      transform(source.subspan(e * samples, samples), t * D::kHop, kHeardLevel / statistics.level,
-                part(window_spectra, t, kFrame).subspan(e * D::kBins, D::kBins));
+      frames.transform(source.subspan(e * samples, samples), t * D::kHop,
+                       kHeardLevel / statistics.level,
+                       part(window_spectra, t, kFrame).subspan(e * D::kBins, D::kBins));
     }
     infer::GtfEar::measure(part(window_spectra, t, kFrame), part(window_magnitudes, t, kFrame));
     ear.hear(part(window_spectra, t, kFrame), part(window_magnitudes, t, kFrame),
@@ -248,32 +193,38 @@ void Gtf::State::measure_window(std::span<const float> source) {
   ear.summarize(statistics.summary);
 }
 
-void Gtf::State::render_window(std::span<float> output) {
+/// @param path  the target's pose at every frame, or the one at all of them
+void Gtf::State::render_window(std::span<const Pose> path, std::span<float> output) {
   const std::ptrdiff_t samples = std::ssize(output) / kEars;
-  const std::ptrdiff_t frames = 1 + samples / D::kHop;
-  const float scale = statistics.level / kHeardLevel;
+  const std::ptrdiff_t whole = 1 + samples / D::kHop;
   std::ptrdiff_t drained = 0;
   const auto drain_to = [&](std::ptrdiff_t end) {
     const std::ptrdiff_t count = std::min(end, samples) - drained;
     if (count <= 0) return;
-    drain(drained, count, scale, output.data() + drained, samples);
+    frames.drain(drained, count, output.data() + drained, samples);
     drained += count;
+  };
+  const auto pose_at = [&](std::ptrdiff_t frame) -> const Pose& {
+    return path[std::clamp<std::ptrdiff_t>(frame, 0, std::ssize(path) - 1)];
   };
   // Behind the last frame there is nothing, not even the features of silence.
   std::array<Complex, kFrame> no_spectrum{};
   std::array<float, kFrame> no_magnitude{};
   std::fill_n(block_features.begin(), description.frame_features(), 0.0F);
-  for (std::ptrdiff_t t = 0; t < frames + ahead;) {
+  for (std::ptrdiff_t t = 0; t < whole + ahead;) {
+    // The frames that come out are `ahead` behind those that go in; a block has one pose.
+    const Pose& pose = pose_at(t - ahead);
+    condition(pose);
     std::ptrdiff_t count = 1;
-    if (t < frames) {
-      count = std::min(frames - t, kBlock);
+    if (t < whole) {
+      while (count < std::min(whole - t, kBlock) && pose_at(t - ahead + count) == pose) ++count;
       take(count, window_features.data() + t * description.frame_features(),
            window_spectra.data() + t * kFrame, window_magnitudes.data() + t * kFrame);
     } else {
       take(1, block_features.data(), no_spectrum.data(), no_magnitude.data());
     }
     t += count;
-    drain_to(frames_out * D::kHop - kHalf);
+    drain_to(frames.finished_samples());
   }
   drain_to(samples);
 }
@@ -286,15 +237,22 @@ void Gtf::State::follow(std::span<const float> hop) {
   for (const float x : hop) sum += double{x} * x;
   squares = kept * squares + sum;
   square_count = kept * square_count + static_cast<double>(hop.size());
+  const float before = statistics.level;
   statistics.level = level_of(squares, square_count);
   ear.fade(static_cast<float>(kept));
+  // What is remembered was scaled by the level of its time; from now on the present one counts.
+  const float rescale = before / statistics.level;
+  for (float& value : magnitudes) value *= rescale;
+  for (Complex& value : spectra) value *= rescale;
+  filter.rescale(rescale);
+  ear.rescale(rescale * rescale);
 }
 
 /// The frame in the middle of the recent samples.
 void Gtf::State::take_hop() {
   for (std::size_t e = 0; e < kEars; ++e) {
-    transform(recent[e], kHalf, kHeardLevel / statistics.level,
-              std::span(window_spectra).subspan(e * D::kBins, D::kBins));
+    frames.transform(recent[e], kHalf, kHeardLevel / statistics.level,
+                     std::span(window_spectra).subspan(e * D::kBins, D::kBins));
   }
   const std::span<const Complex> spectrum(window_spectra.data(), kFrame);
   const std::span<float> magnitude(window_magnitudes.data(), kFrame);
@@ -306,9 +264,10 @@ void Gtf::State::take_hop() {
   constexpr std::ptrdiff_t kRefresh = 10;
   if (!holds_statistics && frames_in % kRefresh == 0) {
     ear.summarize(statistics.summary);
-    is_aimed = false;
+    is_heard = false;
   }
-  if (!is_aimed) update_conditions();
+  if (!is_heard) hear();
+  condition(source_from_target);
   take(1, features.data(), spectrum.data(), magnitude.data());
 }
 
@@ -321,24 +280,31 @@ const GtfDescription& Gtf::description() const { return state_->description; }
 
 void Gtf::look(std::span<const float> picture, const std::optional<Box>& speaker_box) {
   state_->conditions.look(picture, speaker_box);
-  state_->is_aimed = false;
+  state_->is_heard = false;
 }
 
 void Gtf::aim(const Pose& source_from_target, const std::optional<Vector3>& speaker_m) {
   state_->source_from_target = source_from_target;
+  if (state_->speaker_m == speaker_m) return;
   state_->speaker_m = speaker_m;
   state_->is_aimed = false;
 }
 
 void Gtf::synthesize(std::span<const float> source, std::span<float> output) {
+  synthesize(source, {&state_->source_from_target, 1}, output);
+}
+
+void Gtf::synthesize(std::span<const float> source, std::span<const Pose> path,
+                     std::span<float> output) {
   EARPOINT_CHECK(source.size() == output.size() && source.size() % kEars == 0);
   EARPOINT_CHECK(std::ssize(source) >= std::ptrdiff_t{kEars} * D::kFrameSamples);
+  EARPOINT_CHECK(path.size() == 1 || path.size() == 1 + source.size() / kEars / D::kHop);
   State& state = *state_;
   state.reserve(std::ssize(source) / kEars);
   state.start_over();
   state.measure_window(source);
-  state.update_conditions();
-  state.render_window(output);
+  state.hear();
+  state.render_window(path, output);
 }
 
 const GtfStatistics& Gtf::statistics() const { return state_->statistics; }
@@ -355,7 +321,7 @@ void Gtf::start(std::optional<GtfStatistics> statistics) {
     EARPOINT_CHECK(std::ssize(statistics->summary) == state.description.summary_features());
     state.statistics = std::move(*statistics);
   }
-  state.is_aimed = false;
+  state.is_heard = false;
 }
 
 void Gtf::advance(std::span<const float> source, std::span<float> output) {
@@ -380,8 +346,7 @@ void Gtf::advance(std::span<const float> source, std::span<float> output) {
   std::ranges::fill(output, 0.0F);
   const std::ptrdiff_t silent = std::clamp<std::ptrdiff_t>(-start, 0, D::kHop);
   if (silent < D::kHop) {
-    state.drain(start + silent, D::kHop - silent, state.statistics.level / kHeardLevel,
-                output.data() + silent, D::kHop);
+    state.frames.drain(start + silent, D::kHop - silent, output.data() + silent, D::kHop);
   }
 }
 

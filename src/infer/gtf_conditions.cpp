@@ -78,7 +78,8 @@ GtfConditions::GtfConditions(const GtfWeights& weights)
       feature_(static_cast<std::size_t>(description_.picture_features())),
       joined_(static_cast<std::size_t>(description_.conditioning_inputs())),
       middle_(static_cast<std::size_t>(description_.conditioning_width)),
-      vector_(middle_.size()) {
+      vector_(middle_.size()),
+      heard_(static_cast<std::size_t>(description_.summary_width)) {
   if (description_.picture_px > 0) eye_.emplace(weights);
   if (!description_.geometry) return;
   for (int i = 0; i < 3; ++i) locator_[i] = dense_of(weights, fmt::format("locator.{}", i));
@@ -124,7 +125,8 @@ void GtfConditions::locate(std::span<const float> summary) {
   const double left = found_[1] + kTrustInBox * seen * std::sin(box_[1]);
   const double distance = std::exp(0.6 + std::clamp(double{found_[2]}, -2.0, 1.5));
   const double scale = distance / std::sqrt(front * front + left * left + 1e-4);
-  place_ = {{front * scale, left * scale, found_[3] * 0.3 - 0.1}, found_[4], found_[5], found_[6]};
+  located_ = {
+      {front * scale, left * scale, found_[3] * 0.3 - 0.1}, found_[4], found_[5], found_[6]};
 }
 
 float* GtfConditions::put_geometry(const Pose& source_from_target, float* to) {
@@ -169,22 +171,25 @@ float* GtfConditions::put_geometry(const Pose& source_from_target, float* to) {
   return to;
 }
 
-void GtfConditions::update(std::span<const float> summary, const std::optional<Vector3>& speaker_m,
-                           const Pose& source_from_target) {
+void GtfConditions::hear(std::span<const float> summary) {
   EARPOINT_CHECK(std::ssize(summary) == description_.summary_features());
+  if (description_.geometry) locate(summary);
+  summary_.apply(summary, heard_);
+  apply_silu(heard_);
+}
+
+void GtfConditions::aim(const std::optional<Vector3>& speaker_m, const Pose& source_from_target) {
   float* to = joined_.data();
   if (description_.geometry) {
-    locate(summary);
+    place_ = located_;
     if (speaker_m) place_.position_m = *speaker_m;
     to = put_geometry(source_from_target, to);
   } else {
     to = put_pose(to, source_from_target);
   }
   to = std::copy(feature_.begin(), feature_.end(), to);
-  const std::span<float> heard(to, static_cast<std::size_t>(description_.summary_width));
-  summary_.apply(summary, heard);
-  apply_silu(heard);
-  EARPOINT_CHECK(heard.data() + heard.size() == joined_.data() + joined_.size());
+  to = std::copy(heard_.begin(), heard_.end(), to);
+  EARPOINT_CHECK(to == joined_.data() + joined_.size());
   hidden_.apply(joined_, middle_);
   apply_silu(middle_);
   output_.apply(middle_, vector_);

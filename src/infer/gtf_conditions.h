@@ -32,17 +32,19 @@ class GtfConditions {
   /// What the camera sees; kept until it changes. Allocates nothing.
   void look(std::span<const float> picture, const std::optional<Box>& box);
 
-  /// Computes vector() and delays. Allocates nothing.
-  /// @param summary    [summary features]
+  /// What the ears heard, and from that and what was seen, where the speaker is. Allocates nothing.
+  /// @param summary  [summary features]
+  void hear(std::span<const float> summary);
+
+  /// Computes vector() and delays, of what was seen and heard. Allocates nothing.
   /// @param speaker_m  the mouth, if it is known
-  void update(std::span<const float> summary, const std::optional<Vector3>& speaker_m,
-              const Pose& source_from_target);
+  void aim(const std::optional<Vector3>& speaker_m, const Pose& source_from_target);
 
   [[nodiscard]] std::span<const float> vector() const { return vector_; }
   /// Of the direct sound at the ears, at the source and at the target.
   [[nodiscard]] const std::array<float, 2>& source_delay_s() const { return source_delay_s_; }
   [[nodiscard]] const std::array<float, 2>& target_delay_s() const { return target_delay_s_; }
-  /// As update() took it.
+  /// As aim() took it.
   [[nodiscard]] const GtfPlace& place() const { return place_; }
 
  private:
@@ -59,6 +61,8 @@ class GtfConditions {
   std::array<float, GtfDescription::kBoxFeatures> box_{};
   std::vector<float> known_, first_, second_, joined_, middle_, vector_;
   std::array<float, 9> found_{};
+  std::vector<float> heard_;  // of the summary
+  GtfPlace located_;          // by hear()
   GtfPlace place_;
   std::array<float, 2> source_delay_s_{};
   std::array<float, 2> target_delay_s_{};

@@ -85,11 +85,15 @@ void GtfEar::hear(EarSpectra spectrum, std::span<const float> magnitude,
 
 void GtfEar::fade(float share) {
   frames_ *= share;
-  multiply_all(power_, share);
-  multiply_all(loudness_, share);
-  multiply_all(likeness_, share);
-  multiply_all(strength_, share);
-  for (std::complex<float>& value : cross_) value *= share;
+  rescale(share);
+}
+
+void GtfEar::rescale(float factor) {
+  multiply_all(power_, factor);
+  multiply_all(loudness_, factor);
+  multiply_all(likeness_, factor);
+  multiply_all(strength_, factor);
+  for (std::complex<float>& value : cross_) value *= factor;
 }
 
 void GtfEar::summarize(std::span<float> summary) const {

@@ -27,6 +27,8 @@ class GtfEar {
 
   /// Lets what was heard so far count less. @param share  that it keeps, 0 to 1
   void fade(float share);
+  /// What was heard so far, in other units. @param factor  of its power
+  void rescale(float factor);
   /// Forgets what was heard.
   void forget() { fade(0.0F); }
 

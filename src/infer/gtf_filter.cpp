@@ -69,6 +69,10 @@ GtfFilter::GtfFilter(const GtfWeights& weights, std::ptrdiff_t most_frames)
 
 void GtfFilter::reset() { std::ranges::fill(tails_, 0.0F); }
 
+void GtfFilter::rescale(float factor) {
+  for (float& value : tails_) value *= factor;
+}
+
 void GtfFilter::condition(const GtfConditions& conditions) {
   const auto add = [&](const Dense& layer, const std::vector<float>& own, AlignedFloats& bias) {
     const std::span<float> sum(bias.data(), own.size());

@@ -22,6 +22,8 @@ class GtfFilter {
 
   /// Forgets the tails.
   void reset();
+  /// Tails from before a change of scale in what goes in.
+  void rescale(float factor);
   /// From here on. Allocates nothing.
   void condition(const GtfConditions& conditions);
 

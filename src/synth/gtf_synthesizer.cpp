@@ -11,7 +11,8 @@ WindowShape GtfSynthesizer::window_shape(int /*source_rate_hz*/) const {
   return {.sample_rate_hz = GtfDescription::kSampleRateHz,
           .samples = samples,
           .overlap = samples / 4,
-          .context = 0};
+          .context = 0,
+          .pose_step = GtfDescription::kHop};
 }
 
 double GtfSynthesizer::ambient_cutoff_hz() const {
@@ -32,9 +33,13 @@ void GtfSynthesizer::observe(const Observation& observation) {
 }
 
 Waveform GtfSynthesizer::synthesize(const Pose& source_from_target) {
-  network_.aim(source_from_target, speaker_m_);
+  return synthesize_along({&source_from_target, 1});
+}
+
+Waveform GtfSynthesizer::synthesize_along(std::span<const Pose> path) {
+  network_.aim(path.front(), speaker_m_);
   Waveform result(2, sound_.samples(), sound_.sample_rate_hz());
-  network_.synthesize(sound_.planar(), result.planar());
+  network_.synthesize(sound_.planar(), path, result.planar());
   return result;
 }
 

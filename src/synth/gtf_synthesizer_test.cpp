@@ -6,11 +6,13 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <earpoint/audio/sound_file.h>
 #include <earpoint/core/random.h>
 #include <earpoint/model/gtf.h>
 #include <earpoint/model/gtf_view.h>
 #include <earpoint/synth/gtf_synthesizer.h>
 #include <earpoint/synth/make_synthesizer.h>
+#include <earpoint/synth/render.h>
 
 namespace earpoint {
 namespace {
@@ -99,6 +101,75 @@ TEST(GtfSynthesizer, WorksWithoutAPictureWhereTheNetworkDoesNotLook) {
   for (const float sample : samples(synthesizer.synthesize({}))) {
     ASSERT_TRUE(std::isfinite(sample));
   }
+}
+
+/// Three seconds rendered along a path by a network that looks at nothing.
+class GtfPaths : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ =
+        std::filesystem::path(testing::TempDir()) / ("gtf_paths." + std::to_string(::getpid()));
+    std::filesystem::create_directories(folder_);
+    Waveform sound(2, 48000, 16000);
+    RandomStream random(2);
+    for (float& sample : sound.planar()) sample = static_cast<float>(0.1 * random.normal());
+    write_sound(folder_ / "in.wav", sound, SampleFormat::float32);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  [[nodiscard]] Waveform rendered(const EarpointPath& path) const {
+    GtfSynthesizer synthesizer(make_weights(0), kFov_rad);
+    RenderSource source;
+    source.sound.path = folder_ / "in.wav";
+    const std::vector<RenderTarget> targets = {{path, folder_ / "out.wav"}};
+    SilentProgress progress;
+    static_cast<void>(render(source, synthesizer, targets, {}, progress));
+    return read_sound(folder_ / "out.wav");
+  }
+
+  [[nodiscard]] static EarpointPath path(const std::string& rows) {
+    return EarpointPath::parse_csv("time_s,x,y,z,yaw_deg,pitch_deg,roll_deg\n" + rows, "path");
+  }
+
+  std::filesystem::path folder_;
+};
+
+const Pose kFirst{{1, -0.5, 0}, quaternion_from_euler({.yaw_rad = radians_from_degrees(30)})};
+const Pose kSecond{{-1, 2, 0}, quaternion_from_euler({.yaw_rad = radians_from_degrees(110)})};
+
+TEST_F(GtfPaths, APathThatStandsStillEqualsStandingStill) {
+  EXPECT_EQ(samples(rendered(path("0,1,-0.5,0,30,0,0\n3,1,-0.5,0,30,0,0\n"))),
+            samples(rendered(EarpointPath(kFirst))));
+}
+
+TEST_F(GtfPaths, APathThatJumpsEqualsBothOfItsPlacesAwayFromTheJump) {
+  const Waveform jumping = rendered(
+      path("0,1,-0.5,0,30,0,0\n1.5,1,-0.5,0,30,0,0\n1.501,-1,2,0,110,0,0\n3,-1,2,0,110,0,0\n"));
+  const Waveform at_first = rendered(EarpointPath(kFirst));
+  const Waveform at_second = rendered(EarpointPath(kSecond));
+  // Windows that hold the jump reach a quarter of a second to either side.
+  for (int ear = 0; ear < 2; ++ear) {
+    for (std::ptrdiff_t i = 0; i < 20000; ++i) {
+      ASSERT_EQ(jumping.channel(ear)[i], at_first.channel(ear)[i]) << i;
+    }
+    for (std::ptrdiff_t i = 28100; i < 48000; ++i) {
+      ASSERT_EQ(jumping.channel(ear)[i], at_second.channel(ear)[i]) << i;
+    }
+  }
+  EXPECT_NE(samples(at_first), samples(at_second));
+}
+
+TEST_F(GtfPaths, AWalkIsFollowedFromHopToHop) {
+  // A step of the walk within a window, between two of its poses that any window would have.
+  const Waveform walked = rendered(
+      path("0,1,-0.5,0,30,0,0\n1.5,1,-0.5,0,30,0,0\n1.52,-1,2,0,110,0,0\n1.54,1,-0.5,0,30,0,0\n"
+           "3,1,-0.5,0,30,0,0\n"));
+  const Waveform still = rendered(EarpointPath(kFirst));
+  double difference = 0.0;
+  for (std::ptrdiff_t i = 24200; i < 24440; ++i) {
+    difference += std::abs(walked.channel(0)[i] - still.channel(0)[i]);
+  }
+  EXPECT_GT(difference / 240, 1e-3);
 }
 
 TEST(GtfSynthesizer, IsMadeOfAWeightFile) {

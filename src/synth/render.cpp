@@ -56,6 +56,22 @@ std::vector<TargetStream> open_targets(std::span<const RenderTarget> targets,
   return streams;
 }
 
+/// What the synthesizer makes of the window that it observed last, which starts at sample `start`.
+Waveform synthesize(AcousticSynthesizer& synthesizer, const EarpointPath& path,
+                    const WindowShape& shape, std::ptrdiff_t start) {
+  const auto pose_at = [&](std::ptrdiff_t sample) {
+    return path.at(static_cast<double>(start + sample) / shape.sample_rate_hz);
+  };
+  if (!path.is_moving() || shape.pose_step == 0) {
+    return synthesizer.synthesize(pose_at(shape.samples / 2));
+  }
+  std::vector<Pose> poses;
+  for (std::ptrdiff_t sample = 0; sample <= shape.samples; sample += shape.pose_step) {
+    poses.push_back(pose_at(sample));
+  }
+  return synthesizer.synthesize_along(poses);
+}
+
 void check_targets(std::span<const RenderTarget> targets, const RenderSource& source,
                    double duration_s) {
   for (std::size_t i = 0; i < targets.size(); ++i) {
@@ -110,7 +126,7 @@ RenderReport render(const RenderSource& source, AcousticSynthesizer& synthesizer
     const Waveform primary = without_context(observation.sound, shape);
     std::ptrdiff_t needed = survey.samples;
     for (std::size_t i = 0; i < outputs.size(); ++i) {
-      const Waveform result = synthesizer.synthesize(targets[i].path.at(middle_s));
+      const Waveform result = synthesize(synthesizer, targets[i].path, shape, start);
       outputs[i].add_window(primary, result, window.ambient, stream);
       needed = std::min(needed, outputs[i].written());
     }

@@ -13,6 +13,8 @@ struct Quaternion {
   double x = 0.0;
   double y = 0.0;
   double z = 0.0;
+
+  friend constexpr bool operator==(const Quaternion&, const Quaternion&) = default;
 };
 
 /// @return a rotated after b: (a * b) applied to v is a applied to (b applied to v).
@@ -55,6 +57,8 @@ Vector3 cartesian_from_spherical(const Spherical& s);
 struct Pose {
   Vector3 position_m;
   Quaternion orientation;
+
+  friend constexpr bool operator==(const Pose&, const Pose&) = default;
 };
 
 /// @return a_from_c, given a = a_from_b and b = b_from_c

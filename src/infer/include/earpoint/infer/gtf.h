@@ -51,6 +51,12 @@ class Gtf {
   /// @param output  the same size; must not overlap it
   void synthesize(std::span<const float> source, std::span<float> output);
 
+  /// The same for a target that moves, in place of the pose that aim() was given.
+  /// @param path  source_from_target at every frame, which is at every hop of samples:
+  ///              1 + samples / hop poses. Equal neighbours cost nothing more than standing still
+  void synthesize(std::span<const float> source, std::span<const Pose> path,
+                  std::span<float> output);
+
   /// What synthesize() heard in its window.
   [[nodiscard]] const GtfStatistics& statistics() const;
 

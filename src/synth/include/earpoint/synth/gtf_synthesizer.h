@@ -6,8 +6,9 @@
 
 namespace earpoint {
 
-/// Geometric time-frequency synthesis, window by window, a quarter of which overlaps. A speaker who
-/// is known neither by place nor by box is looked for by picture and sound.
+/// Geometric time-frequency synthesis, window by window, a quarter of which overlaps; a target that
+/// moves is followed hop by hop within. A speaker who is known neither by place nor by box is
+/// looked for by picture and sound.
 class GtfSynthesizer : public AcousticSynthesizer {
  public:
   /// @param horizontal_fov_rad  of the source camera
@@ -18,6 +19,7 @@ class GtfSynthesizer : public AcousticSynthesizer {
   [[nodiscard]] PictureUse picture_use() const override;
   void observe(const Observation& observation) override;
   [[nodiscard]] Waveform synthesize(const Pose& source_from_target) override;
+  [[nodiscard]] Waveform synthesize_along(std::span<const Pose> path) override;
 
  private:
   Gtf network_;

@@ -2,8 +2,9 @@
 
 #include <cstddef>
 #include <optional>
-#include <string>
+#include <span>
 
+#include <earpoint/core/error.h>
 #include <earpoint/core/image.h>
 #include <earpoint/core/pose.h>
 #include <earpoint/core/waveform.h>
@@ -16,6 +17,8 @@ struct WindowShape {
   std::ptrdiff_t samples = 0;  ///< length of one window
   std::ptrdiff_t overlap = 0;  ///< shared with the next window and cross-faded, < samples
   std::ptrdiff_t context = 0;  ///< further samples wanted on either side of the window
+  /// Samples from one pose of a moving target to the next; 0: one pose has to do for a window.
+  std::ptrdiff_t pose_step = 0;
 };
 
 /// What is known at the source view during one window.
@@ -59,6 +62,13 @@ class AcousticSynthesizer {
 
   /// @return 2 ears, [samples] of the window observed last, at the window's rate
   [[nodiscard]] virtual Waveform synthesize(const Pose& source_from_target) = 0;
+
+  /// The same for a target that moves. Only for synthesizers whose windows have a pose_step.
+  /// @param path  source_from_target at sample 0, pose_step, ...: 1 + samples / pose_step poses
+  [[nodiscard]] virtual Waveform synthesize_along(std::span<const Pose> path) {
+    EARPOINT_CHECK(path.size() == 1);
+    return synthesize(path.front());
+  }
 };
 
 }  // namespace earpoint
