@@ -307,6 +307,21 @@ void Gtf::synthesize(std::span<const float> source, std::span<const Pose> path,
   state.render_window(path, output);
 }
 
+std::optional<GtfSpeaker> Gtf::locate(std::span<const float> source) {
+  EARPOINT_CHECK(source.size() % kEars == 0);
+  EARPOINT_CHECK(std::ssize(source) >= std::ptrdiff_t{kEars} * D::kFrameSamples);
+  State& state = *state_;
+  state.reserve(std::ssize(source) / kEars);
+  state.start_over();
+  state.measure_window(source);
+  state.hear();
+  if (!state.description.geometry) return std::nullopt;
+  const infer::GtfPlace& place = state.conditions.located();
+  return GtfSpeaker{.position_m = place.position_m,
+                    .yaw_rad = std::atan2(place.heading_y, place.heading_x),
+                    .yaw_certainty = std::min(std::hypot(place.heading_x, place.heading_y), 1.0)};
+}
+
 const GtfStatistics& Gtf::statistics() const { return state_->statistics; }
 
 void Gtf::start(std::optional<GtfStatistics> statistics) {

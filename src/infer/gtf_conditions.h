@@ -44,6 +44,8 @@ class GtfConditions {
   /// Of the direct sound at the ears, at the source and at the target.
   [[nodiscard]] const std::array<float, 2>& source_delay_s() const { return source_delay_s_; }
   [[nodiscard]] const std::array<float, 2>& target_delay_s() const { return target_delay_s_; }
+  /// As hear() found it.
+  [[nodiscard]] const GtfPlace& located() const { return located_; }
   /// As aim() took it.
   [[nodiscard]] const GtfPlace& place() const { return place_; }
 

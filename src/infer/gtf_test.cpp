@@ -159,6 +159,20 @@ TEST(Gtf, TakesTheSpeakersPlaceWhenItIsTold) {
   EXPECT_EQ(engine.speaker_m().value(), -place);
 }
 
+TEST(Gtf, LocatesTheSpeakerWhereItRendersThem) {
+  Gtf engine = engine_that_looks(small());
+  const std::vector<float> source = noise(2 * kSamples, 0.1, 2);
+  const GtfSpeaker found = engine.locate(source).value();
+  std::vector<float> output(source.size());
+  engine.synthesize(source, output);
+  EXPECT_EQ(found.position_m, engine.speaker_m().value());
+  EXPECT_GE(found.yaw_certainty, 0.0);
+  EXPECT_LE(found.yaw_certainty, 1.0);
+  GtfDescription blind = small();
+  blind.geometry = blind.delays = false;
+  EXPECT_FALSE(engine_that_looks(blind).locate(source).has_value());
+}
+
 TEST(Gtf, AMovingTargetIsHeardAtEachOfItsPlaces) {
   const GtfDescription d = small();
   Gtf engine = engine_that_looks(d);

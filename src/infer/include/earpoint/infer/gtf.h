@@ -19,6 +19,15 @@ struct GtfStatistics {
   std::vector<float> summary;
 };
 
+/// Where a network takes the speaker to be, in the source's frame.
+struct GtfSpeaker {
+  Vector3 position_m;    ///< of the mouth
+  double yaw_rad = 0.0;  ///< the way they face; 0 is the source's front
+  /// How sure it is of that way, 0 to 1: the length of the mean of all ways that it thinks
+  /// possible.
+  double yaw_certainty = 0.0;
+};
+
 /// A geometric time-frequency network, ready to run on the processor. Either window by window,
 ///
 ///   look(), aim(), synthesize()
@@ -57,7 +66,13 @@ class Gtf {
   void synthesize(std::span<const float> source, std::span<const Pose> path,
                   std::span<float> output);
 
-  /// What synthesize() heard in its window.
+  /// Finds the speaker by what was looked at and a window of sound, which statistics() then tells
+  /// of.
+  /// @param source  as synthesize() takes it
+  /// @return nothing if the network knows no geometry
+  [[nodiscard]] std::optional<GtfSpeaker> locate(std::span<const float> source);
+
+  /// What synthesize() or locate() heard in its window.
   [[nodiscard]] const GtfStatistics& statistics() const;
 
   /// Begins a stream at silence.
