@@ -1,3 +1,5 @@
+#include "gtf_doubts.h"
+
 #include <earpoint/model/gtf_view.h>
 #include <earpoint/synth/gtf_synthesizer.h>
 
@@ -20,7 +22,11 @@ double GtfSynthesizer::ambient_cutoff_hz() const {
 }
 
 PictureUse GtfSynthesizer::picture_use() const {
-  return network_.description().picture_px > 0 ? PictureUse::always : PictureUse::never;
+  return network_.description().picture_px > 0 ? PictureUse::if_there : PictureUse::never;
+}
+
+std::vector<std::string> GtfSynthesizer::doubts(const RenderOutline& outline) const {
+  return gtf_doubts(network_.description(), outline, horizontal_fov_rad_);
 }
 
 void GtfSynthesizer::observe(const Observation& observation) {

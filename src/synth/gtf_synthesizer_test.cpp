@@ -62,7 +62,7 @@ TEST(GtfSynthesizer, GivesWhatTheNetworkGivesForTheView) {
   GtfSynthesizer synthesizer(make_weights(), kFov_rad);
   EXPECT_EQ(synthesizer.window_shape(48000).samples, 4000);
   EXPECT_EQ(synthesizer.ambient_cutoff_hz(), 80.0);
-  EXPECT_EQ(synthesizer.picture_use(), PictureUse::always);
+  EXPECT_EQ(synthesizer.picture_use(), PictureUse::if_there);
   synthesizer.observe(observation);
   const Waveform found = synthesizer.synthesize(pose);
 

@@ -24,10 +24,22 @@ PictureStream open_picture(const RenderSource& source, const AcousticSynthesizer
   if (use == PictureUse::never || (use == PictureUse::with_box && !by_box)) return {};
   if (source.picture) return PictureStream(*source.picture);
   if (!movie.empty()) return PictureStream(movie);
-  if (use == PictureUse::with_box) return {};
+  if (use != PictureUse::always) return {};
   throw InputError(source.sound.path.string(),
                    "this model looks at the scene, and here is no picture",
                    "give a picture before the sound: earpoint render frame.png sound.flac");
+}
+
+RenderOutline outline_of(const RenderSource& source, const SoundSurvey& survey,
+                         std::span<const RenderTarget> targets, bool has_picture) {
+  RenderOutline outline{.duration_s = survey.duration_s(),
+                        .level_db = std::max(survey.level_db[0], survey.level_db[1]),
+                        .has_picture = has_picture,
+                        .speaker_track = source.speaker_track,
+                        .speaker_m = source.speaker_m,
+                        .targets = {}};
+  for (const RenderTarget& target : targets) outline.targets.push_back(target.path);
+  return outline;
 }
 
 std::ptrdiff_t count_windows(std::ptrdiff_t samples, const WindowShape& shape) {
@@ -109,6 +121,7 @@ RenderReport render(const RenderSource& source, AcousticSynthesizer& synthesizer
 
   const std::ptrdiff_t windows = count_windows(stream.model_samples(), shape);
   const std::ptrdiff_t hop = shape.samples - shape.overlap;
+  bool has_picture = false;
   progress.begin("rendering", survey.duration_s(), "s");
   for (std::ptrdiff_t index = 0; index < windows; ++index) {
     const std::ptrdiff_t start = index * hop;
@@ -119,6 +132,7 @@ RenderReport render(const RenderSource& source, AcousticSynthesizer& synthesizer
     Observation observation;
     observation.sound = std::move(window.primary);
     observation.picture = picture.nearest(middle_s);
+    has_picture |= observation.picture != nullptr;
     if (source.speaker_track) observation.speaker_box = source.speaker_track->at(middle_s);
     observation.speaker_m = source.speaker_m;
     synthesizer.observe(observation);
@@ -136,7 +150,8 @@ RenderReport render(const RenderSource& source, AcousticSynthesizer& synthesizer
     progress.advance(static_cast<double>(index + 1 < windows ? hop : rest) / shape.sample_rate_hz);
   }
   for (TargetStream& output : outputs) output.finish(stream);
-  RenderReport report{survey, stream.outline(), {}, static_cast<int>(windows)};
+  RenderReport report{survey, stream.outline(), {}, static_cast<int>(windows), {}};
+  report.doubts = synthesizer.doubts(outline_of(source, survey, targets, has_picture));
   for (TargetStream& output : outputs) {
     output.commit();
     report.targets.push_back(output.outline());

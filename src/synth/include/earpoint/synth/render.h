@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include <earpoint/core/pose.h>
@@ -45,6 +46,8 @@ struct RenderReport {
   WaveformOutline source;  ///< what was recorded
   std::vector<WaveformOutline> targets;
   int windows = 0;
+  /// What of it the synthesizer was not made for; AcousticSynthesizer::doubts().
+  std::vector<std::string> doubts;
 };
 
 /// Renders a whole clip for every target in one pass over the recording: windows, cross-fades,

@@ -3,11 +3,15 @@
 #include <cstddef>
 #include <optional>
 #include <span>
+#include <string>
+#include <vector>
 
 #include <earpoint/core/error.h>
 #include <earpoint/core/image.h>
 #include <earpoint/core/pose.h>
 #include <earpoint/core/waveform.h>
+#include <earpoint/synth/earpoint_path.h>
+#include <earpoint/synth/speaker_track.h>
 
 namespace earpoint {
 
@@ -37,7 +41,18 @@ struct Observation {
 enum class PictureUse {
   never,
   with_box,  ///< only where the speaker is known by a box alone
+  if_there,  ///< always, but it does without where there is none
   always,
+};
+
+/// A whole rendering as a synthesizer is asked for it.
+struct RenderOutline {
+  double duration_s = 0.0;
+  double level_db = 0.0;  ///< of the recording's louder ear, root mean square re full scale
+  bool has_picture = false;
+  std::optional<SpeakerTrack> speaker_track;
+  std::optional<Vector3> speaker_m;
+  std::vector<EarpointPath> targets;
 };
 
 /// Turns what was heard at the source view into what is heard at a target view, one window at a
@@ -56,6 +71,11 @@ class AcousticSynthesizer {
   [[nodiscard]] virtual double ambient_cutoff_hz() const { return 0.0; }
 
   [[nodiscard]] virtual PictureUse picture_use() const { return PictureUse::never; }
+
+  /// What of a rendering lies outside of what it was made for: a reason each, for people.
+  [[nodiscard]] virtual std::vector<std::string> doubts(const RenderOutline& /*outline*/) const {
+    return {};
+  }
 
   /// @throws InputError if something that this synthesizer needs is missing, naming the flag
   virtual void observe(const Observation& observation) = 0;
