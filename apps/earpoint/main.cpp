@@ -1,4 +1,5 @@
 #include "evaluate_command.h"
+#include "locate_command.h"
 #include "metrics_command.h"
 #include "model_command.h"
 #include "render_command.h"
@@ -21,6 +22,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   app.set_version_flag("--version", EARPOINT_VERSION);
   add_evaluate_command(app);
+  earpoint::add_locate_command(app);
   add_metrics_command(app);
   earpoint::add_render_command(app);
   add_model_command(app);

@@ -1,3 +1,5 @@
+#include "gtf_file.h"
+
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
@@ -53,6 +55,7 @@ void fill(const fs::path& folder) {
   write_sound(folder / "sound.flac", beginning_of(read_sound(examples / "truth-turned.flac")));
   write_sound(folder / "reference.wav", beginning_of(read_sound(examples / "truth-near.flac")));
   write_sound(folder / "estimate.wav", beginning_of(read_sound(examples / "truth-turned.flac")));
+  write_gtf_file(folder / "gtf.safetensors");
   fs::copy_file(EARPOINT_SOURCE_DIR "/src/scene/testdata/room.glb", folder / "flat.glb");
   fs::create_directory(folder / "speech");
   write_file(folder / "speech" / "speech.csv",

@@ -1,6 +1,7 @@
 #include "render_command.h"
 
 #include "arguments.h"
+#include "source_arguments.h"
 
 #include <cmath>
 #include <cstdio>
@@ -14,10 +15,10 @@
 
 #include <earpoint/core/error.h>
 #include <earpoint/core/parallel.h>
+#include <earpoint/model/shipped_model.h>
 #include <earpoint/synth/make_synthesizer.h>
 #include <earpoint/synth/render.h>
 #include <earpoint/video/image_file.h>
-#include <earpoint/video/media.h>
 #include <earpoint/video/plot.h>
 
 namespace earpoint {
@@ -46,7 +47,7 @@ A path is CSV with the header time_s,x,y,z,yaw_deg,pitch_deg,roll_deg. A file of
 the header time_s,x0,y0,x1,y1. A pose file is JSON: {"position_m": [1, -0.5, 0], "yaw_deg": 90}.)";
 
 struct RenderArguments {
-  std::vector<std::string> inputs;
+  SourceArguments source;
   std::vector<std::string> outputs;
   std::vector<std::string> translations;
   std::vector<double> yaw_deg;
@@ -54,15 +55,10 @@ struct RenderArguments {
   std::vector<double> roll_deg;
   std::vector<std::string> pose_files;
   std::vector<std::string> path_files;
-  std::string model = "dsp";
-  std::string speaker;
-  std::string speaker_box;
-  std::string speaker_boxes;
+  std::string model;  ///< empty: the default
   std::string hrtf;
-  std::string binaural_channels;
   std::string band = "full";
   std::string plot;
-  double fov_deg = 90.0;
   double ambient_cutoff_hz = -1.0;
   double gain_db = 0.0;
   int threads = available_cores();
@@ -114,41 +110,6 @@ std::vector<EarpointPath> parse_targets(const RenderArguments& arguments) {
   return targets;
 }
 
-bool is_picture(const std::filesystem::path& path) {
-  return probe_media(path).kind == MediaKind::picture;
-}
-
-RenderSource parse_source(const RenderArguments& arguments) {
-  RenderSource source;
-  source.sound.path = arguments.inputs.back();
-  if (arguments.inputs.size() == 2) {
-    source.picture = arguments.inputs.front();
-    if (is_picture(source.sound.path) && !is_picture(*source.picture)) {
-      std::swap(*source.picture, source.sound.path);
-    }
-  }
-  if (is_picture(source.sound.path)) {
-    throw InputError(source.sound.path.string(), "is a picture without sound",
-                     "give its sound too: earpoint render frame.png sound.flac");
-  }
-  if (!arguments.binaural_channels.empty()) {
-    const auto channels = parse_numbers(arguments.binaural_channels, 2, "--binaural-channels");
-    source.sound.binaural_channels = {static_cast<int>(channels[0]), static_cast<int>(channels[1])};
-  }
-  if (!arguments.speaker.empty()) {
-    const auto xyz = parse_numbers(arguments.speaker, 3, "--speaker");
-    source.speaker_m = Vector3{xyz[0], xyz[1], xyz[2]};
-  }
-  if (!arguments.speaker_box.empty()) {
-    const auto box = parse_numbers(arguments.speaker_box, 4, "--speaker-box");
-    source.speaker_track = SpeakerTrack(Box{box[0], box[1], box[2], box[3]});
-  }
-  if (!arguments.speaker_boxes.empty()) {
-    source.speaker_track = SpeakerTrack::from_csv(arguments.speaker_boxes);
-  }
-  return source;
-}
-
 std::string describe(const WaveformOutline& outline) {
   return fmt::format("left {:.1f} dB, right {:.1f} dB, peak {:.2f}", outline.level_db(0),
                      outline.level_db(1), outline.peak());
@@ -166,6 +127,7 @@ void print_json(const RenderArguments& arguments, const RenderReport& report) {
                           {"sample_rate_hz", report.survey.sample_rate_hz},
                           {"windows", report.windows},
                           {"source", levels(report.source)},
+                          {"doubts", report.doubts},
                           {"targets", nlohmann::json::array()}};
   for (std::size_t i = 0; i < report.targets.size(); ++i) {
     nlohmann::json target = levels(report.targets[i]);
@@ -179,6 +141,13 @@ void print_table(const RenderArguments& arguments, const RenderReport& report) {
   fmt::print("{:<24} {}\n", "source", describe(report.source));
   for (std::size_t i = 0; i < report.targets.size(); ++i) {
     fmt::print("{:<24} {}\n", arguments.outputs[i], describe(report.targets[i]));
+  }
+}
+
+void warn_of_doubts(const RenderArguments& arguments, const RenderReport& report) {
+  for (const std::string& doubt : report.doubts) {
+    fmt::print(stderr, "earpoint: {} may be out of its depth: {}\n",
+               std::filesystem::path(arguments.model).filename().string(), doubt);
   }
 }
 
@@ -197,16 +166,26 @@ void write_plot(const RenderArguments& arguments, const RenderReport& report) {
     return std::filesystem::path(path).filename().string();
   };
   std::vector<WaveformPanel> panels = {
-      {"source: " + name_of(arguments.inputs.back()), report.source}};
+      {"source: " + name_of(arguments.source.inputs.back()), report.source}};
   for (std::size_t i = 0; i < report.targets.size(); ++i) {
     panels.push_back({name_of(arguments.outputs[i]), report.targets[i]});
   }
   write_image(arguments.plot, plot_waveforms(panels, "model: " + name_of(arguments.model)));
 }
 
-void run_render(const RenderArguments& arguments) {
+/// What --model means: a known word, a file, the name of a shipped model, or nothing, which is the
+/// network that comes with Earpoint, or signal processing where none does.
+std::string resolve_model(const std::string& word) {
+  const auto shipped = shipped_model_path((word.empty() ? "gtf" : word) + ".safetensors");
+  if (word.empty()) return shipped ? shipped->string() : "dsp";
+  const bool is_known = word == "input" || word == "dsp" || std::filesystem::exists(word);
+  return shipped && !is_known ? shipped->string() : word;
+}
+
+void run_render(RenderArguments arguments) {
+  arguments.model = resolve_model(arguments.model);
   const std::vector<EarpointPath> paths = parse_targets(arguments);
-  const RenderSource source = parse_source(arguments);
+  const RenderSource source = parse_source(arguments.source);
   std::vector<RenderTarget> targets;
   for (std::size_t i = 0; i < paths.size(); ++i) {
     targets.push_back({paths[i], arguments.outputs[i]});
@@ -214,7 +193,7 @@ void run_render(const RenderArguments& arguments) {
 
   SynthesizerOptions synthesizer_options;
   if (!arguments.hrtf.empty()) synthesizer_options.hrtf = arguments.hrtf;
-  synthesizer_options.horizontal_fov_rad = radians_from_degrees(arguments.fov_deg);
+  synthesizer_options.horizontal_fov_rad = radians_from_degrees(arguments.source.fov_deg);
   synthesizer_options.threads = arguments.threads;
   const auto synthesizer = make_synthesizer(arguments.model, synthesizer_options);
 
@@ -232,6 +211,7 @@ void run_render(const RenderArguments& arguments) {
   } else if (!arguments.quiet) {
     print_table(arguments, report);
   }
+  warn_of_doubts(arguments, report);
   warn_of_peaks(arguments, report);
   if (!arguments.plot.empty()) write_plot(arguments, report);
 }
@@ -265,28 +245,18 @@ void add_target_options(CLI::App& command, RenderArguments& arguments) {
 }
 
 void add_speaker_options(CLI::App& command, RenderArguments& arguments) {
-  const char* group = "Who speaks";
-  auto* box = command
-                  .add_option("--speaker-box", arguments.speaker_box,
-                              "x0,y0,x1,y1 of the person in the picture, 0 to 1 from top left")
-                  ->group(group);
-  command.add_option("--speaker-boxes", arguments.speaker_boxes, "CSV file with boxes over time")
-      ->group(group)
-      ->excludes(box);
+  add_box_options(command, arguments.source);
   command
-      .add_option("--speaker", arguments.speaker,
-                  "x,y,z of the mouth in metres; for dsp, in place of a box")
-      ->group(group);
-  command.add_option("--fov", arguments.fov_deg, "The camera's horizontal field of view, degrees")
-      ->check(CLI::Range(10.0, 170.0))
-      ->capture_default_str()
-      ->group(group);
+      .add_option("--speaker", arguments.source.speaker,
+                  "x,y,z of the mouth in metres, in place of a box")
+      ->group("Who speaks");
 }
 
 void add_model_options(CLI::App& command, RenderArguments& arguments) {
-  command
-      .add_option("--model", arguments.model, "input (copy), dsp (head filters), or a weight file")
-      ->capture_default_str();
+  command.add_option(
+      "--model", arguments.model,
+      "input (copy), dsp (head filters), the name of a shipped model, or a weight file; "
+      "default: gtf, or dsp where it is not there");
   command.add_option("--hrtf", arguments.hrtf, "Head filters for dsp: a SOFA file");
   command
       .add_option(
@@ -298,8 +268,7 @@ void add_model_options(CLI::App& command, RenderArguments& arguments) {
       .add_option("--ambient-cutoff", arguments.ambient_cutoff_hz,
                   "Sound below this (Hz) is ambient and passes unchanged; default: the model's")
       ->check(CLI::Range(0.0, 1000.0));
-  command.add_option("--binaural-channels", arguments.binaural_channels,
-                     "left,right: which channels are the ears, counted from 0");
+  add_channel_option(command, arguments.source);
   command.add_option("--gain", arguments.gain_db, "Gain of the outputs in dB")
       ->check(CLI::Range(-60.0, 60.0));
   command.add_option("--threads", arguments.threads, "Default: all cores")
@@ -312,11 +281,7 @@ void add_render_command(CLI::App& app) {
   auto arguments = std::make_shared<RenderArguments>();
   CLI::App* command = app.add_subcommand("render", "Hear a recorded clip from another earpoint");
   command->footer(kFooter);
-  command
-      ->add_option("inputs", arguments->inputs,
-                   "A movie, a sound file, or a picture and a sound file")
-      ->required()
-      ->expected(1, 2);
+  add_source_inputs(*command, arguments->source);
   add_target_options(*command, *arguments);
   add_speaker_options(*command, *arguments);
   add_model_options(*command, *arguments);

@@ -1,7 +1,9 @@
+#include "gtf_file.h"
 #include "run_program.h"
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -35,8 +37,13 @@ class RenderCommand : public ::testing::Test {
     folder_ = fs::path(testing::TempDir()) / ("render_command_" + name);
     fs::remove_all(folder_);
     fs::create_directories(folder_);
+    // No model is shipped here, whatever the tree holds: the default is dsp.
+    ASSERT_EQ(::setenv("EARPOINT_MODELS_DIR", folder_.c_str(), 1), 0);
   }
-  void TearDown() override { fs::remove_all(folder_); }
+  void TearDown() override {
+    fs::remove_all(folder_);
+    ::unsetenv("EARPOINT_MODELS_DIR");
+  }
 
   [[nodiscard]] std::string at(const char* name) const { return (folder_ / name).string(); }
 
@@ -111,6 +118,32 @@ TEST_F(RenderCommand, APictureAndASoundMayComeInEitherOrder) {
     EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
     EXPECT_EQ(read_sound(at("out.flac")).samples(), 24000);
   }
+}
+
+TEST_F(RenderCommand, AShippedNetworkIsTheDefaultAndHasAName) {
+  write_gtf_file(at("gtf.safetensors"), 0);
+  for (const std::vector<std::string>& model :
+       {std::vector<std::string>{}, {"--model", "gtf"}, {"--model", at("gtf.safetensors")}}) {
+    std::vector<std::string> arguments = {"render", sound(), "--speaker",   "2,0,0",  "--yaw",
+                                          "45",     "-o",    at("out.wav"), "--json", "--quiet"};
+    arguments.insert(arguments.end(), model.begin(), model.end());
+    const ProgramOutcome outcome = run_earpoint(arguments);
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
+    const auto document = nlohmann::json::parse(outcome.output);
+    EXPECT_EQ(document["model"], at("gtf.safetensors"));
+    EXPECT_TRUE(document["doubts"].empty());
+  }
+}
+
+TEST_F(RenderCommand, SaysWhenANetworkIsOutOfItsDepth) {
+  write_gtf_file(at("gtf.safetensors"));
+  const ProgramOutcome outcome = run_earpoint(
+      {"render", sound(), "--translate", "9,0,0", "-o", at("out.wav"), "--json", "--quiet"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
+  // Too far, no picture, and nobody says who speaks: a line each.
+  EXPECT_EQ(std::count(outcome.errors.begin(), outcome.errors.end(), '\n'), 3) << outcome.errors;
+  EXPECT_NE(outcome.errors.find("9.0 m"), std::string::npos) << outcome.errors;
+  EXPECT_EQ(nlohmann::json::parse(outcome.output)["doubts"].size(), 3U);
 }
 
 TEST_F(RenderCommand, BadArgumentsGetOneLine) {

@@ -1,0 +1,152 @@
+#include "locate_command.h"
+
+#include "source_arguments.h"
+
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <earpoint/core/error.h>
+#include <earpoint/model/safetensors.h>
+#include <earpoint/model/shipped_model.h>
+#include <earpoint/synth/locate_speaker.h>
+#include <earpoint/video/image_file.h>
+
+namespace earpoint {
+namespace {
+
+constexpr const char* kShipped = "gtf.safetensors";
+
+constexpr const char* kFooter = R"(
+The direction is seen from the camera: azimuth to its left, elevation up, degrees. x points to the
+front, y to the left, z up; metres.
+
+Examples:
+  # which way the speaker is, by picture and sound
+  earpoint locate clip.mp4
+
+  # where they are and which way they face, told where they are seen; and a map
+  earpoint locate frame.png sound.flac --speaker-box 0.4,0.3,0.6,0.9 --3d --plot map.png
+
+  # by ear alone, for a program
+  earpoint locate sound.wav --3d --json
+
+Spreads are over the seconds of the recording: how steady the answer is, not how right.)";
+
+struct LocateArguments {
+  SourceArguments source;
+  std::string model;
+  std::string plot;
+  bool is_3d = false;
+  bool json = false;
+  bool quiet = false;
+};
+
+std::string model_of(const LocateArguments& arguments) {
+  if (!arguments.model.empty()) return arguments.model;
+  if (const auto path = shipped_model_path(kShipped)) return path->string();
+  throw InputError("locate", fmt::format("finds no {} among the shipped models", kShipped),
+                   "name a gtf weight file with --model");
+}
+
+double azimuth_deg(const Vector3& p) { return degrees_from_radians(std::atan2(p.y, p.x)); }
+
+double elevation_deg(const Vector3& p) {
+  return degrees_from_radians(std::atan2(p.z, std::hypot(p.x, p.y)));
+}
+
+nlohmann::json json_of(const GtfSpeaker& speaker, bool is_3d) {
+  const Vector3& p = speaker.position_m;
+  nlohmann::json json{{"azimuth_deg", azimuth_deg(p)}};
+  if (!is_3d) return json;
+  json["elevation_deg"] = elevation_deg(p);
+  json["distance_m"] = norm(p);
+  json["position_m"] = {p.x, p.y, p.z};
+  json["heading_deg"] = degrees_from_radians(speaker.yaw_rad);
+  json["heading_certainty"] = speaker.yaw_certainty;
+  return json;
+}
+
+void print_json(const LocateArguments& arguments, const std::string& model,
+                const LocatedSpeaker& located) {
+  nlohmann::json speaker = json_of(located.speaker, arguments.is_3d);
+  speaker["azimuth_spread_deg"] = degrees_from_radians(located.azimuth_spread_rad);
+  if (arguments.is_3d) speaker["distance_spread"] = std::expm1(located.log_distance_spread);
+  nlohmann::json document{{"model", model},
+                          {"by", nlohmann::json::array({"sound"})},
+                          {"speaker", speaker},
+                          {"windows", nlohmann::json::array()}};
+  if (located.has_picture) document["by"].push_back("picture");
+  if (located.has_box) document["by"].push_back("box");
+  for (const SpeakerSighting& sighting : located.sightings) {
+    nlohmann::json window = json_of(sighting.speaker, arguments.is_3d);
+    window["time_s"] = sighting.time_s;
+    window["level_db"] = 20.0 * std::log10(sighting.level);
+    document["windows"].push_back(std::move(window));
+  }
+  fmt::print("{}\n", document.dump(2));
+}
+
+/// "12.3 degrees left"
+std::string angle_text(double deg, const char* positive, const char* negative) {
+  return fmt::format("{:.1f} degrees {}", std::abs(deg), deg < 0 ? negative : positive);
+}
+
+void print_text(const LocateArguments& arguments, const LocatedSpeaker& located) {
+  const Vector3& p = located.speaker.position_m;
+  std::string direction = angle_text(azimuth_deg(p), "left", "right");
+  if (arguments.is_3d) direction += ", " + angle_text(elevation_deg(p), "up", "down");
+  fmt::print("{:<10} {}  (spread {:.1f} degrees over {} windows)\n", "direction", direction,
+             degrees_from_radians(located.azimuth_spread_rad), located.sightings.size());
+  if (arguments.is_3d) {
+    fmt::print("{:<10} {:.2f} m  (spread {:.0f} %)\n", "distance", norm(p),
+               100.0 * std::expm1(located.log_distance_spread));
+    fmt::print("{:<10} {:.2f},{:.2f},{:.2f} m: front, left, up\n", "position", p.x, p.y, p.z);
+    fmt::print("{:<10} {:.0f} degrees  (certainty {:.2f})\n", "heading",
+               degrees_from_radians(located.speaker.yaw_rad), located.speaker.yaw_certainty);
+  }
+  fmt::print("{:<10} sound{}{}\n", "by", located.has_picture ? ", picture" : "",
+             located.has_box ? ", box" : "");
+}
+
+void run_locate(const LocateArguments& arguments) {
+  const std::string model = model_of(arguments);
+  const RenderSource source = parse_source(arguments.source);
+  const GtfWeights weights = read_gtf_weights(model);
+  const double fov_rad = radians_from_degrees(arguments.source.fov_deg);
+  SilentProgress silent;
+  StreamProgress stream(stderr);
+  ProgressSink& progress = arguments.quiet ? static_cast<ProgressSink&>(silent) : stream;
+  const LocatedSpeaker located = locate_speaker(source, weights, fov_rad, progress);
+  if (arguments.json) {
+    print_json(arguments, model, located);
+  } else {
+    print_text(arguments, located);
+  }
+  if (!arguments.plot.empty()) write_image(arguments.plot, plot_speaker(located, fov_rad));
+}
+
+}  // namespace
+
+void add_locate_command(CLI::App& app) {
+  auto arguments = std::make_shared<LocateArguments>();
+  CLI::App* command =
+      app.add_subcommand("locate", "Find the speaker of a clip by picture, box and sound");
+  command->footer(kFooter);
+  add_source_inputs(*command, arguments->source);
+  add_box_options(*command, arguments->source);
+  command->add_option("--model", arguments->model, "A gtf weight file; default: the shipped one");
+  add_channel_option(*command, arguments->source);
+  command->add_flag("--3d", arguments->is_3d, "Distance, height and heading as well");
+  command->add_option("--plot", arguments->plot, "Draw a map from above into a PNG");
+  command->add_flag("--json", arguments->json, "Print JSON, with every window");
+  command->add_flag("--quiet", arguments->quiet, "No progress");
+  command->callback([arguments] { run_locate(*arguments); });
+}
+
+}  // namespace earpoint
