@@ -138,9 +138,10 @@ void add_evaluate_command(CLI::App& app) {
           ->delimiter(',')
           ->capture_default_str();
   command
-      ->add_flag("--ablations", options->methods.ablations,
-                 "Compare input with every shipped model of the family vigas, or every run of "
-                 "--runs")
+      ->add_flag(
+          "--ablations", options->methods.ablations,
+          "Compare input with every shipped model of the families gtf and vigas, or every run "
+          "of --runs")
       ->excludes(methods);
   command->add_option("--runs", options->methods.runs,
                       "Folder of training runs: a row for the best weights of each");

@@ -1,3 +1,4 @@
+#include "gtf_file.h"
 #include "run_program.h"
 
 #include <algorithm>
@@ -199,15 +200,18 @@ TEST_F(EvaluateCommandTest, RunsAndShippedModelsAreRows) {
   fs::create_directories(folder_ / "models");
   write_network(folder_ / "models/vigas.safetensors", "vigas");
   write_network(folder_ / "models/vigas-blind.safetensors", "vigas-blind");
+  earpoint::write_gtf_file(folder_ / "models/gtf.safetensors");
+  earpoint::write_gtf_file(folder_ / "models/gtf-no-3d.safetensors", 32, false);
+  earpoint::write_gtf_file(folder_ / "models/other.safetensors");
   ::setenv("EARPOINT_MODELS_DIR", (folder_ / "models").c_str(), 1);
   EXPECT_EQ(methods_of(with({"--ablations"})),
-            (std::vector<std::string>{"input", "vigas", "vigas-blind"}));
+            (std::vector<std::string>{"input", "gtf", "gtf-no-3d", "vigas", "vigas-blind"}));
   EXPECT_EQ(methods_of(with({"--methods", "vigas"})), (std::vector<std::string>{"vigas"}));
   ::setenv("EARPOINT_MODELS_DIR", folder_.c_str(), 1);
   const ProgramOutcome none = with({"--ablations"});
   ::unsetenv("EARPOINT_MODELS_DIR");
   EXPECT_EQ(none.exit_code, 2);
-  EXPECT_NE(none.errors.find("finds no vigas.safetensors"), std::string::npos) << none.errors;
+  EXPECT_NE(none.errors.find("finds neither gtf.safetensors"), std::string::npos) << none.errors;
 }
 
 TEST_F(EvaluateCommandTest, ReportIsWritten) {

@@ -69,18 +69,22 @@ std::vector<std::string> runs_in(const fs::path& folder) {
   return words;
 }
 
-/// The names of all shipped models of the family.
-std::vector<std::string> shipped_family(const std::string& family) {
-  const auto first = earpoint::shipped_model_path(family + ".safetensors");
-  if (!first) {
-    throw InputError("--ablations", "finds no " + family + ".safetensors among the shipped models",
-                     "name the folder of your own runs with --runs");
-  }
+/// The names of all shipped models of the families that are ablated: NAME and NAME-*.
+std::vector<std::string> shipped_families() {
   std::vector<std::string> words;
-  for (const fs::directory_entry& file : fs::directory_iterator(first->parent_path())) {
-    const std::string name = file.path().stem().string();
-    if (file.path().extension() != ".safetensors") continue;
-    if (name == family || name.starts_with(family + "-")) words.push_back(name);
+  for (const std::string family : {"gtf", "vigas"}) {
+    const auto first = earpoint::shipped_model_path(family + ".safetensors");
+    if (!first) continue;
+    for (const fs::directory_entry& file : fs::directory_iterator(first->parent_path())) {
+      const std::string name = file.path().stem().string();
+      if (file.path().extension() != ".safetensors") continue;
+      if (name == family || name.starts_with(family + "-")) words.push_back(name);
+    }
+  }
+  if (words.empty()) {
+    throw InputError("--ablations",
+                     "finds neither gtf.safetensors nor vigas.safetensors among the shipped models",
+                     "name the folder of your own runs with --runs");
   }
   std::ranges::sort(words);
   return words;
@@ -95,7 +99,7 @@ std::vector<std::string> words_of(const MethodRequest& request) {
   if (request.runs) {
     add(runs_in(*request.runs));
   } else if (request.ablations) {
-    add(shipped_family("vigas"));
+    add(shipped_families());
   }
   if (!request.oracles) return words;
   for (const MethodEntry& oracle : earpoint::oracle_methods()) {
