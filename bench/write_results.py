@@ -5,7 +5,7 @@ usage: bench/write_results.py MEASURED RESULTS.md
 
 MEASURED holds vigas.md, training.json, oracle_errors.md, render_memory.jsonl, demo.jsonl, trace_gates.md,
 home_reverberation.jsonl, camera_bench.jsonl, simulate_cost.jsonl, evaluate-single.json, evaluate-novel.json,
-ablations-single.json and ablations-novel.json; a section whose file is missing stays as it is in RESULTS.md,
+ablations-single.json, ablations-novel.json and generalisation.json; a section whose file is missing stays as it is in RESULTS.md,
 or says so where it is new.
 """
 import json
@@ -79,6 +79,29 @@ def reverberation_table(text):
     return "\n".join(rows)
 
 
+def generalisation_table(text):
+    """gtf's errors as ratios to those of the unchanged input, one row a case."""
+    columns = [("mag", "Mag"), ("lre_db", "LRE"), ("level_db", "level"), ("itd_us", "ITD"),
+               ("c50_db", "C50")]
+    rows = ["| | case | clips | " + " | ".join(heading for _, heading in columns)
+            + " | Mag, dsp | LRE, dsp |", "|---" * (len(columns) + 5) + "|"]
+
+    def cell(method, key):
+        ratio = method.get(key) or {}
+        if ratio.get("ratio") is None:
+            return "–"
+        if ratio.get("low") is None:
+            return f"{ratio['ratio']:.2f}"
+        return f"{ratio['ratio']:.2f} [{ratio['low']:.2f}, {ratio['high']:.2f}]"
+
+    for row in json.loads(text)["rows"]:
+        gtf, dsp = row["methods"]["gtf"], row["methods"]["dsp"]
+        cells = [row["group"], row["case"], str(row["clips"])]
+        cells += [cell(gtf, key) for key, _ in columns] + [cell(dsp, "mag"), cell(dsp, "lre_db")]
+        rows.append("| " + " | ".join(cells) + " |")
+    return "\n".join(rows)
+
+
 def trace_table(text):
     run = json.loads(text)
     home = run["home"]
@@ -136,6 +159,10 @@ SECTIONS = [
      "`earpoint evaluate --ablations --json`: the network without one of its parts."),
     ("Ablations in unseen homes", "ablations-novel.json", evaluation_table,
      "`earpoint evaluate --ablations --json`, as above."),
+    ("Generalisation", "generalisation.json", generalisation_table,
+     "`bench/generalisation.py`: gtf's mean errors over those of the unchanged input, in unseen homes, "
+     "where something is not as in training; below 1 it helps. `dsp` is told where the speaker truly "
+     "is. Voices of the test split are in no other; Greek is a language that training never has."),
     ("Exactness: our engine against the authors' code", "oracle_errors.md", None,
      "The same weights and inputs through `earpoint model run` and through the released code. "
      "Tests hold every oracle to 1e-4, on every instruction set that the machine has."),
