@@ -252,6 +252,7 @@ PairSample mirrored(const PairSample& sample) {
   PairSample result = sample;
   result.source = ears_swapped(sample.source);
   result.target = ears_swapped(sample.target);
+  if (sample.ambient) result.ambient = ears_swapped(*sample.ambient);
   result.picture = std::make_shared<const Image>(flipped(*sample.picture));
   if (sample.speaker_box) {
     result.speaker_box->x_min = 1.0 - sample.speaker_box->x_max;

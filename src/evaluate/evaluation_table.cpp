@@ -130,11 +130,11 @@ EvaluationTable make_table(const EvaluationResult& result) {
   return table;
 }
 
-std::string json_of(const EvaluationTable& table, const std::string& data,
-                    const std::string& split) {
+std::string json_of(const EvaluationTable& table, const EvaluationSubject& subject) {
   Json json;
-  json["data"] = data;
-  json["split"] = split;
+  json["data"] = subject.data;
+  json["split"] = subject.split;
+  json["ambient_db"] = subject.ambient_db ? Json(*subject.ambient_db) : Json();
   json["clips"] = table.clips;
   json["conversations"] = table.conversations;
   json["skipped"] = Json::array();

@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 
 #include <earpoint/core/error.h>
+#include <earpoint/dataset/ambient.h>
+#include <earpoint/dataset/sample.h>
 #include <earpoint/evaluate/method.h>
 #include <earpoint/spatial/dsp_renderer.h>
 #include <earpoint/spatial/hrtf.h>
@@ -51,12 +53,25 @@ class NetworkMethod : public Method {
 
   Waveform render(const Question& question) override {
     const PairSample& sample = question.sample;
-    const WindowShape shape = synthesizer_->window_shape(sample.source.sample_rate_hz());
-    const std::ptrdiff_t samples = sample.source.samples();
-    Waveform result(kEars, samples, sample.source.sample_rate_hz());
+    const bool takes_ambient = sample.ambient && synthesizer_->ambient_cutoff_hz() == 0.0;
+    if (!takes_ambient) return render(sample, sample.source);
+    return highpass(render(sample, sum(sample.source, *sample.ambient)), kSeparationCutoffHz);
+  }
+
+ private:
+  static Waveform sum(Waveform a, const Waveform& b) {
+    EARPOINT_CHECK(a.planar().size() == b.planar().size());
+    for (std::size_t i = 0; i < a.planar().size(); ++i) a.planar()[i] += b.planar()[i];
+    return a;
+  }
+
+  Waveform render(const PairSample& sample, const Waveform& heard) {
+    const WindowShape shape = synthesizer_->window_shape(heard.sample_rate_hz());
+    const std::ptrdiff_t samples = heard.samples();
+    Waveform result(kEars, samples, heard.sample_rate_hz());
     for (std::ptrdiff_t start = 0; start < samples; start += shape.samples) {
       Observation observation{
-          .sound = padded(sample.source, start - shape.context, shape.samples + 2 * shape.context),
+          .sound = padded(heard, start - shape.context, shape.samples + 2 * shape.context),
           .picture = sample.picture.get(),
           .speaker_box = sample.speaker_box.value_or(Box{}),
           .speaker_m = std::nullopt};
@@ -70,7 +85,6 @@ class NetworkMethod : public Method {
     return result;
   }
 
- private:
   /// [2][count] from sample `start`, zeros beyond the ends.
   static Waveform padded(const Waveform& sound, std::ptrdiff_t start, std::ptrdiff_t count) {
     Waveform window(sound.channels(), count, sound.sample_rate_hz());

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include <earpoint/core/error.h>
+#include <earpoint/dataset/ambient.h>
 #include <earpoint/model/strict_json.h>
 #include <earpoint/spatial/hrtf.h>
 #include <earpoint/train/gtf_learner.h>
@@ -71,7 +72,7 @@ TrainingTask gtf_task(const TrainConfig& config, std::string_view where,
   GtfLearnerOptions learner_options;
   learner_options.loss = take_loss(section, network);
   GtfDescription usual;
-  if (pairs.separate) usual.highpass_cutoff_hz = 80.0;
+  if (pairs.separate) usual.highpass_cutoff_hz = kSeparationCutoffHz;
   usual.window_samples = static_cast<int>(pairs.samples);
   const GtfDescription description =
       gtf_description_from_json(description_with(section, to_json(usual), network), network);

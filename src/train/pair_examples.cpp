@@ -8,13 +8,13 @@
 #include <earpoint/audio/gcc_phat.h>
 #include <earpoint/core/error.h>
 #include <earpoint/core/random.h>
+#include <earpoint/dataset/ambient.h>
 #include <earpoint/dataset/pair_list.h>
 #include <earpoint/train/example_source.h>
 
 namespace earpoint {
 namespace {
 
-constexpr double kSeparationCutoffHz = 80.0;
 // What the released loader clamps the delay to; the way is at most 4 m longer.
 constexpr double kLargestShift = 200.0;
 /// In a row, by when the data set is beyond repair.
@@ -117,7 +117,7 @@ struct PairExamples::State {
     if (!options.ambient_db) return;
     add_ambient(sample, *options.ambient_db, noise_seed);
     if (!options.separate) return;
-    sample.source = highpass(sample.source, kSeparationCutoffHz);
+    separate_source(sample);
     sample.target = highpass(sample.target, kSeparationCutoffHz);
   }
 
@@ -186,23 +186,6 @@ std::optional<TrainingExample> PairExamples::validation(std::size_t index) const
     if (!state_->options.on_bad) throw;
     state_->options.on_bad(error.what());
     return std::nullopt;
-  }
-}
-
-void add_ambient(PairSample& sample, double level_db, std::uint64_t seed) {
-  constexpr double kCornerHz = 20.0;
-  RandomStream random(seed);
-  for (Waveform* sound : {&sample.source, &sample.target}) {
-    // One pole at 20 Hz; a white input of this size leaves it with a root mean square of one.
-    const double pole = std::exp(-2.0 * kPi * kCornerHz / sound->sample_rate_hz());
-    const double input = std::pow(10.0, level_db / 20.0) * std::sqrt(1.0 - pole * pole);
-    for (int ear = 0; ear < sound->channels(); ++ear) {
-      double noise = std::pow(10.0, level_db / 20.0) * random.normal();
-      for (float& value : sound->channel(ear)) {
-        noise = pole * noise + input * random.normal();
-        value += static_cast<float>(noise);
-      }
-    }
   }
 }
 

@@ -10,6 +10,7 @@
 #include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
 #include <earpoint/core/pose.h>
+#include <earpoint/dataset/ambient.h>
 #include <earpoint/model/strict_json.h>
 #include <earpoint/train/train_config.h>
 
@@ -199,7 +200,7 @@ ViGasConfig vigas_config_from_json(std::string_view text, std::string_view where
   ViGasDescription& d = config.description;
   d.pose_encoding = PoseEncoding::full;
   d.box_encoding = BoxEncoding::corners;
-  if (separated) d.highpass_cutoff_hz = 80.0;
+  if (separated) d.highpass_cutoff_hz = kSeparationCutoffHz;
   d.image_encoder = ImageEncoderDescription{256, 256, 8};
   if (section.is_null("picture")) {
     d.image_encoder.reset();

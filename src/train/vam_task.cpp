@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <earpoint/core/error.h>
+#include <earpoint/dataset/ambient.h>
 #include <earpoint/train/initial_weights.h>
 #include <earpoint/train/vam_learner.h>
 
@@ -16,7 +17,7 @@ TrainingTask vam_task(const TrainConfig& config, std::string_view where,
   PairOptions pairs = pair_options(config, where, options);
   const std::string network = fmt::format("{}: 'network'", where);
   VamDescription usual;
-  if (pairs.separate) usual.highpass_cutoff_hz = 80.0;
+  if (pairs.separate) usual.highpass_cutoff_hz = kSeparationCutoffHz;
   const VamDescription description =
       vam_description_from_json(description_with(config.network, to_json(usual), network), network);
   TrainingTask task;

@@ -47,6 +47,14 @@ class EvaluationSet {
     const std::optional<std::filesystem::path>& pair_list, std::optional<std::size_t> limit,
     std::size_t cache_bytes);
 
+/// The same pairs in a room that is not silent. Sources get the noise of add_room_noise(), drawn by
+/// the pair's number, so that every method hears the same, and are separated into the primary sound
+/// (PairSample::source) and the rest (PairSample::ambient). Targets stay clean: what is compared is
+/// the primary sound.
+/// @param level_db  of the noise, root mean square re full scale
+[[nodiscard]] std::unique_ptr<EvaluationSet> with_ambient(std::unique_ptr<EvaluationSet> set,
+                                                          double level_db);
+
 /// Whether a folder holds the Replay-NVAS data set (v3 layout).
 [[nodiscard]] bool is_replay_folder(const std::filesystem::path& folder);
 

@@ -41,10 +41,15 @@ struct EvaluationTable {
 /// Means with 95 % intervals, over clips, bootstrapped by conversation.
 [[nodiscard]] EvaluationTable make_table(const EvaluationResult& result);
 
-/// @param data, split  what the pairs are of; noted in the JSON
+/// What an evaluation's pairs are of, for those who read it.
+struct EvaluationSubject {
+  std::string data;
+  std::string split;
+  std::optional<double> ambient_db;  ///< as with_ambient() has it
+};
+
 /// @return the JSON of `earpoint evaluate --json`; docs/formats.md describes it
-[[nodiscard]] std::string json_of(const EvaluationTable& table, const std::string& data,
-                                  const std::string& split);
+[[nodiscard]] std::string json_of(const EvaluationTable& table, const EvaluationSubject& subject);
 
 /// @return tables for people, in plain text
 [[nodiscard]] std::string text_of(const EvaluationTable& table);

@@ -46,7 +46,8 @@ struct MethodEntry {
 
 /// A network, on the window as it is, without cross-fades. It sees the picture and the box, and is
 /// not told where the speaker stands. A speaker out of sight has a box of four zeros, as in
-/// training.
+/// training. A network that was trained on sounds with their ambient part hears it, where the
+/// sample has one (PairSample::ambient), and the ambient part is then taken out of what it answers.
 /// @param name     of the row
 /// @param weights  a file that make_synthesizer() knows; it is read here, so that a bad one is
 /// found

@@ -76,8 +76,4 @@ class PairExamples : public ExampleSource {
   std::unique_ptr<State> state_;
 };
 
-/// Adds the noise of a quiet room to both sounds: the same spectrum everywhere, falling by 6 dB an
-/// octave from 20 Hz on, independent at every ear, at `level_db` re full scale.
-void add_ambient(PairSample& sample, double level_db, std::uint64_t seed);
-
 }  // namespace earpoint

@@ -1,0 +1,45 @@
+#include <cmath>
+#include <utility>
+
+#include <earpoint/core/pose.h>
+#include <earpoint/dataset/ambient.h>
+#include <earpoint/dataset/sample.h>
+
+namespace earpoint {
+namespace {
+
+constexpr double kCornerHz = 20.0;
+
+}  // namespace
+
+void add_room_noise(Waveform& sound, double level_db, RandomStream& random) {
+  const double level = std::pow(10.0, level_db / 20.0);
+  // One pole; a white input of this size leaves it with a root mean square of one.
+  const double pole = std::exp(-2.0 * kPi * kCornerHz / sound.sample_rate_hz());
+  const double input = level * std::sqrt(1.0 - pole * pole);
+  for (int ear = 0; ear < sound.channels(); ++ear) {
+    double noise = level * random.normal();
+    for (float& value : sound.channel(ear)) {
+      noise = pole * noise + input * random.normal();
+      value += static_cast<float>(noise);
+    }
+  }
+}
+
+void add_ambient(PairSample& sample, double level_db, std::uint64_t seed) {
+  RandomStream random(seed);
+  add_room_noise(sample.source, level_db, random);
+  add_room_noise(sample.target, level_db, random);
+}
+
+void separate_source(PairSample& sample) {
+  Waveform primary = highpass(sample.source, kSeparationCutoffHz);
+  Waveform ambient = std::move(sample.source);
+  for (std::size_t i = 0; i < ambient.planar().size(); ++i) {
+    ambient.planar()[i] -= primary.planar()[i];
+  }
+  sample.source = std::move(primary);
+  sample.ambient = std::move(ambient);
+}
+
+}  // namespace earpoint

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstdint>
+
+#include <earpoint/core/random.h>
+#include <earpoint/core/waveform.h>
+#include <earpoint/dataset/pair_sample.h>
+
+namespace earpoint {
+
+/// Below it a sound counts as ambient: the high-pass of the paper's ambient separation, Hz.
+inline constexpr double kSeparationCutoffHz = 80.0;
+
+/// Adds the steady noise of a quiet room: the same spectrum everywhere, flat below 20 Hz and
+/// falling by 6 dB an octave above, independent in every channel.
+/// @param level_db  root mean square of the noise, re full scale
+/// @param random    what it is drawn from: the same state gives the same noise
+void add_room_noise(Waveform& sound, double level_db, RandomStream& random);
+
+/// Adds such noise to what both viewpoints of a sample hear, the source first.
+void add_ambient(PairSample& sample, double level_db, std::uint64_t seed);
+
+/// Takes ambient sound out of what the source hears, by the high-pass, and keeps it as
+/// PairSample::ambient. The target is left as it is.
+void separate_source(PairSample& sample);
+
+}  // namespace earpoint
