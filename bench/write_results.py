@@ -5,7 +5,8 @@ usage: bench/write_results.py MEASURED RESULTS.md
 
 MEASURED holds vigas.md, training.json, oracle_errors.md, render_memory.jsonl, demo.jsonl, trace_gates.md,
 home_reverberation.jsonl, camera_bench.jsonl, simulate_cost.jsonl, evaluate-single.json, evaluate-novel.json,
-ablations-single.json, ablations-novel.json and generalisation.json; a section whose file is missing stays as it is in RESULTS.md,
+ablations-single.json, ablations-novel.json, generalisation.json, ambient-single.json, ambient-novel.json and
+enhance-novel.json; a section whose file is missing stays as it is in RESULTS.md,
 or says so where it is new.
 """
 import json
@@ -13,7 +14,7 @@ import os
 import platform
 import sys
 
-from evaluation_tables import evaluation_table
+from evaluation_tables import enhancement_table, evaluation_table
 
 
 def machine():
@@ -163,6 +164,16 @@ SECTIONS = [
      "`bench/generalisation.py`: gtf's mean errors over those of the unchanged input, in unseen homes, "
      "where something is not as in training; below 1 it helps. `dsp` is told where the speaker truly "
      "is. Voices of the test split are in no other; Greek is a language that training never has."),
+    ("Ambient sound in one home", "ambient-single.json", evaluation_table,
+     "`earpoint evaluate --ambient -40 --json`: room noise in what every source hears, separated by the "
+     "high-pass at 80 Hz; the target is clean. `no-separation` was trained with the noise in both "
+     "sounds, hears all of it, and its answer is separated; `with-ambient` was trained on separated sounds."),
+    ("Ambient sound in unseen homes", "ambient-novel.json", evaluation_table,
+     "`earpoint evaluate --ambient -40 --json`, as above."),
+    ("Speech enhancement in unseen homes", "enhance-novel.json", enhancement_table,
+     "`earpoint evaluate --enhance --json`: the target is the speaker's near microphone, the dry speech "
+     "as loud as 1 m before the mouth in free field. `oracle-gain` is the source at the true level: what "
+     "a change of loudness alone would bring."),
     ("Exactness: our engine against the authors' code", "oracle_errors.md", None,
      "The same weights and inputs through `earpoint model run` and through the released code. "
      "Tests hold every oracle to 1e-4, on every instruction set that the machine has."),

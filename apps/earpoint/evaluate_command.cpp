@@ -2,12 +2,14 @@
 
 #include "evaluate_methods.h"
 
+#include <array>
 #include <cstdio>
 #include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -32,11 +34,17 @@ using earpoint::InputError;
 
 constexpr std::size_t kCacheBytes = std::size_t{512} << 20U;
 
+// As loud as in the configurations that learn enhancement.
+constexpr double kEnhancedAmbientDb = -40.0;
+constexpr std::array<earpoint::Metric, 3> kEnhancementMetrics{
+    earpoint::Metric::mag, earpoint::Metric::rte, earpoint::Metric::level};
+
 constexpr const char* kExamples = R"(
 Examples:
   earpoint evaluate --data data/homes --methods input,dsp
   earpoint evaluate --data data/homes --methods input,dsp,mine=runs/mine/best.safetensors --json
   earpoint evaluate --data data/homes --methods input,tf,dsp,vigas --oracles --report out
+  earpoint evaluate --data data/homes --enhance --methods input,mine=runs/enhance/best.safetensors
   earpoint evaluate --data data/homes --ablations --runs runs/ablations
 
 Methods:
@@ -54,6 +62,9 @@ Room noise (--ambient -40) falls by 6 dB an octave from 20 Hz on and is independ
 separated as the paper separates ambient sound, by a high-pass at 80 Hz: methods hear what is above, and
 answer what the clean target is compared with. A network that was trained without separation hears all of
 the noise, and what it answers goes through the same high-pass.
+Enhancement (--enhance) asks for the dry speech as a microphone close before the mouth records it, as loud as
+it is 1 m away in free field, in room noise of -40 dB unless --ambient says otherwise. Methods are not told
+where that microphone is; tf and dsp, which answer for a place, have no row.
 Every number is an error: 0 is best. Intervals hold the mean at 95 % confidence, drawn by conversation.
 )";
 
@@ -67,6 +78,7 @@ struct Options {
   fs::path rt60_model;
   std::optional<fs::path> report;
   std::optional<double> ambient_db;
+  bool enhance = false;
   bool skip_bad = false;
   bool json = false;
   bool quiet = false;
@@ -85,8 +97,22 @@ std::function<earpoint::ReverberationEstimator()> estimator_maker(const fs::path
   };
 }
 
+earpoint::PairTarget target_of(const Options& options) {
+  return options.enhance ? earpoint::PairTarget::near_microphone : earpoint::PairTarget::viewpoint;
+}
+
+/// Level of room noise in dB re full scale, or none.
+std::optional<double> ambient_db(const Options& options) {
+  if (options.ambient_db || !options.enhance) return options.ambient_db;
+  return kEnhancedAmbientDb;
+}
+
 std::unique_ptr<earpoint::EvaluationSet> evaluation_set(const Options& options) {
   if (earpoint::is_replay_folder(options.data)) {
+    if (options.enhance) {
+      throw InputError("--enhance", "wants simulated data, whose dry speech is known",
+                       "make some with `earpoint simulate`");
+    }
     if (options.ambient_db) {
       throw InputError("--ambient", "recordings have ambient sound of their own",
                        "leave it out, or take simulated data");
@@ -94,8 +120,9 @@ std::unique_ptr<earpoint::EvaluationSet> evaluation_set(const Options& options) 
     return earpoint::replay_evaluation_set(options.data, options.split, options.limit);
   }
   auto set = earpoint::soundspaces_evaluation_set(options.data, options.split, options.pairs,
-                                                  options.limit, kCacheBytes);
-  return options.ambient_db ? with_ambient(std::move(set), *options.ambient_db) : std::move(set);
+                                                  options.limit, kCacheBytes, target_of(options));
+  const std::optional<double> level_db = ambient_db(options);
+  return level_db ? with_ambient(std::move(set), *level_db) : std::move(set);
 }
 
 void run(const Options& options) {
@@ -107,6 +134,11 @@ void run(const Options& options) {
   for (std::size_t pair = 0; pair < set->size(); ++pair) scenes.insert(set->scene(pair));
   MethodRequest request = options.methods;
   request.data = options.data;
+  request.enhance = options.enhance;
+  if (request.words.empty()) {
+    request.words = options.enhance ? std::vector<std::string>{"input"}
+                                    : std::vector<std::string>{"input", "dsp"};
+  }
   const std::vector<earpoint::MethodEntry> methods = methods_of(request, scenes);
 
   earpoint::EvaluationOptions how;
@@ -125,21 +157,25 @@ void run(const Options& options) {
   if (options.report) {
     earpoint::ReportOptions report;
     report.data = options.data.string();
-    if (options.ambient_db) report.data += fmt::format(", room noise {:g} dB", *options.ambient_db);
+    if (options.enhance) report.data += ", speech to be enhanced";
+    if (const auto level_db = ambient_db(options)) {
+      report.data += fmt::format(", room noise {:g} dB", *level_db);
+    }
     report.split = options.split;
     write_report(*options.report, *set, methods, result, report, progress);
   }
   const earpoint::EvaluationTable table = make_table(result);
-  fmt::print("{}", options.json
-                       ? json_of(table, {options.data.string(), options.split, options.ambient_db})
-                       : text_of(table));
+  const earpoint::EvaluationSubject subject{options.data.string(), options.split,
+                                            target_of(options), ambient_db(options)};
+  const std::span<const earpoint::Metric> told =
+      options.enhance ? kEnhancementMetrics : earpoint::told_metrics();
+  fmt::print("{}", options.json ? json_of(table, subject) : text_of(table, told));
 }
 
 }  // namespace
 
 void add_evaluate_command(CLI::App& app) {
   auto options = std::make_shared<Options>();
-  options->methods.words = {"input", "dsp"};
   CLI::App* command = app.add_subcommand(
       "evaluate", "Measure methods side by side on the frozen pairs of a data set.");
   command
@@ -151,9 +187,10 @@ void add_evaluate_command(CLI::App& app) {
                       "Another pair list than pairs-<split>.json of the data set");
   auto* methods =
       command
-          ->add_option("--methods", options->methods.words, "What to compare, separated by commas")
-          ->delimiter(',')
-          ->capture_default_str();
+          ->add_option(
+              "--methods", options->methods.words,
+              "What to compare, separated by commas; default: input,dsp, or input with --enhance")
+          ->delimiter(',');
   command
       ->add_flag(
           "--ablations", options->methods.ablations,
@@ -175,6 +212,10 @@ void add_evaluate_command(CLI::App& app) {
                    "Level in dB re full scale of room noise in what the source hears, the same for "
                    "every method; see below")
       ->check(CLI::Range(-120.0, 0.0));
+  command->add_flag(
+      "--enhance", options->enhance,
+      "Enhancement of speech instead: the target is the speaker's near microphone; see "
+      "below");
   command->add_option("--jobs", options->jobs, "Threads; 0 takes all cores")->capture_default_str();
   command->add_option("--rt60-model", options->rt60_model,
                       "Weight file of the estimator behind rte_s (default: the shipped one)");

@@ -110,6 +110,38 @@ TEST_F(EvaluateCommandTest, TableAndLimitAreForPeople) {
   EXPECT_NE(outcome.output.find("3 clips of 3 conversations"), std::string::npos) << outcome.output;
 }
 
+TEST_F(EvaluateCommandTest, RoomNoiseIsTheSameEachTimeAndMakesTheSourceWorse) {
+  const auto mag = [](const std::vector<std::string>& more) {
+    std::vector<std::string> words{"--methods", "input", "--json"};
+    words.insert(words.end(), more.begin(), more.end());
+    const ProgramOutcome outcome = evaluate(folder_ / "data", words);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
+    const auto json = nlohmann::json::parse(outcome.output);
+    EXPECT_EQ(json.at("ambient_db").is_null(), more.empty());
+    return json.at("rows")[0].at("mag").at("mean").get<double>();
+  };
+  const double quiet = mag({});
+  const double noisy = mag({"--ambient", "-20"});
+  EXPECT_GT(noisy, quiet);
+  EXPECT_EQ(noisy, mag({"--ambient", "-20", "--jobs", "1"}));
+}
+
+TEST_F(EvaluateCommandTest, EnhancementAsksForDrySpeechInTheSameForm) {
+  const ProgramOutcome outcome = evaluate(folder_ / "data", {"--enhance", "--oracles", "--json"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
+  const auto json = nlohmann::json::parse(outcome.output);
+  EXPECT_EQ(json.at("target"), "near_microphone");
+  EXPECT_EQ(json.at("ambient_db"), -40.0);
+  ASSERT_EQ(json.at("rows").size(), 5U);
+  const auto& input = json.at("rows")[0];
+  EXPECT_EQ(input.at("method"), "input");
+  EXPECT_GT(input.at("mag").at("low"), 0.0);
+  EXPECT_LT(json.at("rows")[4].at("mag").at("mean"), 1e-5);
+  const ProgramOutcome text = evaluate(folder_ / "data", {"--enhance"});
+  EXPECT_NE(text.output.find("Mag"), std::string::npos) << text.output;
+  EXPECT_EQ(text.output.find("LRE"), std::string::npos) << text.output;
+}
+
 TEST_F(EvaluateCommandTest, BrokenPairsAreNamedAndSkippedOnlyWhenAsked) {
   const fs::path data = copy_of_data("broken");
   const fs::path scene = data / "test/home-0000";
@@ -239,6 +271,8 @@ TEST_F(EvaluateCommandTest, BadUseIsOneLine) {
   EXPECT_NE(error_of({"--methods", "tf"}).find("train: no such folder"), std::string::npos);
   EXPECT_NE(error_of({"--split", "val"}).find("val: no such folder"), std::string::npos);
   EXPECT_NE(error_of({"--runs", (folder_ / "speech").string()}).find("holds no run"),
+            std::string::npos);
+  EXPECT_NE(error_of({"--enhance", "--methods", "dsp"}).find("leave it out with --enhance"),
             std::string::npos);
   EXPECT_NE(error_of({"--pairs", "none.json"}).find("none.json"), std::string::npos);
 }

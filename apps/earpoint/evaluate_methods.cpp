@@ -32,6 +32,10 @@ MethodEntry transfer_function(const MethodRequest& request, const std::set<std::
 MethodEntry method_of(const std::string& word, const MethodRequest& request,
                       const std::set<std::string>& scenes) {
   if (word == "input") return earpoint::input_method();
+  if (request.enhance && (word == "dsp" || word == "tf")) {
+    throw InputError("--methods " + word, "says what a place hears, not what was spoken",
+                     "leave it out with --enhance");
+  }
   if (word == "dsp") return earpoint::dsp_method();
   if (word == "tf") return transfer_function(request, scenes);
   for (MethodEntry& oracle : earpoint::oracle_methods()) {

@@ -14,6 +14,7 @@ struct MethodRequest {
   std::vector<std::string> words;
   std::filesystem::path data;  ///< where `tf` finds the training split
   std::string tf_index;        ///< locations, relative, or empty: by whether the scenes are known
+  bool enhance = false;        ///< speech is asked for, not what a place hears
   bool oracles = false;        ///< all of them as well
   /// `input` and every shipped model of the family vigas, or every run of `runs`, instead.
   bool ablations = false;

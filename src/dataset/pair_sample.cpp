@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <complex>
 #include <map>
 #include <span>
@@ -51,6 +52,28 @@ Waveform delayed(const Waveform& sound, std::ptrdiff_t samples) {
   Waveform result(sound.channels(), sound.samples() + samples, sound.sample_rate_hz());
   for (int c = 0; c < sound.channels(); ++c) copy_window(sound, c, -samples, result.channel(c));
   return result;
+}
+
+/// When a response begins: its first sample within 20 dB of the largest, in any ear.
+std::ptrdiff_t arrival(const Waveform& response) {
+  constexpr float kWithin = 0.1F;
+  float largest = 0.0F;
+  for (const float x : response.planar()) largest = std::max(largest, std::abs(x));
+  std::ptrdiff_t first = response.samples();
+  for (int ear = 0; ear < response.channels(); ++ear) {
+    const auto samples = response.channel(ear);
+    const auto found =
+        std::ranges::find_if(samples, [&](float x) { return std::abs(x) >= kWithin * largest; });
+    first = std::min(first, std::ptrdiff_t{found - samples.begin()});
+  }
+  return first;
+}
+
+/// The way from the mouth to a microphone close before it, as late as the source's response.
+Waveform near_microphone_response(const Waveform& to_source) {
+  Waveform response(kEars, arrival(to_source) + 1, kRateHz);
+  for (int ear = 0; ear < kEars; ++ear) response.channel(ear).back() = 1.0F;
+  return response;
 }
 
 /// The end of the convolution of `dry` with several responses, by one transform of `dry`: the
@@ -133,8 +156,9 @@ std::size_t bytes_of(const Waveform& sound) { return sound.planar().size_bytes()
 }  // namespace
 
 struct PairSampler::State {
-  State(const SoundSpacesDataset& data, std::size_t cache_bytes, ResponseDelays response_delays)
-      : dataset(data), delays(response_delays), cache(cache_bytes) {}
+  State(const SoundSpacesDataset& data, std::size_t cache_bytes, ResponseDelays response_delays,
+        PairTarget pair_target)
+      : dataset(data), delays(response_delays), target(pair_target), cache(cache_bytes) {}
 
   SharedSound speech(const std::string& name) {
     return cache.get<Waveform>(
@@ -164,12 +188,13 @@ struct PairSampler::State {
 
   const SoundSpacesDataset& dataset;
   ResponseDelays delays;
+  PairTarget target;
   ByteCache cache;
 };
 
 PairSampler::PairSampler(const SoundSpacesDataset& dataset, std::size_t cache_bytes,
-                         ResponseDelays delays)
-    : state_(std::make_unique<State>(dataset, cache_bytes, delays)) {}
+                         ResponseDelays delays, PairTarget target)
+    : state_(std::make_unique<State>(dataset, cache_bytes, delays, target)) {}
 PairSampler::~PairSampler() = default;
 PairSampler::PairSampler(PairSampler&&) noexcept = default;
 PairSampler& PairSampler::operator=(PairSampler&&) noexcept = default;
@@ -181,11 +206,16 @@ PairTruth PairSampler::truth(const SoundSpacesClip& clip, const SoundSpacesChoic
   PairTruth truth;
   const SharedSound speech = state_->speech(*speaker.speech);
   const auto to_source = state_->response(source.rir.at(speaker.id));
-  const auto to_target = state_->response(target.rir.at(speaker.id));
-  const std::ptrdiff_t later =
-      state_->delays == ResponseDelays::relative ? to_target->delay - to_source->delay : 0;
-  truth.source_response = delayed(to_source->sound, std::max(-later, std::ptrdiff_t{0}));
-  truth.target_response = delayed(to_target->sound, std::max(later, std::ptrdiff_t{0}));
+  if (state_->target == PairTarget::near_microphone) {
+    truth.source_response = to_source->sound;
+    truth.target_response = near_microphone_response(to_source->sound);
+  } else {
+    const auto to_target = state_->response(target.rir.at(speaker.id));
+    const std::ptrdiff_t later =
+        state_->delays == ResponseDelays::relative ? to_target->delay - to_source->delay : 0;
+    truth.source_response = delayed(to_source->sound, std::max(-later, std::ptrdiff_t{0}));
+    truth.target_response = delayed(to_target->sound, std::max(later, std::ptrdiff_t{0}));
+  }
   truth.lead = std::max(truth.source_response.samples(), truth.target_response.samples()) - 1;
   truth.dry = Waveform(1, truth.lead + samples, kRateHz);
   copy_window(*speech, 0, choice.window_start - truth.lead, truth.dry.channel(0));
@@ -204,7 +234,9 @@ PairSample PairSampler::sample(const SoundSpacesClip& clip, const SoundSpacesCho
   sample.speaker_box = from_soundspaces_box(source.bboxes.at(speaker.id));
   sample.world_from_source = world_from_viewpoint(source);
   const Pose source_from_world = inverse(sample.world_from_source);
-  sample.source_from_target = source_from_world * world_from_viewpoint(target);
+  if (state_->target == PairTarget::viewpoint) {
+    sample.source_from_target = source_from_world * world_from_viewpoint(target);
+  }
   sample.speaker_m = transform_point(source_from_world, from_soundspaces(speaker.location));
   if (speaker.rotation_rad) {
     sample.speaker_yaw_rad = wrap_angle(*speaker.rotation_rad - source.rotation_rad);

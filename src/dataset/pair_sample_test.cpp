@@ -137,6 +137,46 @@ TEST_F(PairSamplerTest, RelativeDelaysAreTheWaysDifference) {
   EXPECT_GT(std::max(source, target), 0);
 }
 
+TEST_F(PairSamplerTest, ANearMicrophoneHearsDrySpeechWhenTheSourceHearsItFirst) {
+  const SoundSpacesDataset data = dataset();
+  const SoundSpacesClip& clip = data.clips()[0];
+  const SoundSpacesChoice choice{.source = 0, .target = 1, .speaker = 0, .window_start = 2000};
+  const PairSampler sampler(data, kPlenty, ResponseDelays::dropped, PairTarget::near_microphone);
+  const PairSample sample = sampler.sample(clip, choice);
+  const PairSample usual = PairSampler(data, kPlenty).sample(clip, choice);
+  expect_same(sample.source, usual.source);
+  EXPECT_TRUE(std::ranges::equal(sample.target.channel(0), sample.target.channel(1)));
+  // Without their delay the set's responses begin with the direct sound.
+  const Waveform speech = data.read_speech(*clip.speakers[0].speech);
+  const Waveform dry = window_of(speech, 2000, kPairSamples);
+  Waveform both(2, kPairSamples, 16000);
+  for (int ear = 0; ear < 2; ++ear) std::ranges::copy(dry.channel(0), both.channel(ear).begin());
+  expect_same(sample.target, both);
+  // The pose tells nothing; what only oracles see does.
+  EXPECT_EQ(norm(sample.source_from_target.position_m), 0.0);
+  EXPECT_EQ(euler_from_quaternion(sample.source_from_target.orientation).yaw_rad, 0.0);
+  EXPECT_EQ(norm(sample.speaker_m - usual.speaker_m), 0.0);
+  const PairTruth truth = sampler.truth(clip, choice);
+  EXPECT_EQ(truth.dry.samples() - truth.lead, kPairSamples);
+  EXPECT_EQ(truth.target_response.samples(), 1);
+}
+
+TEST_F(PairSamplerTest, ANearMicrophoneWaitsForASourceThatHearsLater) {
+  // 50 samples of a room's murmur 30 dB down before the direct sound.
+  const SoundSpacesDataset data = dataset();
+  const SoundSpacesClip& clip = data.clips()[0];
+  Waveform response(2, 2000, 16000);
+  for (std::ptrdiff_t i = 0; i < 50; ++i) response.channel(0)[i] = 0.03F;
+  response.channel(1)[50] = 1.0F;
+  response.channel(0)[60] = 0.5F;
+  write_sound(folder_ / clip.viewpoints[0].rir.at(0), response, SampleFormat::float32);
+  const PairSampler sampler(data, kPlenty, ResponseDelays::dropped, PairTarget::near_microphone);
+  const PairTruth truth = sampler.truth(clip, {.source = 0, .target = 1, .speaker = 0});
+  ASSERT_EQ(truth.target_response.samples(), 51);
+  EXPECT_EQ(truth.target_response.channel(0)[50], 1.0F);
+  EXPECT_EQ(truth.target_response.channel(0)[49], 0.0F);
+}
+
 TEST_F(PairSamplerTest, AMirrorSwapsLeftAndRight) {
   const SoundSpacesDataset data = dataset();
   const PairSampler sampler(data, kPlenty);

@@ -84,10 +84,10 @@ std::string text_of(const EvaluationTable& table, const std::string& title,
   return text;
 }
 
-/// Those of a table for people that any row has; the others are in the JSON.
-std::vector<Metric> present(const EvaluationTable& table) {
+/// Those that any row has.
+std::vector<Metric> present(const EvaluationTable& table, std::span<const Metric> told) {
   std::vector<Metric> metrics;
-  for (const Metric metric : told_metrics()) {
+  for (const Metric metric : told) {
     if (std::ranges::any_of(table.rows,
                             [&](const TableRow& row) { return row[metric].mean.has_value(); })) {
       metrics.push_back(metric);
@@ -134,6 +134,7 @@ std::string json_of(const EvaluationTable& table, const EvaluationSubject& subje
   Json json;
   json["data"] = subject.data;
   json["split"] = subject.split;
+  json["target"] = subject.target == PairTarget::viewpoint ? "viewpoint" : "near_microphone";
   json["ambient_db"] = subject.ambient_db ? Json(*subject.ambient_db) : Json();
   json["clips"] = table.clips;
   json["conversations"] = table.conversations;
@@ -146,8 +147,8 @@ std::string json_of(const EvaluationTable& table, const EvaluationSubject& subje
   return json.dump(2) + "\n";
 }
 
-std::string text_of(const EvaluationTable& table) {
-  const std::vector<Metric> metrics = present(table);
+std::string text_of(const EvaluationTable& table, std::span<const Metric> told) {
+  const std::vector<Metric> metrics = present(table, told);
   std::string text = text_of(table, "mean", metrics, [](const TableRow& row, Metric metric) {
     return with_range(row[metric].mean, name_of(metric).decimals);
   });

@@ -53,10 +53,11 @@ TEST(EvaluationTable, WithoutInputThereIsNoRatio) {
 }
 
 TEST(EvaluationTable, JsonIsTheContract) {
-  const auto json =
-      nlohmann::json::parse(json_of(make_table(three_clips()), {"data/x", "test", -40.0}));
+  const auto json = nlohmann::json::parse(
+      json_of(make_table(three_clips()), {"data/x", "test", PairTarget::viewpoint, -40.0}));
   EXPECT_EQ(json.at("data"), "data/x");
   EXPECT_EQ(json.at("split"), "test");
+  EXPECT_EQ(json.at("target"), "viewpoint");
   EXPECT_EQ(json.at("ambient_db"), -40.0);
   EXPECT_EQ(json.at("clips"), 3);
   EXPECT_EQ(json.at("skipped")[0].at("problem"), "a.wav: is empty");

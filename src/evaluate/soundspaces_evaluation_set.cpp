@@ -27,8 +27,10 @@ class SoundSpacesEvaluationSet : public EvaluationSet {
  public:
   SoundSpacesEvaluationSet(const fs::path& folder, const std::string& split,
                            const fs::path& list_path, std::optional<std::size_t> limit,
-                           std::size_t cache_bytes)
-      : dataset_(soundspaces_options(folder, split)), sampler_(dataset_, cache_bytes) {
+                           std::size_t cache_bytes, PairTarget target)
+      : dataset_(soundspaces_options(folder, split)),
+        sampler_(dataset_, cache_bytes, ResponseDelays::dropped, target),
+        target_(target) {
     PairList list = read_pair_list(list_path);
     if (list.split != split) {
       throw InputError(list_path.string(),
@@ -47,8 +49,11 @@ class SoundSpacesEvaluationSet : public EvaluationSet {
   [[nodiscard]] std::size_t size() const override { return pairs_.size(); }
   [[nodiscard]] std::string name(std::size_t pair) const override {
     const ViewPair& view = pairs_.at(pair).pair;
-    return fmt::format("{}, clip {}: {} -> {}, speaker {}, at {:.2f} s", view.scene, view.clip,
-                       view.choice.source, view.choice.target, view.choice.speaker,
+    const std::string way = target_ == PairTarget::viewpoint
+                                ? fmt::format("{} -> {}", view.choice.source, view.choice.target)
+                                : fmt::format("from {}", view.choice.source);
+    return fmt::format("{}, clip {}: {}, speaker {}, at {:.2f} s", view.scene, view.clip, way,
+                       view.choice.speaker,
                        static_cast<double>(view.choice.window_start) / 16000.0);
   }
   [[nodiscard]] std::string scene(std::size_t pair) const override {
@@ -70,18 +75,18 @@ class SoundSpacesEvaluationSet : public EvaluationSet {
   };
   SoundSpacesDataset dataset_;
   PairSampler sampler_;
+  PairTarget target_;
   std::vector<Entry> pairs_;
 };
 
 }  // namespace
 
-std::unique_ptr<EvaluationSet> soundspaces_evaluation_set(const fs::path& folder,
-                                                          const std::string& split,
-                                                          const std::optional<fs::path>& pair_list,
-                                                          std::optional<std::size_t> limit,
-                                                          std::size_t cache_bytes) {
+std::unique_ptr<EvaluationSet> soundspaces_evaluation_set(
+    const fs::path& folder, const std::string& split, const std::optional<fs::path>& pair_list,
+    std::optional<std::size_t> limit, std::size_t cache_bytes, PairTarget target) {
   const fs::path list = pair_list.value_or(folder / ("pairs-" + split + ".json"));
-  return std::make_unique<SoundSpacesEvaluationSet>(folder, split, list, limit, cache_bytes);
+  return std::make_unique<SoundSpacesEvaluationSet>(folder, split, list, limit, cache_bytes,
+                                                    target);
 }
 
 }  // namespace earpoint

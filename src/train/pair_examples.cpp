@@ -80,9 +80,10 @@ struct PairExamples::State {
         val(soundspaces_options(options.data, "val")),
         train_sampler(train, options.cache_bytes,
                       options.alignment == Alignment::responses ? ResponseDelays::dropped
-                                                                : ResponseDelays::relative),
+                                                                : ResponseDelays::relative,
+                      options.target),
         // Validation is the same whatever training looks like, so that runs can be compared.
-        val_sampler(val, options.cache_bytes / 4) {
+        val_sampler(val, options.cache_bytes / 4, ResponseDelays::dropped, options.target) {
     const std::filesystem::path list = options.data / "pairs-val.json";
     const PairList pairs = read_pair_list(list);
     for (const std::size_t index : spread(pairs.pairs.size(), options.validation_pairs)) {
@@ -115,10 +116,17 @@ struct PairExamples::State {
 
   void add_room(PairSample& sample, std::uint64_t noise_seed) const {
     if (!options.ambient_db) return;
-    add_ambient(sample, *options.ambient_db, noise_seed);
+    if (options.target == PairTarget::viewpoint) {
+      add_ambient(sample, *options.ambient_db, noise_seed);
+    } else {
+      RandomStream random(noise_seed);
+      add_room_noise(sample.source, *options.ambient_db, random);
+    }
     if (!options.separate) return;
     separate_source(sample);
-    sample.target = highpass(sample.target, kSeparationCutoffHz);
+    if (options.target == PairTarget::viewpoint) {
+      sample.target = highpass(sample.target, kSeparationCutoffHz);
+    }
   }
 
   /// The same places and responses, but a window of any speech of the split.

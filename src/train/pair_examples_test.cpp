@@ -168,6 +168,22 @@ TEST_F(PairExamplesTest, SeparationTakesAmbientSoundOut) {
   EXPECT_LT(noise(separated), -25.0);
 }
 
+TEST_F(PairExamplesTest, NearMicrophonesHearNoNoise) {
+  PairOptions quiet = options();
+  quiet.target = PairTarget::near_microphone;
+  PairOptions noisy = quiet;
+  noisy.ambient_db = -20.0;
+  for (std::uint64_t n = 0; n < 4; ++n) {
+    const PairSample without = examples(quiet).training_sample(n);
+    const PairSample with = examples(noisy).training_sample(n);
+    EXPECT_TRUE(std::ranges::equal(with.target.planar(), without.target.planar()));
+    EXPECT_FALSE(std::ranges::equal(with.source.planar(), without.source.planar()));
+    EXPECT_TRUE(std::ranges::equal(with.target.channel(0), with.target.channel(1)));
+    EXPECT_EQ(norm(with.source_from_target.position_m), 0.0);
+  }
+  EXPECT_EQ(examples(noisy).validation(0)->target, examples(quiet).validation(0)->target);
+}
+
 TEST_F(PairExamplesTest, ValidationIsTheFrozenListEvenlySpread) {
   PairOptions few = options();
   few.validation_pairs = 3;

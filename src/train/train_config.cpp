@@ -244,6 +244,8 @@ PairOptions pair_options_from_json(std::string_view text, std::string_view where
       {{Alignment::responses, "responses"},
        {Alignment::gcc_phat, "gcc_phat"},
        {Alignment::none, "none"}}};
+  constexpr std::array<std::pair<PairTarget, std::string_view>, 2> kTargets{
+      {{PairTarget::viewpoint, "viewpoint"}, {PairTarget::near_microphone, "near_microphone"}}};
   const Json json = parsed(text, where);
   Section section(json, std::string(where));
   PairOptions options;
@@ -253,6 +255,10 @@ PairOptions pair_options_from_json(std::string_view text, std::string_view where
   section.take("any_speech", options.any_speech);
   section.take("mirror", options.mirror);
   section.take("align", options.alignment, kAlignments);
+  section.take("target", options.target, kTargets);
+  if (options.target == PairTarget::near_microphone && options.alignment != Alignment::responses) {
+    section.fail("align", "\"responses\" where 'target' is \"near_microphone\"", "another");
+  }
   section.take("ambient_db", options.ambient_db, -120.0, 0.0);
   section.take("separate", options.separate);
   if (!options.separate && !options.ambient_db) {

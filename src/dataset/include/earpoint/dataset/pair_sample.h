@@ -48,6 +48,18 @@ enum class ResponseDelays {
   relative,  ///< the nearer one does, the other as much later as it is farther
 };
 
+/// Whose sound is the target.
+enum class PairTarget {
+  viewpoint,  ///< what the target viewpoint's ears hear
+  /// What a microphone close before the mouth records, for enhancement of speech: the dry speech,
+  /// alike in both channels. It is as loud as speech without a room is 1 m in front of the mouth
+  /// (0.3 m before it speech is 10.5 dB louder, and the microphone turned down by as much), and
+  /// begins when the source hears it first: at the first sample of the source's response within
+  /// 20 dB of the largest. Samples have the source's own pose for the target's, which tells nothing
+  /// of where the speaker is. Delays are those of the source's response, always dropped.
+  near_microphone,
+};
+
 /// Makes samples of a data set fast: it keeps filtered speech, responses and decoded pictures, and
 /// convolves only what the window hears. Any thread may call it.
 /// Cost: about 4 ms a sample with responses of a second, once its files are kept.
@@ -56,7 +68,8 @@ class PairSampler {
   /// @param dataset      must outlive this
   /// @param cache_bytes  how much it may keep
   PairSampler(const SoundSpacesDataset& dataset, std::size_t cache_bytes,
-              ResponseDelays delays = ResponseDelays::dropped);
+              ResponseDelays delays = ResponseDelays::dropped,
+              PairTarget target = PairTarget::viewpoint);
   ~PairSampler();
   PairSampler(PairSampler&&) noexcept;
   PairSampler& operator=(PairSampler&&) noexcept;

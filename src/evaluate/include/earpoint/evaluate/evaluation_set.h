@@ -41,11 +41,12 @@ class EvaluationSet {
 /// @param pair_list   nothing: pairs-<split>.json in the folder
 /// @param limit       take that many pairs, spread evenly over the list; nothing: all
 /// @param cache_bytes that it may keep of files
+/// @param target      near_microphone: the source of every pair is to be enhanced
 /// @throws InputError if a file is missing or malformed, or the list does not fit the data
 [[nodiscard]] std::unique_ptr<EvaluationSet> soundspaces_evaluation_set(
     const std::filesystem::path& folder, const std::string& split,
     const std::optional<std::filesystem::path>& pair_list, std::optional<std::size_t> limit,
-    std::size_t cache_bytes);
+    std::size_t cache_bytes, PairTarget target = PairTarget::viewpoint);
 
 /// The same pairs in a room that is not silent. Sources get the noise of add_room_noise(), drawn by
 /// the pair's number, so that every method hears the same, and are separated into the primary sound

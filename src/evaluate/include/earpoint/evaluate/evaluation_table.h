@@ -2,6 +2,7 @@
 
 #include <array>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -45,13 +46,16 @@ struct EvaluationTable {
 struct EvaluationSubject {
   std::string data;
   std::string split;
+  PairTarget target = PairTarget::viewpoint;
   std::optional<double> ambient_db;  ///< as with_ambient() has it
 };
 
 /// @return the JSON of `earpoint evaluate --json`; docs/formats.md describes it
 [[nodiscard]] std::string json_of(const EvaluationTable& table, const EvaluationSubject& subject);
 
+/// @param metrics  that have columns, unless no row has a value
 /// @return tables for people, in plain text
-[[nodiscard]] std::string text_of(const EvaluationTable& table);
+[[nodiscard]] std::string text_of(const EvaluationTable& table,
+                                  std::span<const Metric> metrics = told_metrics());
 
 }  // namespace earpoint

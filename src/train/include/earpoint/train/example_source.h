@@ -43,8 +43,10 @@ struct PairOptions {
   std::ptrdiff_t samples = 16000;  ///< of a training window; validation takes a second
   bool any_speech = false;         ///< whoever speaks says what anyone of the split said
   bool mirror = true;              ///< half of the training examples are mirrored, left to right
+  PairTarget target = PairTarget::viewpoint;   ///< in validation too
   Alignment alignment = Alignment::responses;  ///< in training; validation pairs are aligned
-  std::optional<double> ambient_db;    ///< level of room noise in both sounds, dB re full scale
+  /// Level of room noise in both sounds, dB re full scale; near microphones hear none.
+  std::optional<double> ambient_db;
   bool separate = true;                ///< take the ambient sound out again, by the high-pass
   std::size_t validation_pairs = 256;  ///< of the frozen list, evenly spread; 0 takes all
   std::size_t cache_bytes = 0;
