@@ -1,6 +1,7 @@
 #include "run_program.h"
 
 #include <array>
+#include <atomic>
 #include <filesystem>
 #include <stdexcept>
 
@@ -13,9 +14,26 @@
 
 namespace fs = std::filesystem;
 
-ProgramOutcome run_earpoint(const std::vector<std::string>& arguments) {
+namespace {
+
+/// As the system takes lists of words; they must outlive it.
+std::vector<char*> pointers_to(std::vector<std::string>& words) {
+  std::vector<char*> pointers;
+  pointers.reserve(words.size() + 1);
+  for (std::string& word : words) pointers.push_back(word.data());
+  pointers.push_back(nullptr);
+  return pointers;
+}
+
+}  // namespace
+
+ProgramOutcome run_earpoint(const std::vector<std::string>& arguments,
+                            const std::vector<std::string>& environment) {
+  static std::atomic<int> runs = 0;
   const std::string stem =
-      (fs::temp_directory_path() / ("earpoint_run_" + std::to_string(::getpid()))).string();
+      (fs::temp_directory_path() /
+       ("earpoint_run_" + std::to_string(::getpid()) + "_" + std::to_string(++runs)))
+          .string();
   const std::array<std::string, 2> captured{stem + ".out", stem + ".err"};
 
   posix_spawn_file_actions_t actions;
@@ -26,14 +44,13 @@ ProgramOutcome run_earpoint(const std::vector<std::string>& arguments) {
   }
   std::vector<std::string> words{EARPOINT_PROGRAM};
   words.insert(words.end(), arguments.begin(), arguments.end());
-  std::vector<char*> pointers;
-  pointers.reserve(words.size() + 1);
-  for (std::string& word : words) pointers.push_back(word.data());
-  pointers.push_back(nullptr);
+  std::vector<std::string> variables = environment;
+  for (char** variable = environ; *variable != nullptr; ++variable)
+    variables.emplace_back(*variable);
 
   pid_t child = 0;
-  const int error =
-      posix_spawn(&child, EARPOINT_PROGRAM, &actions, nullptr, pointers.data(), environ);
+  const int error = posix_spawn(&child, EARPOINT_PROGRAM, &actions, nullptr,
+                                pointers_to(words).data(), pointers_to(variables).data());
   posix_spawn_file_actions_destroy(&actions);
   if (error != 0) throw std::runtime_error("cannot start " EARPOINT_PROGRAM);
   int status = 0;

@@ -10,6 +10,8 @@ struct ProgramOutcome {
   std::string errors;  ///< standard error
 };
 
-/// Runs the earpoint program that was built beside the tests and waits for it.
-/// @param arguments  as the program gets them; no shell reads them
-ProgramOutcome run_earpoint(const std::vector<std::string>& arguments);
+/// Runs the earpoint program that was built beside the tests and waits for it. Any thread may.
+/// @param arguments    as the program gets them; no shell reads them
+/// @param environment  NAME=VALUE, beside what this process has
+ProgramOutcome run_earpoint(const std::vector<std::string>& arguments,
+                            const std::vector<std::string>& environment = {});

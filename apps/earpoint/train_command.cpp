@@ -1,13 +1,16 @@
 #include "train_command.h"
 
-#include <atomic>
+#include <algorithm>
+#include <cstddef>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -16,6 +19,8 @@
 #include <earpoint/core/error.h>
 #include <earpoint/core/parallel.h>
 #include <earpoint/core/progress.h>
+#include <earpoint/model/safetensors.h>
+#include <earpoint/train/process_group.h>
 #include <earpoint/train/trainer.h>
 #include <earpoint/train/training_task.h>
 
@@ -23,6 +28,19 @@ namespace {
 
 namespace fs = std::filesystem;
 using earpoint::InputError;
+using earpoint::Learner;
+using earpoint::ProcessGroup;
+
+constexpr const char* kSeveralProcesses = R"(
+Several processes learn together when a launcher starts them, on one machine or many; each takes its share
+of every batch, and only the first writes into --out:
+  torchrun --no-python --nproc-per-node 2 earpoint train CONFIG --data DIR --out RUN
+  mpirun -n 4 earpoint train CONFIG --data DIR --out RUN          # on more machines: -x MASTER_ADDR
+  srun --ntasks 4 earpoint train CONFIG --data DIR --out RUN      # on more machines: export MASTER_ADDR
+or by hand, with RANK (0 to WORLD_SIZE - 1), WORLD_SIZE, MASTER_ADDR and MASTER_PORT in the environment. The
+data must be there on every machine. --jobs and --cache count for each process; without --jobs those of one
+machine share its cores.
+)";
 
 struct Options {
   fs::path config;
@@ -96,13 +114,73 @@ std::optional<earpoint::SafetensorsFile> run_so_far(const Options& options,
   return earpoint::read_checkpoint(options.out, config);
 }
 
+std::vector<std::byte> bytes_of(const std::string& text) {
+  std::vector<std::byte> bytes(text.size());
+  std::ranges::transform(text, bytes.begin(), [](char c) { return std::byte(c); });
+  return bytes;
+}
+
+/// All processes must learn the same: a share of another run's step would be averaged unnoticed.
+void expect_same_configuration(ProcessGroup& group, const std::string& config) {
+  const std::vector<std::byte> own = bytes_of(config);
+  double others = group.from_first(own) == own ? 0.0 : 1.0;
+  group.sum(std::span(&others, 1));
+  if (others > 0.0) {
+    throw InputError("training in several processes", "they have different configurations",
+                     "start all with the same arguments");
+  }
+}
+
+struct Start {
+  earpoint::TrainingTask task;
+  std::optional<earpoint::SafetensorsFile> checkpoint;  ///< of a run to go on with
+};
+
+/// Makes the task; with other processes, from what the first one has, down to the last bit.
+Start started(const Options& options, const earpoint::TrainConfig& config,
+              earpoint::TaskOptions task_options, ProcessGroup* group) {
+  const std::string where = options.config.string();
+  Start start;
+  if (group == nullptr || group->is_first()) {
+    start.checkpoint = run_so_far(options, config.text);
+    task_options.checkpoint = start.checkpoint ? &*start.checkpoint : nullptr;
+    start.task = make_training_task(config, where, task_options);
+  }
+  if (group == nullptr) return start;
+  const bool goes_on = group->from_first(bytes_of(start.checkpoint ? "on" : "")).size() > 0;
+  const char* name = "the first process's checkpoint";
+  const std::vector<std::byte> bytes = group->from_first(
+      !group->is_first()
+          ? std::vector<std::byte>()
+          : serialize_safetensors(
+                start.checkpoint ? *start.checkpoint : start.task.learner->checkpoint(), name));
+  if (group->is_first()) return start;
+  start.checkpoint = earpoint::parse_safetensors(bytes, name);
+  task_options.checkpoint = &*start.checkpoint;
+  start.task = make_training_task(config, where, task_options);
+  if (!goes_on) start.checkpoint.reset();
+  return start;
+}
+
+/// Threads of this process.
+int threads_of(const Options& options, const std::optional<earpoint::ProcessPlace>& place) {
+  if (options.jobs > 0) return options.jobs;
+  return std::max(1, earpoint::available_cores() / (place ? place->local_processes : 1));
+}
+
 void run(const Options& options) {
   earpoint::keep_freed_memory();
   const earpoint::TrainConfig config = configuration(options);
   if (options.jobs < 0) throw InputError("--jobs", "expected 0 or more");
   if (options.cache_mib < 0) throw InputError("--cache", "expected 0 or more");
-  earpoint::set_learner_threads(options.jobs > 0 ? options.jobs : earpoint::available_cores());
-  const auto checkpoint = run_so_far(options, config.text);
+  const std::optional<earpoint::ProcessPlace> place = earpoint::process_place();
+  earpoint::set_learner_threads(threads_of(options, place));
+  std::optional<ProcessGroup> group;
+  if (place) {
+    group.emplace(*place);
+    expect_same_configuration(*group, config.text);
+  }
+  ProcessGroup* const processes = group ? &*group : nullptr;
 
   BadExamples bad;
   earpoint::TaskOptions task_options{.data = options.data,
@@ -110,26 +188,32 @@ void run(const Options& options) {
                                      .cache_bytes = static_cast<std::size_t>(options.cache_mib)
                                                     << 20,
                                      .on_bad = {},
-                                     .checkpoint = checkpoint ? &*checkpoint : nullptr};
+                                     .checkpoint = nullptr};
   if (options.skip_bad) {
     task_options.on_bad = [&bad](const std::string& problem) { bad.add(problem); };
   }
-  const earpoint::TrainingTask task =
-      make_training_task(config, options.config.string(), task_options);
+  const Start start = started(options, config, task_options, processes);
+  Learner& learner = *start.task.learner;
 
-  earpoint::TrainerOptions trainer{
-      .folder = options.out, .plan = config.training, .config = config.text, .on_validation = {}};
-  if (!options.quiet) {
+  const bool tells = !group || group->is_first();
+  earpoint::TrainerOptions trainer{.folder = options.out,
+                                   .plan = config.training,
+                                   .config = config.text,
+                                   .processes = processes,
+                                   .on_validation = {}};
+  if (tells && !options.quiet) {
     trainer.on_validation = [&](const earpoint::ValidationResult& result) {
-      report(result, std::string(task.learner->error_name()));
+      report(result, std::string(learner.error_name()));
     };
   }
   earpoint::SilentProgress silent;
   earpoint::StreamProgress bar(stderr);
   earpoint::ProgressSink& progress =
-      options.quiet ? static_cast<earpoint::ProgressSink&>(silent) : bar;
+      options.quiet || !tells ? static_cast<earpoint::ProgressSink&>(silent) : bar;
   const earpoint::TrainingSummary summary =
-      train(*task.learner, *task.examples, trainer, task_options.checkpoint, progress);
+      train(learner, *start.task.examples, trainer, start.checkpoint ? &*start.checkpoint : nullptr,
+            progress);
+  if (!tells) return;
   if (options.json) {
     fmt::print("{}\n", json_of(summary).dump());
   } else if (!options.quiet) {
@@ -169,5 +253,6 @@ void add_train_command(CLI::App& app) {
                     "Leave out what cannot be read, by name, instead of ending");
   command->add_flag("--json", options->json, "Print how it went as JSON");
   command->add_flag("--quiet", options->quiet, "No progress, no summary");
+  command->footer(kSeveralProcesses);
   command->callback([options] { run(*options); });
 }

@@ -2,16 +2,21 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <future>
+#include <sstream>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <netinet/in.h>
 #include <nlohmann/json.hpp>
+#include <sys/socket.h>
 #include <unistd.h>
 
 #include <earpoint/audio/sound_file.h>
 #include <earpoint/core/file.h>
 #include <earpoint/dataset_testing/tiny_dataset.h>
+#include <earpoint/model/safetensors.h>
 
 namespace {
 
@@ -84,6 +89,140 @@ TEST_F(TrainCommandTest, ARunIsNotOverwrittenAndGoesOnByResume) {
   const ProgramOutcome resumed = train({"--resume", "--quiet", "--json"});
   ASSERT_EQ(resumed.exit_code, 0) << resumed.errors;
   EXPECT_EQ(nlohmann::json::parse(resumed.output).at("steps"), 3);
+}
+
+/// A network without batch norm, whose batch of three is not shared evenly.
+constexpr const char* kShared = R"({
+ "format": "earpoint-train-1",
+ "network": {"kind": "vigas", "blocks": 1, "layers_per_block": 3, "channels": 8, "fusion_width": 16,
+             "conditioning_width": 8, "picture": null},
+ "data": {"window_samples": 4000, "validation_pairs": 3},
+ "training": {"batch": 3, "steps": 6, "validate_every": 3, "schedule": "cosine"}
+})";
+
+/// A port of this machine that nobody listens on.
+int free_port() {
+  const int socket = ::socket(AF_INET, SOCK_STREAM, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t size = sizeof(address);
+  auto* any = reinterpret_cast<sockaddr*>(&address);
+  EXPECT_EQ(::bind(socket, any, size), 0);
+  EXPECT_EQ(::getsockname(socket, any, &size), 0);
+  ::close(socket);
+  return ntohs(address.sin_port);
+}
+
+class SharedTrainingTest : public TrainCommandTest {
+ protected:
+  /// @param processes  1: without any launcher
+  [[nodiscard]] std::vector<ProgramOutcome> train_by(
+      int processes, const std::string& out, const std::string& config,
+      const std::vector<std::string>& more = {}) const {
+    const fs::path file = folder_ / (out + ".json");
+    earpoint::write_file(file, config);
+    std::vector<std::string> words = {"train",  file.string(),
+                                      "--data", (folder_ / "data").string(),
+                                      "--out",  (folder_ / out).string(),
+                                      "--jobs", "1",
+                                      "--json", "--quiet"};
+    words.insert(words.end(), more.begin(), more.end());
+    if (processes == 1) return {run_earpoint(words)};
+    const std::string port = std::to_string(free_port());
+    std::vector<std::future<ProgramOutcome>> runs;
+    for (int rank = 0; rank < processes; ++rank) {
+      const std::vector<std::string> place = {"WORLD_SIZE=" + std::to_string(processes),
+                                              "RANK=" + std::to_string(rank),
+                                              "MASTER_ADDR=127.0.0.1", "MASTER_PORT=" + port};
+      runs.push_back(std::async(std::launch::async, run_earpoint, words, place));
+    }
+    std::vector<ProgramOutcome> outcomes;
+    for (auto& run : runs) outcomes.push_back(run.get());
+    return outcomes;
+  }
+
+  /// The numbers of a CSV file, row by row.
+  [[nodiscard]] std::vector<double> numbers(const std::string& path) const {
+    std::istringstream text(earpoint::read_text_file(folder_ / path));
+    std::string line;
+    std::getline(text, line);
+    std::vector<double> found;
+    while (std::getline(text, line)) {
+      std::istringstream cells(line);
+      for (std::string cell; std::getline(cells, cell, ',');) found.push_back(std::stod(cell));
+    }
+    return found;
+  }
+};
+
+void expect_equal_but_for_rounding(const fs::path& found, const fs::path& expected) {
+  const auto ours = earpoint::read_safetensors(found).tensors;
+  const auto theirs = earpoint::read_safetensors(expected).tensors;
+  ASSERT_EQ(ours.size(), theirs.size());
+  for (const auto& [name, tensor] : theirs) {
+    const auto a = ours.at(name).as<float>();
+    const auto b = tensor.as<float>();
+    ASSERT_EQ(a.size(), b.size()) << name;
+    // A mean over clips is summed in another order: 1e-7 of a gradient. Adam divides a gradient by
+    // its size, so that a weight whose gradient is nearly zero may move by a thousandth of a step
+    // of 1e-3 otherwise.
+    for (std::size_t i = 0; i < a.size(); ++i) ASSERT_NEAR(a[i], b[i], 6e-6) << name << " " << i;
+  }
+}
+
+TEST_F(SharedTrainingTest, TwoProcessesLearnWhatOneDoesFromTheSameBatch) {
+  ASSERT_EQ(train_by(1, "alone", kShared)[0].exit_code, 0);
+  const std::vector<ProgramOutcome> both = train_by(2, "both", kShared);
+  for (const ProgramOutcome& outcome : both) {
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
+    EXPECT_EQ(outcome.errors, "");
+  }
+  // Only the first tells how it went.
+  EXPECT_EQ(nlohmann::json::parse(both[0].output).at("clips"), 18);
+  EXPECT_EQ(both[1].output, "");
+  const std::vector<double> expected = numbers("alone/steps.csv");
+  const std::vector<double> found = numbers("both/steps.csv");
+  ASSERT_EQ(expected.size(), 18U);
+  ASSERT_EQ(found.size(), expected.size());
+  // As of the weights.
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    EXPECT_NEAR(found[i], expected[i], 1e-5 * expected[i]) << i;
+  }
+  expect_equal_but_for_rounding(folder_ / "both/checkpoint.safetensors",
+                                folder_ / "alone/checkpoint.safetensors");
+}
+
+TEST_F(SharedTrainingTest, TwoProcessesGoOnWithWhatTwoBegan) {
+  std::string shorter = kShared;
+  shorter.replace(shorter.find("\"steps\": 6"), 10, "\"steps\": 3");
+  // Of equal learning rates, whatever the run's length.
+  shorter.replace(shorter.find(", \"schedule\": \"cosine\""), 22, "");
+  std::string longer = shorter;
+  longer.replace(longer.find("\"steps\": 3"), 10, "\"steps\": 6");
+  ASSERT_EQ(train_by(2, "unbroken", longer)[0].exit_code, 0);
+  ASSERT_EQ(train_by(2, "broken", shorter)[0].exit_code, 0);
+  for (const ProgramOutcome& outcome : train_by(2, "broken", longer, {"--resume"})) {
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
+  }
+  EXPECT_EQ(numbers("broken/steps.csv"), numbers("unbroken/steps.csv"));
+}
+
+TEST_F(SharedTrainingTest, AllEndWhenOneCannotGoOn) {
+  ASSERT_EQ(train_by(1, "run", kShared)[0].exit_code, 0);
+  // The first finds a run in the folder; the other is told that it is lost.
+  const std::vector<ProgramOutcome> both = train_by(2, "run", kShared);
+  EXPECT_EQ(both[0].exit_code, 2);
+  EXPECT_NE(both[0].errors.find("holds a run already"), std::string::npos) << both[0].errors;
+  EXPECT_EQ(both[1].exit_code, 2);
+  EXPECT_NE(both[1].errors.find("another process is lost"), std::string::npos) << both[1].errors;
+  std::string single = kShared;
+  single.replace(single.find("\"batch\": 3"), 10, "\"batch\": 1");
+  for (const ProgramOutcome& outcome : train_by(2, "single", single)) {
+    EXPECT_EQ(outcome.exit_code, 2);
+    EXPECT_NE(outcome.errors.find("a clip for each of 2 processes, found 1"), std::string::npos)
+        << outcome.errors;
+  }
 }
 
 TEST_F(TrainCommandTest, BadUseIsOneLine) {

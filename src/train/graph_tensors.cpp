@@ -2,9 +2,22 @@
 
 #include "torch_tensor.h"
 
+#include <ATen/core/grad_mode.h>
+
 #include <earpoint/core/error.h>
 
 namespace earpoint {
+namespace {
+
+/// Where the tensor does not lie in order in this memory, the visitor sees a copy.
+void visit(const at::Tensor& tensor, const Learner::Visitor& visitor) {
+  const at::NoGradGuard no_gradients;
+  const at::Tensor values = tensor.to(at::kCPU).contiguous();
+  visitor({values.data_ptr<float>(), static_cast<std::size_t>(values.numel())});
+  if (!values.is_same(tensor)) tensor.copy_(values);
+}
+
+}  // namespace
 
 GraphTensors::GraphTensors(const std::map<std::string, Tensor>& weights, const at::Device& device) {
   for (const auto& [name, tensor] : weights) {
@@ -35,6 +48,18 @@ std::map<std::string, Tensor> GraphTensors::gradients() const {
 
 void forget_gradients(std::map<std::string, at::Tensor>& parameters) {
   for (auto& [name, parameter] : parameters) parameter.mutable_grad().reset();
+}
+
+void visit_values(const std::map<std::string, at::Tensor>& tensors,
+                  const Learner::Visitor& visitor) {
+  for (const auto& [name, tensor] : tensors) visit(tensor, visitor);
+}
+
+void visit_gradients(const std::map<std::string, at::Tensor>& parameters,
+                     const Learner::Visitor& visitor) {
+  for (const auto& [name, parameter] : parameters) {
+    if (parameter.grad().defined()) visit(parameter.grad(), visitor);
+  }
 }
 
 }  // namespace earpoint

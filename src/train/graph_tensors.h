@@ -6,6 +6,7 @@
 #include <ATen/core/Tensor.h>
 
 #include <earpoint/model/tensor.h>
+#include <earpoint/train/learner.h>
 
 namespace earpoint {
 
@@ -29,5 +30,13 @@ struct GraphTensors {
 
 /// Drops the gradients of the last step.
 void forget_gradients(std::map<std::string, at::Tensor>& parameters);
+
+/// Shows the values of every tensor, in the order of names. @see Learner::Visitor
+void visit_values(const std::map<std::string, at::Tensor>& tensors,
+                  const Learner::Visitor& visitor);
+
+/// The same of the tensors' gradients, of those that have one.
+void visit_gradients(const std::map<std::string, at::Tensor>& parameters,
+                     const Learner::Visitor& visitor);
 
 }  // namespace earpoint

@@ -108,6 +108,12 @@ std::map<std::string, Tensor> GtfLearner::gradients() const {
   return gradients;
 }
 
+void GtfLearner::visit_gradients(const Visitor& visitor) {
+  earpoint::visit_gradients(state_->graph.parameters(), visitor);
+}
+
+void GtfLearner::visit_statistics(const Visitor& /*visitor*/) {}
+
 void GtfLearner::apply_gradients(double learning_rate) {
   clip_gradients(state_->graph.parameters(), state_->options.longest_gradient);
   state_->adam.step(learning_rate);

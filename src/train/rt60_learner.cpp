@@ -1,4 +1,5 @@
 #include "adam.h"
+#include "graph_tensors.h"
 #include "resnet18_graph.h"
 #include "stft_loss.h"
 #include "torch_tensor.h"
@@ -97,6 +98,14 @@ double Rt60Learner::compute_gradients(const TrainingBatch& batch) {
 }
 
 std::map<std::string, Tensor> Rt60Learner::gradients() const { return state_->tensors.gradients(); }
+
+void Rt60Learner::visit_gradients(const Visitor& visitor) {
+  earpoint::visit_gradients(state_->tensors.parameters, visitor);
+}
+
+void Rt60Learner::visit_statistics(const Visitor& visitor) {
+  visit_values(state_->tensors.buffers, visitor);
+}
 
 void Rt60Learner::apply_gradients(double learning_rate) { state_->adam.step(learning_rate); }
 

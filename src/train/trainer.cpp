@@ -1,31 +1,27 @@
 #include "batch_queue.h"
-#include "training_log.h"
+#include "run_folder.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <span>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <malloc.h>
-#include <nlohmann/json.hpp>
 
 #include <earpoint/core/error.h>
-#include <earpoint/core/file.h>
 #include <earpoint/train/trainer.h>
-#include <earpoint/video/image_file.h>
 
 namespace earpoint {
 namespace {
 
-namespace fs = std::filesystem;
-using Json = nlohmann::json;
 using Clock = std::chrono::steady_clock;
 
-constexpr const char* kCheckpoint = "checkpoint.safetensors";
-constexpr const char* kStateKey = "earpoint.training";
-constexpr const char* kConfigKey = "earpoint.training_config";
 constexpr std::int64_t kValidationBatch = 8;
 constexpr int kBatchesAhead = 4;
 
@@ -33,47 +29,58 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// What a checkpoint holds beside the learner.
-struct RunState {
-  std::int64_t step = 0;
-  double seconds = 0.0;       ///< in all
-  double step_seconds = 0.0;  ///< without validation
-  double first_error = 0.0;
-  double best_error = 0.0;
-  std::int64_t best_step = -1;
-  std::int64_t validations_since_best = 0;
+/// Where the gradients of several processes come together. Without a group it does nothing.
+class Exchange {
+ public:
+  Exchange(ProcessGroup* group, int clips) : group_(group) {
+    if (group == nullptr || clips >= group->size()) return;
+    throw InputError("'training': 'batch'", fmt::format("expected at least a clip for each of {} "
+                                                        "processes, found {}",
+                                                        group->size(), clips));
+  }
+
+  [[nodiscard]] int rank() const { return group_ != nullptr ? group_->rank() : 0; }
+  [[nodiscard]] int size() const { return group_ != nullptr ? group_->size() : 1; }
+  [[nodiscard]] bool is_first() const { return rank() == 0; }
+
+  /// The first process's number, in all.
+  [[nodiscard]] double from_first(double value) {
+    if (group_ == nullptr) return value;
+    if (!is_first()) value = 0.0;
+    group_->sum(std::span(&value, 1));
+    return value;
+  }
+
+  void sum(std::span<double> values) {
+    if (group_ != nullptr) group_->sum(values);
+  }
+
+  /// Makes this process's gradients and statistics those of all clips of the step.
+  /// @param share  of the step's clips that this process has
+  void average(Learner& learner, double share) {
+    if (group_ == nullptr) return;
+    // In one piece: a message costs more than its numbers.
+    numbers_.clear();
+    const auto take = [&](std::span<float> values) {
+      for (const float value : values) numbers_.push_back(value * static_cast<float>(share));
+    };
+    learner.visit_gradients(take);
+    learner.visit_statistics(take);
+    group_->sum(std::span(numbers_));
+    auto next = numbers_.cbegin();
+    const auto put = [&](std::span<float> values) {
+      std::copy_n(next, values.size(), values.begin());
+      next += std::ssize(values);
+    };
+    learner.visit_gradients(put);
+    learner.visit_statistics(put);
+    EARPOINT_CHECK(next == numbers_.cend());
+  }
+
+ private:
+  ProcessGroup* group_;
+  std::vector<float> numbers_;
 };
-
-std::string text_of(const RunState& state) {
-  return Json{{"step", state.step},
-              {"seconds", state.seconds},
-              {"step_seconds", state.step_seconds},
-              {"first_error", state.first_error},
-              {"best_error", state.best_error},
-              {"best_step", state.best_step},
-              {"validations_since_best", state.validations_since_best}}
-      .dump();
-}
-
-RunState state_in(const SafetensorsFile& checkpoint) {
-  const auto found = checkpoint.metadata.find(kStateKey);
-  if (found == checkpoint.metadata.end()) {
-    throw InputError(kCheckpoint, fmt::format("has no '{}'", kStateKey), "start a new run");
-  }
-  try {
-    const Json json = Json::parse(found->second);
-    return {.step = json.at("step"),
-            .seconds = json.at("seconds"),
-            .step_seconds = json.at("step_seconds"),
-            .first_error = json.at("first_error"),
-            .best_error = json.at("best_error"),
-            .best_step = json.at("best_step"),
-            .validations_since_best = json.at("validations_since_best")};
-  } catch (const Json::exception&) {
-    throw InputError(kCheckpoint, fmt::format("its '{}' is malformed", kStateKey),
-                     "start a new run");
-  }
-}
 
 class Run {
  public:
@@ -84,17 +91,15 @@ class Run {
         options_(options),
         plan_(options.plan),
         progress_(progress),
-        state_(checkpoint != nullptr ? state_in(*checkpoint) : RunState{}),
+        exchange_(options.processes, options.plan.batch),
+        state_(checkpoint != nullptr ? run_state_in(*checkpoint) : RunState{}),
         is_resumed_(checkpoint != nullptr),
-        seconds_before_(state_.seconds),
-        steps_log_(options.folder / "steps.csv", "step,loss,learning_rate", state_.step),
-        validation_log_(options.folder / "validation.csv", "step,clips,seconds,loss,error",
-                        state_.step) {
+        seconds_before_(state_.seconds) {
     EARPOINT_CHECK(learner.steps() == state_.step);
+    if (exchange_.is_first()) files_.emplace(options, state_.step);
   }
 
   TrainingSummary go() {
-    write_file(options_.folder / "config.json", options_.config);
     if (!is_resumed_) validate();
     const double clips = static_cast<double>((plan_.steps - state_.step) * plan_.batch);
     progress_.begin("training", std::max(clips, 0.0), "clips");
@@ -117,9 +122,11 @@ class Run {
   }
 
  private:
+  /// This process's share of the step's clips.
   [[nodiscard]] TrainingBatch batch_of(std::int64_t step) const {
     std::vector<TrainingExample> examples;
-    for (int i = 0; i < plan_.batch; ++i) {
+    const int last = plan_.batch * (exchange_.rank() + 1) / exchange_.size();
+    for (int i = plan_.batch * exchange_.rank() / exchange_.size(); i < last; ++i) {
       examples.push_back(examples_.training(static_cast<std::uint64_t>(step) * plan_.batch + i));
     }
     return join(examples);
@@ -145,26 +152,35 @@ class Run {
   void take_step(const TrainingBatch& batch) {
     const Clock::time_point start = Clock::now();
     const double rate = learning_rate_at(plan_, state_.step, run_progress());
-    const double loss = learner_.compute_gradients(batch);
+    const double share = static_cast<double>(batch.clips) / plan_.batch;
+    double loss = share * learner_.compute_gradients(batch);
+    exchange_.sum(std::span(&loss, 1));
     if (!std::isfinite(loss)) {
       throw InputError(fmt::format("training, step {}", state_.step), "the loss is not finite",
                        "lower the learning rate");
     }
+    exchange_.average(learner_, share);
     learner_.apply_gradients(rate);
     ++state_.step;
-    steps_log_.add({static_cast<double>(state_.step), loss, rate});
+    if (files_) files_->add_step(state_.step, loss, rate);
     state_.step_seconds += seconds_since(start);
-    state_.seconds = seconds_before_ + seconds_since(start_);
+    read_clock();
     progress_.advance(static_cast<double>(plan_.batch));
   }
 
-  /// Mean error over the validation examples.
+  /// All processes go by the first one's clock, so that they end at the same step.
+  void read_clock() {
+    state_.seconds = exchange_.from_first(seconds_before_ + seconds_since(start_));
+  }
+
+  /// Mean error over the validation examples, whose batches the processes take in turn.
   [[nodiscard]] double validation_error() {
     const auto examples = static_cast<std::int64_t>(examples_.validations());
     const std::int64_t batches = (examples + kValidationBatch - 1) / kValidationBatch;
     BatchQueue queue(
         0,
-        [&](std::int64_t number) {
+        [&](std::int64_t turn) {
+          const std::int64_t number = turn * exchange_.size() + exchange_.rank();
           std::vector<TrainingExample> found;
           const std::int64_t last = std::min(examples, (number + 1) * kValidationBatch);
           for (std::int64_t i = number * kValidationBatch; i < last; ++i) {
@@ -176,32 +192,22 @@ class Run {
         options_.workers, kBatchesAhead);
     double sum = 0.0;
     std::int64_t count = 0;
-    for (std::int64_t i = 0; i < batches; ++i) {
+    for (std::int64_t i = exchange_.rank(); i < batches; i += exchange_.size()) {
       const TrainingBatch batch = queue.take();
       if (batch.clips == 0) continue;
       for (const double error : learner_.errors(batch)) sum += error;
       count += batch.clips;
     }
-    if (count == 0) throw InputError("validation", "not one example can be made");
-    return sum / static_cast<double>(count);
-  }
-
-  /// Mean loss of the steps since the last validation.
-  [[nodiscard]] double recent_loss() const {
-    const double since = validation_log_.rows().empty() ? 0.0 : validation_log_.rows().back()[0];
-    double sum = 0.0;
-    std::int64_t count = 0;
-    const auto& rows = steps_log_.rows();
-    for (auto row = rows.rbegin(); row != rows.rend() && (*row)[0] > since; ++row, ++count) {
-      sum += (*row)[1];
-    }
-    return count > 0 ? sum / static_cast<double>(count) : 0.0;
+    std::array<double, 2> all{sum, static_cast<double>(count)};
+    exchange_.sum(all);
+    if (all[1] == 0.0) throw InputError("validation", "not one example can be made");
+    return all[0] / all[1];
   }
 
   void validate() {
     ValidationResult result{.step = state_.step, .clips = state_.step * plan_.batch};
     result.error = validation_error();
-    result.loss = recent_loss();
+    if (files_) result.loss = files_->recent_loss();
     if (state_.best_step < 0) state_.first_error = result.error;
     result.is_best = state_.best_step < 0 || result.error < state_.best_error;
     if (result.is_best) {
@@ -211,38 +217,13 @@ class Run {
     } else {
       ++state_.validations_since_best;
     }
-    state_.seconds = seconds_before_ + seconds_since(start_);
+    read_clock();
     result.seconds = state_.seconds;
-    validation_log_.add({static_cast<double>(result.step), static_cast<double>(result.clips),
-                         result.seconds, result.loss, result.error});
-    save(result.is_best);
-    if (options_.on_validation) options_.on_validation(result);
-  }
-
-  /// Logs first and the checkpoint last: whatever a kill leaves, the logs reach as far as it does.
-  void save(bool is_best) {
-    steps_log_.flush();
-    validation_log_.flush();
-    if (is_best) {
-      SafetensorsFile weights = learner_.weight_file();
-      weights.metadata[kConfigKey] = options_.config;
-      weights.metadata[kStateKey] = text_of(state_);
-      write_safetensors(options_.folder / "best.safetensors", weights);
+    if (files_) {
+      files_->add_validation(result);
+      files_->save(learner_, state_, result.is_best);
     }
-    SafetensorsFile checkpoint = learner_.checkpoint();
-    checkpoint.metadata[kConfigKey] = options_.config;
-    checkpoint.metadata[kStateKey] = text_of(state_);
-    write_safetensors(options_.folder / kCheckpoint, checkpoint);
-    draw_curves();
-  }
-
-  void draw_curves() const {
-    std::vector<CurvePoint> losses;
-    for (const auto& row : steps_log_.rows()) losses.push_back({row[0] * plan_.batch, row[1]});
-    std::vector<CurvePoint> errors;
-    for (const auto& row : validation_log_.rows()) errors.push_back({row[1], row[4]});
-    write_image(options_.folder / "curves.png",
-                plot_training(losses, errors, std::string(learner_.error_name())));
+    if (options_.on_validation) options_.on_validation(result);
   }
 
   [[nodiscard]] TrainingSummary summary(TrainingEnd end) const {
@@ -265,21 +246,13 @@ class Run {
   const TrainerOptions& options_;
   const TrainingPlan& plan_;
   ProgressSink& progress_;
+  Exchange exchange_;
   RunState state_;
   bool is_resumed_;
   double seconds_before_;
   Clock::time_point start_ = Clock::now();
-  NumberLog steps_log_;
-  NumberLog validation_log_;
+  std::optional<RunFolder> files_;  ///< of the first process
 };
-
-/// A configuration without what may change when a run goes on.
-Json without_limits(const std::string& config) {
-  Json json = Json::parse(config, nullptr, false);
-  if (!json.is_object()) return json;
-  for (const char* key : {"steps", "minutes", "patience"}) json["training"].erase(key);
-  return json;
-}
 
 }  // namespace
 
@@ -298,23 +271,7 @@ std::string_view name_of(TrainingEnd end) {
 TrainingSummary train(Learner& learner, const ExampleSource& examples,
                       const TrainerOptions& options, const SafetensorsFile* checkpoint,
                       ProgressSink& progress) {
-  std::error_code error;
-  fs::create_directories(options.folder, error);
-  if (error) throw InputError(options.folder.string(), "cannot be made: " + error.message());
   return Run(learner, examples, options, checkpoint, progress).go();
-}
-
-std::optional<SafetensorsFile> read_checkpoint(const fs::path& folder, const std::string& config) {
-  const fs::path path = folder / kCheckpoint;
-  if (!fs::exists(path)) return std::nullopt;
-  SafetensorsFile checkpoint = read_safetensors(path);
-  const auto found = checkpoint.metadata.find(kConfigKey);
-  if (found == checkpoint.metadata.end() ||
-      without_limits(found->second) != without_limits(config)) {
-    throw InputError(path.string(), "is of a run with another configuration",
-                     fmt::format("see {}", (folder / "config.json").string()));
-  }
-  return checkpoint;
 }
 
 void keep_freed_memory() {

@@ -1,4 +1,5 @@
 #include "adam.h"
+#include "graph_tensors.h"
 #include "stft_loss.h"
 #include "torch_tensor.h"
 #include "vam_graph.h"
@@ -93,6 +94,14 @@ double VamLearner::compute_gradients(const TrainingBatch& batch) {
 
 std::map<std::string, Tensor> VamLearner::gradients() const {
   return state_->graph.tensors().gradients();
+}
+
+void VamLearner::visit_gradients(const Visitor& visitor) {
+  earpoint::visit_gradients(state_->graph.tensors().parameters, visitor);
+}
+
+void VamLearner::visit_statistics(const Visitor& visitor) {
+  visit_values(state_->graph.tensors().buffers, visitor);
 }
 
 void VamLearner::apply_gradients(double learning_rate) { state_->adam.step(learning_rate); }

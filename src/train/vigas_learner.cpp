@@ -1,4 +1,5 @@
 #include "adam.h"
+#include "graph_tensors.h"
 #include "stft_loss.h"
 #include "torch_tensor.h"
 #include "vigas_graph.h"
@@ -89,6 +90,14 @@ double ViGasLearner::compute_gradients(const TrainingBatch& batch) {
 
 std::map<std::string, Tensor> ViGasLearner::gradients() const {
   return state_->graph.tensors().gradients();
+}
+
+void ViGasLearner::visit_gradients(const Visitor& visitor) {
+  earpoint::visit_gradients(state_->graph.tensors().parameters, visitor);
+}
+
+void ViGasLearner::visit_statistics(const Visitor& visitor) {
+  visit_values(state_->graph.tensors().buffers, visitor);
 }
 
 void ViGasLearner::apply_gradients(double learning_rate) { state_->adam.step(learning_rate); }

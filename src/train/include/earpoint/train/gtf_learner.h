@@ -64,6 +64,8 @@ class GtfLearner : public Learner {
   double compute_gradients(const TrainingBatch& batch) override;
   /// The last gradient, by parameter; zero where the loss does not depend on it.
   [[nodiscard]] std::map<std::string, Tensor> gradients() const;
+  void visit_gradients(const Visitor& visitor) override;
+  void visit_statistics(const Visitor& visitor) override;
   void apply_gradients(double learning_rate) override;
   [[nodiscard]] std::int64_t steps() const override;
 

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -17,6 +19,15 @@ class Learner {
   /// Computes the loss of a batch and its gradient by every parameter, in place of the last one.
   /// @return the loss, a mean over the batch
   virtual double compute_gradients(const TrainingBatch& batch) = 0;
+
+  /// Looks at numbers in place, [elements of a tensor], and may change them.
+  using Visitor = std::function<void(std::span<float>)>;
+
+  /// Shows the last gradient of every parameter, in an order that depends on the network alone.
+  virtual void visit_gradients(const Visitor& visitor) = 0;
+
+  /// The same of what compute_gradients() changes besides: batch norms' running statistics.
+  virtual void visit_statistics(const Visitor& visitor) = 0;
 
   /// One step of the optimizer along the last gradient.
   virtual void apply_gradients(double learning_rate) = 0;

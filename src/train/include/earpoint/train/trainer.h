@@ -12,6 +12,7 @@
 #include <earpoint/model/safetensors.h>
 #include <earpoint/train/example_source.h>
 #include <earpoint/train/learner.h>
+#include <earpoint/train/process_group.h>
 #include <earpoint/train/train_config.h>
 
 namespace earpoint {
@@ -25,7 +26,7 @@ struct TrainingSummary {
   std::int64_t steps = 0;
   std::int64_t clips = 0;
   double seconds = 0.0;      ///< of training, without validation
-  double clips_per_s = 0.0;  ///< of this process's part
+  double clips_per_s = 0.0;  ///< of all processes together
   std::string error_name;    ///< of the learner's metric
   double best_error = 0.0;   ///< mean over the validation examples
   std::int64_t best_step = 0;
@@ -48,6 +49,9 @@ struct TrainerOptions {
   TrainingPlan plan;
   std::string config;  ///< kept as config.json
   int workers = 1;     ///< threads that make examples
+  /// Those that learn together, or null. All must have the same plan and start with the same
+  /// learner; the first alone writes into the folder.
+  ProcessGroup* processes = nullptr;
   std::function<void(const ValidationResult&)> on_validation;
 };
 
@@ -60,9 +64,15 @@ struct TrainerOptions {
 /// Each is whole at any time. A run that was killed and is resumed has the losses of an unbroken
 /// one, unless the clock decides (TrainingPlan::minutes).
 ///
+/// Of several processes each takes its share of every step's clips, and the gradients are averaged:
+/// but for rounding a step is that of one process with all clips, if the loss is a mean over clips
+/// and the network has no batch norm. Batch norms see the process's own share; their running
+/// statistics are averaged.
+///
 /// @param checkpoint  of a run to go on with, as read_checkpoint() gives it; the learner is the one
 ///                    that it holds
-/// @throws InputError if the folder cannot be written, or an example cannot be made
+/// @throws InputError if the folder cannot be written, an example cannot be made, or another
+///         process ends
 TrainingSummary train(Learner& learner, const ExampleSource& examples,
                       const TrainerOptions& options, const SafetensorsFile* checkpoint,
                       ProgressSink& progress);

@@ -67,6 +67,8 @@ class ViGasLearner : public Learner {
   [[nodiscard]] std::map<std::string, Tensor> gradients() const;
 
   /// One step of Adam along the last gradient.
+  void visit_gradients(const Visitor& visitor) override;
+  void visit_statistics(const Visitor& visitor) override;
   void apply_gradients(double learning_rate) override;
 
   /// Steps of Adam so far.
