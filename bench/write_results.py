@@ -4,9 +4,10 @@
 usage: bench/write_results.py MEASURED RESULTS.md
 
 MEASURED holds vigas.md, training.json, oracle_errors.md, render_memory.jsonl, demo.jsonl, trace_gates.md,
-home_reverberation.jsonl, camera_bench.jsonl, simulate_cost.jsonl, evaluate-single.json, evaluate-novel.json,
-ablations-single.json, ablations-novel.json, generalisation.json, ambient-single.json, ambient-novel.json and
-enhance-novel.json; a section whose file is missing stays as it is in RESULTS.md,
+learning_curves.md, rt60_error.json, home_reverberation.jsonl, camera_bench.jsonl, simulate_cost.jsonl,
+evaluate-single.json, evaluate-novel.json, ablations-single.json, ablations-novel.json,
+generalisation.json, ambient-single.json, ambient-novel.json and enhance-novel.json; a section whose
+file is missing stays as it is in RESULTS.md,
 or says so where it is new.
 """
 import json
@@ -50,6 +51,17 @@ def memory_table(text):
         run = json.loads(line)
         rows.append(f"| {run['model']} | {run['clip_s']} s | {run['peak_mb']:.0f} MB | "
                     f"{run['wall_s']:.0f} s |")
+    return "\n".join(rows)
+
+
+def rt60_table(text):
+    run = json.loads(text)
+    rows = ["| true time | responses | mean absolute error |", "|---|---|---|"]
+    for step in run["by_time"]:
+        rows.append(f"| from {step['from_s']:.1f} s | {step['responses']} | {step['error_s']:.3f} s |")
+    rows += [f"| **all** | {run['responses']} | **{run['error_s']:.3f} s** (aim 0.08) |", "",
+             f"On average {run['bias_s']:+.3f} s off; always saying the median would be "
+             f"{run['error_of_saying_the_median_s']:.3f} s off."]
     return "\n".join(rows)
 
 
@@ -156,6 +168,13 @@ SECTIONS = [
      EVALUATION_WORDS + "One home; its conversations are split."),
     ("Methods in unseen homes", "evaluate-novel.json", evaluation_table,
      EVALUATION_WORDS + "Homes and speakers of the test split are in no other split."),
+    ("Learning curves", "learning_curves.md", None,
+     "`bench/learning_curves.py`: Mag on 256 validation pairs while `earpoint train` runs on one core "
+     "beside others, so minutes are upper bounds. "
+     "![Error over clips seen](images/learning-curves.svg)"),
+    ("Reverberation time from sound", "rt60_error.json", rt60_table,
+     "`rt60_error DATA test`: the estimator that RTE is computed with, on simulated speech of homes and "
+     "voices it has not heard, against the reverberation time of the response."),
     ("Ablations in one home", "ablations-single.json", evaluation_table,
      "`earpoint evaluate --ablations --json`: the network without one of its parts."),
     ("Ablations in unseen homes", "ablations-novel.json", evaluation_table,

@@ -4,8 +4,8 @@
 usage: conversation_pair.py DATASET
 
 The data set was made with `earpoint simulate --split test --heard`. Printed are picture and sound of
-the source viewpoint, translate and yaw to the target viewpoint, the speaker's place, and the true
-sound at the target.
+the source viewpoint, translate and yaw to the target viewpoint, the speaker's place, the option that
+names the box where the speaker is seen (empty out of sight), and the true sound at the target.
 """
 import json
 import math
@@ -20,6 +20,15 @@ def relative(location, origin, heading):
     front, left = -dz, -dx
     cos, sin = math.cos(heading), math.sin(heading)
     return front * cos + left * sin, left * cos - front * sin, dy
+
+
+def box_option(edges):
+    """The box of the file, rows and columns of 256, as an option of `earpoint render`."""
+    if not any(edges):
+        return ""
+    y_min, y_max, x_min, x_max = edges
+    sides = (x_min, y_min, x_max + 1, y_max + 1)
+    return "--speaker-box=" + ",".join(f"{side / 256:.4f}" for side in sides)
 
 
 def main():
@@ -46,6 +55,7 @@ def main():
         "translate": three(target["location"]),
         "yaw": f"{math.degrees(target['rotation'] - source['rotation']):.4f}",
         "speaker": three(speaker["location"]),
+        "box": box_option(source["bboxes"][str(speaker["id"])]),
     }
     for name, value in values.items():
         print(f"{name}={shlex.quote(value)}")
