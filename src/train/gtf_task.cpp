@@ -27,6 +27,7 @@ GtfLossWeights loss_from(const Json& json, const std::string& where) {
            {"log_magnitude", &weights.log_magnitude},
            {"level_difference", &weights.level_difference},
            {"level", &weights.level},
+           {"decay", &weights.decay},
            {"phase_difference", &weights.phase_difference},
            {"place", &weights.place}}) {
     if (!reader.has(key)) continue;
@@ -49,8 +50,21 @@ GtfLossWeights take_loss(std::string& section, const std::string& where) {
   return weights;
 }
 
+/// Takes `init`, a weight file to start from, out of the network's section.
+std::optional<std::string> take_init(std::string& section, const std::string& where) {
+  constexpr int kDepth = 2;
+  Json json = parse_strict_json(section, where, kDepth);
+  if (!json.is_object() || !json.contains("init")) return std::nullopt;
+  if (!json["init"].is_string()) throw InputError(where, "'init': expected the path of weights");
+  std::string path = json["init"];
+  json.erase("init");
+  section = json.dump();
+  return path;
+}
+
 GtfLearner make_learner(const GtfDescription& description, const GtfLearnerOptions& learner,
-                        std::uint64_t seed, const TaskOptions& options) {
+                        const std::optional<std::string>& init, std::uint64_t seed,
+                        const TaskOptions& options) {
   if (options.device != "cpu") {
     throw InputError("--device " + options.device, "this network learns on the processor only",
                      "use --device cpu");
@@ -58,6 +72,7 @@ GtfLearner make_learner(const GtfDescription& description, const GtfLearnerOptio
   if (options.checkpoint != nullptr) {
     return GtfLearner::from_checkpoint(*options.checkpoint, "the checkpoint", learner);
   }
+  if (init) return GtfLearner(gtf_weights(read_safetensors(*init), *init), learner);
   const HrtfSet head = HrtfSet::load(GtfDescription::kSampleRateHz);
   return GtfLearner(initial_gtf_weights(description, head, seed), learner);
 }
@@ -71,6 +86,7 @@ TrainingTask gtf_task(const TrainConfig& config, std::string_view where,
   std::string section = config.network;
   GtfLearnerOptions learner_options;
   learner_options.loss = take_loss(section, network);
+  const std::optional<std::string> init = take_init(section, network);
   GtfDescription usual;
   if (pairs.separate) usual.highpass_cutoff_hz = kSeparationCutoffHz;
   usual.window_samples = static_cast<int>(pairs.samples);
@@ -82,9 +98,9 @@ TrainingTask gtf_task(const TrainConfig& config, std::string_view where,
   };
   task.examples = std::make_unique<PairExamples>(std::move(pairs), encode);
   auto learner = std::make_unique<GtfLearner>(
-      make_learner(description, learner_options, config.training.seed, options));
+      make_learner(description, learner_options, init, config.training.seed, options));
   if (learner->description() != description) {
-    throw InputError(where, "describes another network than the checkpoint is of");
+    throw InputError(where, "describes another network than the weights it starts from are of");
   }
   task.learner = std::move(learner);
   return task;
