@@ -161,7 +161,7 @@ void expect_slope(const GtfDescription& d) {
   const GtfWeights weights = stirred(d);
   const TrainingBatch batch = batch_for(d, 2);
   GtfLearnerOptions options;
-  options.loss = {0.1, 0.01, 0.01, 0.1, 0.1};
+  options.loss = {0.1, 0.01, 0.01, 0.03, 0.1, 0.1};
   GtfLearner learner(weights, options);
   learner.compute_gradients(batch);
   double slope = 0.0;

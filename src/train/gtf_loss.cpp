@@ -2,13 +2,9 @@
 
 #include "short_time.h"
 
-#include <vector>
-
 #include <ATen/TensorOperators.h>
 #include <ATen/ops/log10.h>
-#include <ATen/ops/matmul.h>
 #include <ATen/ops/view_as_real.h>
-#include <ATen/ops/zeros.h>
 
 namespace earpoint {
 namespace {
@@ -39,28 +35,19 @@ at::Tensor phase_difference_error(const at::Tensor& predicted, const at::Tensor&
   return (weight * distance).sum() / weight.sum();
 }
 
-/// [bins][bands], one where a bin is of the band.
-at::Tensor bands_of_bins() {
-  constexpr int kBands = 40;
-  const std::vector<int> edges = gtf_band_edges(kBands).value();
-  at::Tensor member = at::zeros({GtfDescription::kBins, kBands});
-  for (int band = 0; band < kBands; ++band) {
-    member.narrow(0, edges[band], edges[band + 1] - edges[band]).select(1, band).fill_(1);
-  }
-  return member;
-}
-
-/// How far the course of the bands' energies is off, on a logarithmic scale. @param found, right
-/// magnitudes [clips][2][bins][frames]
-at::Tensor decay_error(const at::Tensor& found, const at::Tensor& right) {
-  constexpr double kDepth = 1e-5;  // of a clip's mean energy of a band: what lies below is silence
-  const at::Tensor member = bands_of_bins();
-  const auto energies = [&](const at::Tensor& magnitude) {
-    return at::matmul(magnitude.square().transpose(2, 3), member);
+/// How far the depth of modulation is off: of every bin, the spread of its level over the window in
+/// nepers. Reverberation fills the gaps of speech and lessens it, as does what a network is unsure
+/// of.
+/// @param found, right  magnitudes [clips][2][bins][frames]
+at::Tensor modulation_error(const at::Tensor& found, const at::Tensor& right) {
+  constexpr double kDepth = 1e-2;  // of a clip's mean magnitude: what lies below is silence
+  const at::Tensor floor = right.mean(at::IntArrayRef({1, 2, 3}), true) * kDepth + 1e-6;
+  const auto spread = [&](const at::Tensor& magnitude) {
+    const at::Tensor level = (magnitude + floor).log();
+    const at::Tensor off = level - level.mean(at::IntArrayRef({3}), true);
+    return (off.square().mean(at::IntArrayRef({3})) + 1e-4).sqrt();
   };
-  const at::Tensor wanted = energies(right);
-  const at::Tensor floor = wanted.mean(at::IntArrayRef({1, 2, 3}), true) * kDepth + 1e-9;
-  return ((energies(found) + floor).log() - (wanted + floor).log()).abs().mean();
+  return (spread(found) - spread(right)).abs().mean();
 }
 
 at::Tensor unit(const at::Tensor& level) {
@@ -104,7 +91,9 @@ at::Tensor gtf_loss(const GtfLossWeights& weights, const GtfOutput& output, cons
   if (weights.level > 0) {
     loss = loss + (level_db(output.sound) - level_db(truth.target)).abs().mean() * weights.level;
   }
-  if (weights.decay > 0) loss = loss + decay_error(found, right) * weights.decay;
+  if (weights.modulation > 0) {
+    loss = loss + modulation_error(found, right) * weights.modulation;
+  }
   if (weights.phase_difference > 0) {
     loss = loss + phase_difference_error(predicted, wanted) * weights.phase_difference;
   }

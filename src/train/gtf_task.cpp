@@ -27,7 +27,7 @@ GtfLossWeights loss_from(const Json& json, const std::string& where) {
            {"log_magnitude", &weights.log_magnitude},
            {"level_difference", &weights.level_difference},
            {"level", &weights.level},
-           {"decay", &weights.decay},
+           {"modulation", &weights.modulation},
            {"phase_difference", &weights.phase_difference},
            {"place", &weights.place}}) {
     if (!reader.has(key)) continue;

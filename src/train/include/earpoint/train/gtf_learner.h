@@ -22,9 +22,7 @@ struct GtfLossWeights {
   double log_magnitude = 0.05;     ///< mean | log |X| - log |Y| |, above the floor of a quiet room
   double level_difference = 0.01;  ///< of the level between the ears, dB
   double level = 0.01;             ///< of each ear's level, dB
-  /// Mean | log E - log E' | of every frame's energy in a third of an octave or so, 50 dB deep:
-  /// what sounds on between words, which magnitudes hardly count.
-  double decay = 0.0;
+  double modulation = 0.0;         ///< of the spread of each bin's level over time, nepers
   double phase_difference = 0.05;  ///< of the phase between the ears
   double place = 0.02;             ///< of the speaker's estimated direction, distance and heading
 
