@@ -11,8 +11,9 @@ import math
 import os
 import sys
 
-WIDTH, HEIGHT, LEFT, TOP, PLOT = 860, 330, 60, 40, (330, 230)
-COLOURS = {"gtf": "#0072b2", "vigas": "#d55e00", "vigas-blind": "#e69f00", "vam": "#009e73"}
+HEIGHT, LEFT, TOP, PLOT = 330, 60, 40, (330, 230)
+COLOURS = {"gtf-magnitude": "#56b4e9", "gtf": "#0072b2", "vigas": "#d55e00", "vigas-blind": "#e69f00",
+           "vam": "#009e73"}
 
 
 def curve_of(folder):
@@ -56,7 +57,7 @@ def panel(data, runs, left):
     width, height = PLOT
     most = max(curve[-1][0] for _, curve in runs)
     errors = [error for _, curve in runs for _, error in curve]
-    # Every network starts as a copy of its input: what lies above went wrong and is cut off.
+    # Networks start as a copy of their input or later: what lies above went wrong and is cut off.
     low, high = 0.98 * min(errors), 1.02 * max(curve[0][1] for _, curve in runs)
     parts = [f'<rect x="{left}" y="{TOP}" width="{width}" height="{height}" fill="none" '
              'stroke="#888"/>', text(left + width / 2, TOP - 12, f"{data}: Mag of validation pairs")]
@@ -78,7 +79,8 @@ def picture(runs):
     panels = {}
     for data, method, curve, _ in runs:
         panels.setdefault(data, []).append((method, curve))
-    parts = [f'<svg xmlns="http://www.w3.org/2000/svg" width="{WIDTH}" height="{HEIGHT}" '
+    width = len(panels) * (PLOT[0] + 2 * LEFT - 20) + 20
+    parts = [f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{HEIGHT}" '
              'font-family="sans-serif" font-size="12"><rect width="100%" height="100%" fill="#fff"/>']
     for i, (data, methods) in enumerate(sorted(panels.items())):
         parts += panel(data, methods, LEFT + i * (PLOT[0] + 2 * LEFT - 20))

@@ -206,7 +206,7 @@ SECTIONS = [
     ("Memory: a ten-minute clip", "render_memory.jsonl", memory_table,
      "`bench/render_memory.py`: the bundled clip looped, rendered to an mp4 for one earpoint. "
      "The limit is 600 MB."),
-    ("The bundled clip: DSP against a copy", "demo.jsonl", demo_table,
+    ("The bundled clip: three earpoints", "demo.jsonl", demo_table,
      "Against the true sound at the demo's earpoints, at 16 kHz. One clip in one room: an example, "
      "no comparison of methods."),
     ("The path tracer against physics", "trace_gates.md", None,
