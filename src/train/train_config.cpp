@@ -91,6 +91,8 @@ constexpr int kMost = std::numeric_limits<int>::max();
 TrainingPlan plan_from(const Json& json, const std::string& where) {
   constexpr std::array<std::pair<Schedule, std::string_view>, 2> kSchedules{
       {{Schedule::constant, "constant"}, {Schedule::cosine, "cosine"}}};
+  constexpr std::array<std::pair<Keep, std::string_view>, 2> kKept{
+      {{Keep::best, "best"}, {Keep::last, "last"}}};
   Section section(json, where);
   TrainingPlan plan;
   int seed = 1;
@@ -104,6 +106,7 @@ TrainingPlan plan_from(const Json& json, const std::string& where) {
   section.take("schedule", plan.schedule, kSchedules);
   section.take("warmup_steps", plan.warmup_steps, 0);
   section.take("validate_every", plan.validate_every, 1);
+  section.take("keep", plan.keep, kKept);
   section.take("patience", plan.patience, 0, kMost);
   section.end();
   return plan;

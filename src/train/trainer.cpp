@@ -221,7 +221,7 @@ class Run {
     result.seconds = state_.seconds;
     if (files_) {
       files_->add_validation(result);
-      files_->save(learner_, state_, result.is_best);
+      files_->save(learner_, state_, result.is_best || plan_.keep == Keep::last);
     }
     if (options_.on_validation) options_.on_validation(result);
   }

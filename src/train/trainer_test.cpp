@@ -135,5 +135,18 @@ TEST_F(TrainerTest, EndsWhenNothingImprovesAndWhenTimeIsUp) {
   EXPECT_EQ(late.end, TrainingEnd::minutes);
 }
 
+TEST_F(TrainerTest, KeepsTheLastWeightsWhereToldTo) {
+  // At such a rate every step after the first makes it worse.
+  const std::string plan = R"("steps": 4, "validate_every": 1, "learning_rate": 0.5)";
+  const TrainingSummary best = run("best", plan);
+  ASSERT_LT(best.best_step, 4);
+  run("last", plan + R"(, "keep": "last")");
+  const auto weights = [&](const std::string& name) {
+    return read_vigas_weights(folder_ / name).tensors;
+  };
+  EXPECT_FALSE(weights("best/best.safetensors") == weights("last/best.safetensors"));
+  EXPECT_TRUE(weights("last/best.safetensors") == weights("last/checkpoint.safetensors"));
+}
+
 }  // namespace
 }  // namespace earpoint

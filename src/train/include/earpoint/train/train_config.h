@@ -18,6 +18,10 @@ enum class Schedule {
   cosine,  ///< falls to zero along half a cosine by the run's end
 };
 
+/// Whose weights become best.safetensors: of the validation with the smallest error, or of the
+/// last, for losses that the error knows little of.
+enum class Keep { best, last };
+
 /// How long and how fast to learn.
 struct TrainingPlan {
   std::uint64_t seed = 1;  ///< of weights and examples
@@ -28,6 +32,7 @@ struct TrainingPlan {
   Schedule schedule = Schedule::constant;
   std::int64_t warmup_steps = 0;      ///< the rate rises linearly over these
   std::int64_t validate_every = 200;  ///< steps; also when a checkpoint is written
+  Keep keep = Keep::best;
   int patience = 0;  ///< validations without a better one until training ends; 0 never does
 };
 
