@@ -81,7 +81,8 @@ LocatedSpeaker locate_speaker(const RenderSource& source, const GtfWeights& weig
     const SourceStream::Window window = stream.window(start, samples, 0);
     stream.drop_high_band_before(
         static_cast<std::ptrdiff_t>(static_cast<double>(start) / kRate_hz * survey.sample_rate_hz));
-    const double middle_s = static_cast<double>(start + samples / 2) / kRate_hz;
+    const double middle_s =
+        (static_cast<double>(start) + 0.5 * static_cast<double>(samples)) / kRate_hz;
     const Image* picture = pictures.nearest(middle_s);
     const std::optional<Box> box =
         source.speaker_track ? std::optional(source.speaker_track->at(middle_s)) : std::nullopt;
