@@ -13,6 +13,7 @@
 #include <earpoint/core/file.h>
 #include <earpoint/core/random.h>
 #include <earpoint/model/weights.h>
+#include <earpoint/model_testing/random_weights.h>
 
 namespace {
 
@@ -194,13 +195,7 @@ void write_network(const fs::path& path, const std::string& name) {
   description.layers_per_block = 2;
   earpoint::ViGasWeights weights{.description = description, .tensors = {}, .unused = {}};
   earpoint::RandomStream random(name.size());
-  for (const auto& [tensor, shape] : required_tensors(description)) {
-    std::size_t count = 1;
-    for (const auto size : shape) count *= static_cast<std::size_t>(size);
-    std::vector<float> values(count);
-    for (float& value : values) value = static_cast<float>(random.uniform(-0.3, 0.3));
-    weights.tensors[tensor] = earpoint::make_tensor(std::span<const float>(values), shape);
-  }
+  weights.tensors = earpoint::random_tensors(required_tensors(description), random, -0.3, 0.3);
   write_safetensors(path, vigas_weight_file(weights));
 }
 

@@ -13,6 +13,7 @@
 #include <earpoint/evaluate/evaluation_set.h>
 #include <earpoint/evaluate/method.h>
 #include <earpoint/model/weights.h>
+#include <earpoint/model_testing/random_weights.h>
 
 namespace earpoint {
 namespace {
@@ -45,13 +46,7 @@ class AmbientEvaluationSetTest : public ::testing::Test {
     if (separated) description.highpass_cutoff_hz = kSeparationCutoffHz;
     ViGasWeights weights{.description = description, .tensors = {}, .unused = {}};
     RandomStream random(1);
-    for (const auto& [name, shape] : required_tensors(description)) {
-      std::size_t count = 1;
-      for (const auto size : shape) count *= static_cast<std::size_t>(size);
-      std::vector<float> values(count);
-      for (float& value : values) value = static_cast<float>(random.uniform(-0.3, 0.3));
-      weights.tensors[name] = make_tensor(std::span<const float>(values), shape);
-    }
+    weights.tensors = random_tensors(required_tensors(description), random, -0.3, 0.3);
     const fs::path path = folder_ / (separated ? "separated.safetensors" : "whole.safetensors");
     write_safetensors(path, vigas_weight_file(weights));
     return network_method(path.stem().string(), path.string());

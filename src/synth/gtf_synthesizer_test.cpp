@@ -10,6 +10,7 @@
 #include <earpoint/core/random.h>
 #include <earpoint/model/gtf.h>
 #include <earpoint/model/gtf_view.h>
+#include <earpoint/model_testing/random_weights.h>
 #include <earpoint/synth/gtf_synthesizer.h>
 #include <earpoint/synth/make_synthesizer.h>
 #include <earpoint/synth/render.h>
@@ -27,16 +28,7 @@ GtfWeights make_weights(int picture_px = 32) {
   description.picture_px = picture_px;
   description.window_samples = 4000;
   description.highpass_cutoff_hz = 80.0;
-  GtfWeights weights{description, {}, {}};
-  RandomStream random(1);
-  for (const auto& [name, shape] : required_tensors(description)) {
-    std::vector<float> values(static_cast<std::size_t>(element_count(shape).value()));
-    // Powers must be positive.
-    const double low = name.find("power") != std::string::npos ? 0.5 : -0.2;
-    for (float& value : values) value = static_cast<float>(random.uniform(low, low + 0.4));
-    weights.tensors[name] = make_tensor<float>(values, shape);
-  }
-  return weights;
+  return random_gtf_weights(description);
 }
 
 Observation make_observation(const Image& picture) {

@@ -8,6 +8,7 @@
 
 #include <earpoint/audio/sound_file.h>
 #include <earpoint/core/random.h>
+#include <earpoint/model_testing/random_weights.h>
 #include <earpoint/synth/locate_speaker.h>
 
 namespace earpoint {
@@ -47,11 +48,7 @@ TEST(LocateSpeaker, HearsEveryWindowOfARecording) {
   description.picture_px = 0;
   GtfWeights weights{description, {}, {}};
   RandomStream random(1);
-  for (const auto& [name, shape] : required_tensors(description)) {
-    std::vector<float> values(static_cast<std::size_t>(element_count(shape).value()));
-    for (float& value : values) value = static_cast<float>(random.uniform(0.0, 0.1));
-    weights.tensors[name] = make_tensor<float>(values, shape);
-  }
+  weights.tensors = random_tensors(required_tensors(description), random, 0.0, 0.1);
   Waveform sound(2, 48000 * 27 / 10, 48000);
   for (float& sample : sound.planar()) sample = static_cast<float>(0.1 * random.normal());
   const std::filesystem::path path =
