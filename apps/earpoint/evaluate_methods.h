@@ -16,7 +16,8 @@ struct MethodRequest {
   std::string tf_index;        ///< locations, relative, or empty: by whether the scenes are known
   bool enhance = false;        ///< speech is asked for, not what a place hears
   bool oracles = false;        ///< all of them as well
-  /// `input` and every shipped model of the family vigas, or every run of `runs`, instead.
+  /// `input` and every shipped model of the families gtf and vigas, or every run of `runs`,
+  /// instead.
   bool ablations = false;
   /// Each of its folders that holds a best.safetensors is a row, named like the folder.
   std::optional<std::filesystem::path> runs;

@@ -178,7 +178,7 @@ void write_plot(const RenderArguments& arguments, const RenderReport& report) {
 std::string resolve_model(const std::string& word) {
   const auto shipped = shipped_model_path((word.empty() ? "gtf" : word) + ".safetensors");
   if (word.empty()) return shipped ? shipped->string() : "dsp";
-  const bool is_known = word == "input" || word == "dsp" || std::filesystem::exists(word);
+  const bool is_known = word == "input" || word == "dsp" || std::filesystem::is_regular_file(word);
   return shipped && !is_known ? shipped->string() : word;
 }
 

@@ -217,9 +217,10 @@ void run(const Options& options) {
   if (options.json) {
     fmt::print("{}\n", json_of(summary).dump());
   } else if (!options.quiet) {
-    fmt::print("{} {:.5f} at step {} of {} ({} at first); weights in {}\n", summary.error_name,
-               summary.best_error, summary.best_step, summary.steps,
-               fmt::format("{:.5f}", summary.first_error),
+    const bool is_last = trainer.plan.keep == earpoint::Keep::last;
+    fmt::print("best {} {:.5f} at step {} of {} ({:.5f} at first); {} weights in {}\n",
+               summary.error_name, summary.best_error, summary.best_step, summary.steps,
+               summary.first_error, is_last ? "the last" : "its",
                (options.out / "best.safetensors").string());
   }
 }

@@ -39,27 +39,27 @@ GtfLossWeights loss_from(const Json& json, const std::string& where) {
   return weights;
 }
 
-/// Takes `loss` out of the network's section.
-GtfLossWeights take_loss(std::string& section, const std::string& where) {
-  constexpr int kDepth = 2;
-  Json json = parse_strict_json(section, where, kDepth);
-  if (!json.is_object() || !json.contains("loss")) return {};
-  const GtfLossWeights weights = loss_from(json["loss"], fmt::format("{}: 'loss'", where));
-  json.erase("loss");
-  section = json.dump();
-  return weights;
-}
+/// What a network's section holds beside its description.
+struct GtfStart {
+  GtfLossWeights loss;
+  std::optional<std::string> init;  ///< a weight file to start from
+};
 
-/// Takes `init`, a weight file to start from, out of the network's section.
-std::optional<std::string> take_init(std::string& section, const std::string& where) {
+/// Takes `loss` and `init` out of the network's section.
+GtfStart take_start(std::string& section, const std::string& where) {
   constexpr int kDepth = 2;
+  GtfStart start;
   Json json = parse_strict_json(section, where, kDepth);
-  if (!json.is_object() || !json.contains("init")) return std::nullopt;
-  if (!json["init"].is_string()) throw InputError(where, "'init': expected the path of weights");
-  std::string path = json["init"];
+  if (!json.is_object()) return start;
+  if (json.contains("loss")) start.loss = loss_from(json["loss"], fmt::format("{}: 'loss'", where));
+  if (json.contains("init")) {
+    if (!json["init"].is_string()) throw InputError(where, "'init': expected the path of weights");
+    start.init = json["init"];
+  }
+  json.erase("loss");
   json.erase("init");
   section = json.dump();
-  return path;
+  return start;
 }
 
 GtfLearner make_learner(const GtfDescription& description, const GtfLearnerOptions& learner,
@@ -85,8 +85,8 @@ TrainingTask gtf_task(const TrainConfig& config, std::string_view where,
   const std::string network = fmt::format("{}: 'network'", where);
   std::string section = config.network;
   GtfLearnerOptions learner_options;
-  learner_options.loss = take_loss(section, network);
-  const std::optional<std::string> init = take_init(section, network);
+  const GtfStart start = take_start(section, network);
+  learner_options.loss = start.loss;
   GtfDescription usual;
   if (pairs.separate) usual.highpass_cutoff_hz = kSeparationCutoffHz;
   usual.window_samples = static_cast<int>(pairs.samples);
@@ -98,7 +98,7 @@ TrainingTask gtf_task(const TrainConfig& config, std::string_view where,
   };
   task.examples = std::make_unique<PairExamples>(std::move(pairs), encode);
   auto learner = std::make_unique<GtfLearner>(
-      make_learner(description, learner_options, init, config.training.seed, options));
+      make_learner(description, learner_options, start.init, config.training.seed, options));
   if (learner->description() != description) {
     throw InputError(where, "describes another network than the weights it starts from are of");
   }

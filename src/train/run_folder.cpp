@@ -95,10 +95,10 @@ double RunFolder::recent_loss() const {
   return count > 0 ? sum / static_cast<double>(count) : 0.0;
 }
 
-void RunFolder::save(const Learner& learner, const RunState& state, bool is_best) {
+void RunFolder::save(const Learner& learner, const RunState& state, bool is_kept) {
   steps_.flush();
   validations_.flush();
-  if (is_best) {
+  if (is_kept) {
     SafetensorsFile weights = learner.weight_file();
     weights.metadata[kConfigKey] = options_.config;
     weights.metadata[kStateKey] = text_of(state);

@@ -39,7 +39,8 @@ class RunFolder {
   [[nodiscard]] double recent_loss() const;
 
   /// Logs first and the checkpoint last: whatever a kill leaves, the logs reach as far as it does.
-  void save(const Learner& learner, const RunState& state, bool is_best);
+  /// @param is_kept  the weights are to be best.safetensors
+  void save(const Learner& learner, const RunState& state, bool is_kept);
 
  private:
   void draw_curves(const std::string& error_name) const;
