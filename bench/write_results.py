@@ -170,7 +170,8 @@ SECTIONS = [
      EVALUATION_WORDS + "Homes and speakers of the test split are in no other split."),
     ("Learning curves", "learning_curves.md", None,
      "`bench/learning_curves.py`: Mag on 256 validation pairs while `earpoint train` runs on one core "
-     "beside others, so minutes are upper bounds. "
+     "beside others, so minutes are upper bounds. gtf goes on from where gtf-magnitude ends, with the depth "
+     "of modulation in its loss, which Mag does not see. "
      "![Error over clips seen](images/learning-curves.svg)"),
     ("Reverberation time from sound", "rt60_error.json", rt60_table,
      "`rt60_error DATA test`: the estimator that RTE is computed with, on simulated speech of homes and "
