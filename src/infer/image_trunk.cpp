@@ -29,13 +29,13 @@ Dense make_reduction(const ViGasWeights& weights) {
 ImageTrunk::ImageTrunk(const ViGasWeights& weights, int threads)
     : resnet_(make_resnet(weights, threads)),
       reduction_(make_reduction(weights)),
-      map_(static_cast<std::size_t>(ResNet18::kChannels) * resnet_.map_height() *
+      map_(static_cast<std::size_t>(resnet_.channels()) * resnet_.map_height() *
            resnet_.map_width()),
-      pixel_(ResNet18::kChannels),
+      pixel_(resnet_.channels()),
       reduced_(reduction_.outputs()) {}
 
 void ImageTrunk::encode(std::span<const float> picture, std::span<float> feature) {
-  const std::size_t pixels = map_.size() / ResNet18::kChannels;
+  const std::size_t pixels = map_.size() / pixel_.size();
   EARPOINT_CHECK(feature.size() == pixels * reduced_.size());
   resnet_.run(picture, map_);
   for (std::size_t at = 0; at < pixels; ++at) {

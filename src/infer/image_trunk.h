@@ -21,7 +21,7 @@ class ImageTrunk {
   /// @param feature  [channels][map height][map width]
   void encode(std::span<const float> picture, std::span<float> feature);
 
-  /// What the ResNet made of the last picture: [512][map height][map width].
+  /// What the ResNet made of the last picture: [8 * trunk_channels][map height][map width].
   [[nodiscard]] std::span<const float> map() const { return map_; }
 
  private:

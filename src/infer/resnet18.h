@@ -29,9 +29,6 @@ using TensorByName = std::function<const Tensor&(const std::string&)>;
 /// released code, section 2.1.
 class ResNet18 {
  public:
-  /// Of the map of the published network; the tensors decide.
-  static constexpr int kChannels = 512;
-
   /// @param tensor   of the state dict; the network's names start with `prefix`
   /// @param channels of the picture, height and width in pixels
   /// @param threads  > 0

@@ -88,6 +88,7 @@ void check_description(const ViGasDescription& d, std::string_view where) {
     check_range(where, "image_encoder: width_px", d.image_encoder->width_px, 1, 1 << 13);
     check_range(where, "image_encoder: height_px", d.image_encoder->height_px, 1, 1 << 13);
     check_range(where, "image_encoder: channels", d.image_encoder->channels, 1, 512);
+    check_range(where, "image_encoder: trunk_channels", d.image_encoder->trunk_channels, 1, 512);
   }
   check_inputs(d, where);
   check_range(where, "fusion_width", d.fusion_width, 1, kLargestWidth);
@@ -114,8 +115,9 @@ void check_description(const ViGasDescription& d, std::string_view where) {
 TensorShapes required_tensors(const ViGasDescription& d) {
   TensorShapes shapes;
   if (d.image_encoder) {
-    add_resnet18(shapes, "visual_encoder", 3, 64);
-    add_layer(shapes, "conv1x1.0", {d.image_encoder->channels, 512, 1, 1});
+    add_resnet18(shapes, "visual_encoder", 3, d.image_encoder->trunk_channels);
+    add_layer(shapes, "conv1x1.0",
+              {d.image_encoder->channels, d.image_encoder->map_channels(), 1, 1});
     add_batch_norm(shapes, "conv1x1.1", d.image_encoder->channels);
   }
   add_layer(shapes, "fusion.0", {d.fusion_width, d.input_width()});

@@ -52,8 +52,9 @@ ImageEncoderDescription image_encoder_from(const Json& json, std::string_view wh
     throw InputError(where, fmt::format("'architecture': expected '{}', found {}", kTrunk,
                                         in_quotes(architecture)));
   }
-  const ImageEncoderDescription encoder{reader.integer("width_px"), reader.integer("height_px"),
-                                        reader.integer("channels")};
+  ImageEncoderDescription encoder{reader.integer("width_px"), reader.integer("height_px"),
+                                  reader.integer("channels")};
+  if (reader.has("trunk_channels")) encoder.trunk_channels = reader.integer("trunk_channels");
   reader.expect_nothing_else();
   return encoder;
 }
@@ -80,7 +81,8 @@ std::string to_json(const ViGasDescription& d) {
     image_encoder = {{"architecture", kTrunk},
                      {"width_px", d.image_encoder->width_px},
                      {"height_px", d.image_encoder->height_px},
-                     {"channels", d.image_encoder->channels}};
+                     {"channels", d.image_encoder->channels},
+                     {"trunk_channels", d.image_encoder->trunk_channels}};
   }
   Json highpass;
   if (d.highpass_cutoff_hz) highpass = *d.highpass_cutoff_hz;

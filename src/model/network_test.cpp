@@ -41,6 +41,9 @@ TEST(ViGasDescription, JsonRoundTrips) {
   const std::string json = to_json(d);
   EXPECT_EQ(to_json(vigas_description_from_json(json, "x")), json);
 
+  d.image_encoder->trunk_channels = 16;
+  EXPECT_EQ(vigas_description_from_json(to_json(d), "x").image_encoder->trunk_channels, 16);
+
   d.pose_encoding = PoseEncoding::full;
   d.box_encoding = BoxEncoding::corners;
   d.image_encoder.reset();
@@ -53,6 +56,22 @@ TEST(ViGasDescription, JsonRoundTrips) {
   EXPECT_EQ(read.pose_encoding, PoseEncoding::full);
   EXPECT_FALSE(read.image_encoder);
   EXPECT_FALSE(read.highpass_cutoff_hz);
+}
+
+TEST(ViGasDescription, TrunkIsThePublishedOneWhereNothingIsSaid) {
+  std::string json = to_json(released());
+  const std::string said = ",\"trunk_channels\":64";
+  ASSERT_NE(json.find(said), std::string::npos) << json;
+  json.erase(json.find(said), said.size());
+  EXPECT_EQ(vigas_description_from_json(json, "x").image_encoder->trunk_channels, 64);
+}
+
+TEST(ViGasDescription, NarrowTrunksNarrowItsTensors) {
+  ViGasDescription d = released();
+  d.image_encoder->trunk_channels = 16;
+  const auto tensors = required_tensors(d);
+  EXPECT_EQ(tensors.at("visual_encoder.0.weight"), (std::vector<std::int64_t>{16, 3, 7, 7}));
+  EXPECT_EQ(tensors.at("conv1x1.0.weight"), (std::vector<std::int64_t>{8, 128, 1, 1}));
 }
 
 TEST(ViGasDescription, ReleasedNetworksHaveTheWidthsOfThePaper) {

@@ -153,6 +153,7 @@ ImageEncoderDescription encoder_from(const Json& json, const std::string& where)
   section.take("width_px", encoder.width_px, 32, 1024);
   section.take("height_px", encoder.height_px, 32, 1024);
   section.take("channels", encoder.channels, 1, 512);
+  section.take("trunk_channels", encoder.trunk_channels, 1, 512);
   section.end();
   return encoder;
 }

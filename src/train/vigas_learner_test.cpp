@@ -94,7 +94,7 @@ TEST(ViGasLearner, PredictsWhatTheEngineRenders) { expect_engines_prediction(sma
 TEST(ViGasLearner, PredictsWhatTheEngineRendersFromAPicture) {
   ViGasDescription d = small();
   d.pose_encoding = PoseEncoding::soundspaces;
-  d.image_encoder = ImageEncoderDescription{64, 32, 4};
+  d.image_encoder = ImageEncoderDescription{64, 32, 4, 16};
   d.inputs = {{"visual_feat", 8}, {"tgt_pose", 3}, {"tgt_rotation", 2}, {"bboxes", 4}};
   expect_engines_prediction(d);
 }

@@ -37,6 +37,10 @@ struct ImageEncoderDescription {
   int width_px = 0;
   int height_px = 0;
   int channels = 0;
+  int trunk_channels = 64;  ///< of the ResNet-18's first stage
+
+  /// Of the ResNet-18's map, which the 1x1 convolution reads.
+  [[nodiscard]] int map_channels() const { return 8 * trunk_channels; }
 
   /// Width of `visual_feat`: channels * ceil(height / 32) * ceil(width / 32).
   [[nodiscard]] int feature_width() const;
