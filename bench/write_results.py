@@ -1,14 +1,13 @@
 #!/usr/bin/env python3
 """Puts together docs/results.md from what ./dev results has measured. Writes numbers, no judgement.
 
-usage: bench/write_results.py MEASURED RESULTS.md
+usage: bench/write_results.py MEASURED RESULTS.md [--measured-only]
 
 MEASURED holds vigas.md, training.json, oracle_errors.md, render_memory.jsonl, demo.jsonl, trace_gates.md,
 learning_curves.md, rt60_error.json, home_reverberation.jsonl, camera_bench.jsonl, simulate_cost.jsonl,
 evaluate-single.json, evaluate-novel.json, ablations-single.json, ablations-novel.json,
 generalisation.json, ambient-single.json, ambient-novel.json and enhance-novel.json; a section whose
-file is missing stays as it is in RESULTS.md,
-or says so where it is new.
+file is missing stays as it is in RESULTS.md, or says so where it is new; with --measured-only it is left out.
 """
 import json
 import os
@@ -243,6 +242,8 @@ def sections_of(path):
 
 
 def main():
+    if len(sys.argv) not in (3, 4) or sys.argv[3:] not in ([], ["--measured-only"]):
+        sys.exit(__doc__)
     folder, output = sys.argv[1:3]
     earlier = sections_of(output)
     text = ["# Results", "",
@@ -250,6 +251,8 @@ def main():
             "are measured in one run.", ""]
     for title, name, table, words in SECTIONS:
         content = read(folder, name)
+        if content is None and sys.argv[3:]:
+            continue
         if content is None and title in earlier:
             text += [f"## {title}", "", earlier[title], ""]
             continue

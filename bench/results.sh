@@ -1,0 +1,174 @@
+# What ./dev results does. ./dev sources this file; say, build, bench, demo, gather_speech and
+# speech_folder are its own.
+# shellcheck shell=bash disable=SC2154
+
+# The data of the paper's two set-ups, one home and unseen homes: two cores half an hour, once.
+simulate_data() {
+  local earpoint=$1
+  [ -f "$speech_folder/speech.csv" ] || gather_speech "$speech_folder"
+  say "Simulating one home and unseen homes into out/data"
+  "$earpoint" simulate --scenes 120 --conversations 6 --rays 1000 --seed 11 --out out/data/novel
+  "$earpoint" simulate --scenes 1 --conversations 420 --rays 1000 --seed 3 --out out/data/single
+}
+
+# Trains NAME=CONFIG of each entry on one data set into FOLDER/DATA/NAME; goes on where it was stopped.
+# One thread each, as sums depend on how many there are.
+# Usage: train_on EARPOINT FOLDER DATA ENTRY...
+train_on() {
+  local earpoint=$1 folder=$2 data=$3 entry
+  shift 3
+  for entry in "$@"; do
+    say "Training ${entry%%=*} on out/data/$data into $folder/$data"
+    OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 \
+      "$earpoint" train "configs/${entry#*=}-$data.json" --data "out/data/$data" \
+      --out "$folder/$data/${entry%%=*}" --jobs 1 --resume
+  done
+}
+
+# What the tables compare, and the networks without one of their parts, which train for less long.
+train_data_set() {
+  local earpoint=$1 data=$2 name ablations=()
+  train_on "$earpoint" out/runs "$data" gtf-magnitude=gtf gtf=gtf-modulation vigas=vigas-small \
+    vigas-blind=vigas-blind vam=vam
+  for name in gtf{,-blind,-no-picture,-no-3d,-no-delay,-no-tail} \
+    vigas{,-blind,-no-picture,-no-box,-no-alignment}; do
+    ablations+=("$name=ablations/$name")
+  done
+  train_on "$earpoint" out/ablations "$data" "${ablations[@]}"
+  train_on "$earpoint" out/ambient "$data" with-ambient=ablations/vigas-with-ambient \
+    no-separation=ablations/vigas-no-separation
+}
+
+# Both data sets side by side, then enhancement. Two cores take a day.
+train_methods() {
+  local earpoint=$1 novel single
+  train_data_set "$earpoint" novel &
+  novel=$!
+  train_data_set "$earpoint" single &
+  single=$!
+  wait "$novel"
+  wait "$single"
+  local name
+  for name in gtf vigas; do
+    say "Training speech enhancement: $name"
+    "$earpoint" train "configs/enhance-$name.json" --data out/data/novel --out "out/enhance/$name" \
+      --jobs 1 --resume
+  done
+}
+
+# Every method side by side on the frozen test pairs, into out/bench; what was not trained has no row.
+# Usage: evaluate_methods EARPOINT DATA...
+evaluate_methods() {
+  local earpoint=$1 data name methods
+  shift
+  for data in "$@"; do
+    methods=input,tf,dsp
+    for name in vam vigas-blind vigas gtf; do
+      [ ! -f "out/runs/$data/$name/best.safetensors" ] ||
+        methods+=,$name=out/runs/$data/$name/best.safetensors
+    done
+    say "Methods side by side in $data: $methods"
+    "$earpoint" evaluate --data "out/data/$data" --methods "$methods" --oracles --json \
+      >"out/bench/evaluate-$data.json"
+    if [ -d "out/ablations/$data" ]; then
+      say "Ablations in $data"
+      "$earpoint" evaluate --data "out/data/$data" --ablations --runs "out/ablations/$data" --json \
+        >"out/bench/ablations-$data.json"
+    fi
+    if [ -d "out/ambient/$data" ]; then
+      say "Ambient sound in $data"
+      "$earpoint" evaluate --data "out/data/$data" --ambient -40 --methods input,dsp \
+        --runs "out/ambient/$data" --json >"out/bench/ambient-$data.json"
+    fi
+  done
+}
+
+# Speech enhancement and what gtf was not trained for.
+evaluate_beyond() {
+  local earpoint=$1
+  if [ -d out/enhance ]; then
+    say "Speech enhancement"
+    "$earpoint" evaluate --data out/data/novel --enhance --methods input --runs out/enhance --oracles \
+      --json >out/bench/enhance-novel.json
+  fi
+  say "Generalisation of the shipped gtf"
+  python3 bench/generalisation.py "$earpoint" out/data/novel models/gtf.safetensors \
+    out/generalisation >out/bench/generalisation.json
+}
+
+# The earpoints of the demo, one line of JSON each.
+measure_demo() {
+  local earpoint=$1 name method
+  for name in near far-side turned; do
+    for method in gtf dsp input; do
+      "$earpoint" metrics "examples/truth-$name.flac" "out/demo/$name-$method.flac" --json |
+        python3 -c 'import json, sys
+numbers = json.load(sys.stdin)
+numbers.update(earpoint=sys.argv[1], method=sys.argv[2])
+print(json.dumps(numbers))' "$name" "$method"
+    done
+  done
+}
+
+# Physics and cost of the simulator.
+measure_simulator() {
+  local earpoint=$1
+  say "Gates of the path tracer"
+  build/release/bench/trace_gates >out/bench/trace_gates.md || true
+  say "Speed of the path tracer"
+  build/release/bench/trace_bench --plot docs/images/trace-cost.png >out/bench/trace_bench.json
+  say "Pictures per second"
+  build/release/bench/camera_bench >out/bench/camera_bench.jsonl
+  say "Reverberation of 120 homes"
+  build/release/bench/home_reverberation >out/bench/home_reverberation.jsonl
+  say "Cost of simulated data"
+  [ -f "$speech_folder/speech.csv" ] || gather_speech "$speech_folder"
+  python3 bench/simulate_cost.py "$earpoint" "$speech_folder" >out/bench/simulate_cost.jsonl
+}
+
+# Everything that docs/results.md shows. The exactness table needs the reference outputs.
+results() {
+  bench
+  local earpoint=build/release/apps/earpoint/earpoint
+  if [ -n "${EARPOINT_ORACLE_DIR:-}" ]; then
+    python3 bench/oracle_errors.py "$earpoint" "$EARPOINT_ORACLE_DIR" >out/bench/oracle_errors.md
+  fi
+  demo
+  measure_demo "$earpoint" >out/bench/demo.jsonl
+  measure_simulator "$earpoint"
+  simulate_data "$earpoint"
+  train_methods "$earpoint"
+  evaluate_methods "$earpoint" novel single
+  evaluate_beyond "$earpoint"
+  python3 bench/learning_curves.py out/runs docs/images/learning-curves.svg >out/bench/learning_curves.md
+  build/release/bench/rt60_error out/data/novel test models/rt60.safetensors >out/bench/rt60_error.json
+  python3 bench/write_results.py out/bench docs/results.md
+  say "Wrote docs/results.md"
+}
+
+# The whole way in miniature, from voices to tables, in minutes: four voices, twelve homes of stand-in
+# furniture, networks that train for seconds. Holds every number against bench/quick_expected.json.
+# EARPOINT_PRESET=dev takes the binary of the tests.
+quick_results() {
+  local preset=${EARPOINT_PRESET:-release} quick=$PWD/out/quick data name
+  build "$preset" --target earpoint
+  local earpoint=build/$preset/apps/earpoint/earpoint
+  rm -rf "$quick"
+  mkdir -p "$quick/bench"
+  gather_speech "$quick/speech" \
+    asterisk_en,tuxpaint_bg,asterisk_ru,tuxpaint_ru,asterisk_fr,asterisk_it
+  say "Simulating twelve homes"
+  EARPOINT_DATA_DIR=$quick/nothing "$earpoint" simulate --scenes 12 --conversations 2 --rays 300 \
+    --seed 7 --speech "$quick/speech" --out "$quick/data"
+  for name in gtf vigas; do
+    say "Training $name for seconds"
+    OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 "$earpoint" train "configs/quick/$name.json" \
+      --data "$quick/data" --out "$quick/runs/$name-quick" --jobs 1
+  done
+  say "Methods side by side"
+  "$earpoint" evaluate --data "$quick/data" --methods input,tf,dsp,gtf --runs "$quick/runs" --oracles \
+    --json >"$quick/bench/evaluate-novel.json"
+  python3 bench/write_results.py "$quick/bench" "$quick/results.md" --measured-only
+  python3 bench/check_quick.py "$quick/bench/evaluate-novel.json" bench/quick_expected.json "$@"
+  say "Wrote $quick/results.md"
+}
