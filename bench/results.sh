@@ -39,7 +39,7 @@ train_data_set() {
     no-separation=ablations/vigas-no-separation
 }
 
-# Both data sets side by side, then enhancement. Two cores take a day.
+# Both data sets side by side, then enhancement. By the rates of the first tables two cores take some ten hours.
 train_methods() {
   local earpoint=$1 novel single
   train_data_set "$earpoint" novel &
