@@ -11,17 +11,21 @@ simulate_data() {
   "$earpoint" simulate --scenes 1 --conversations 420 --rays 1000 --seed 3 --out out/data/single
 }
 
-# Trains NAME=CONFIG of each entry on one data set into FOLDER/DATA/NAME; goes on where it was stopped.
-# One thread each, as sums depend on how many there are.
+# On one thread, as sums depend on how many there are; goes on where it was stopped.
+# Usage: train_run EARPOINT CONFIG DATA RUN
+train_run() {
+  say "Training configs/$2.json on $3 into $4"
+  OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 \
+    "$1" train "configs/$2.json" --data "$3" --out "$4" --jobs 1 --resume
+}
+
+# Trains NAME=CONFIG of each entry on one data set into FOLDER/DATA/NAME.
 # Usage: train_on EARPOINT FOLDER DATA ENTRY...
 train_on() {
   local earpoint=$1 folder=$2 data=$3 entry
   shift 3
   for entry in "$@"; do
-    say "Training ${entry%%=*} on out/data/$data into $folder/$data"
-    OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 \
-      "$earpoint" train "configs/${entry#*=}-$data.json" --data "out/data/$data" \
-      --out "$folder/$data/${entry%%=*}" --jobs 1 --resume
+    train_run "$earpoint" "${entry#*=}-$data" "out/data/$data" "$folder/$data/${entry%%=*}"
   done
 }
 
@@ -39,20 +43,17 @@ train_data_set() {
     no-separation=ablations/vigas-no-separation
 }
 
-# Both data sets side by side, then enhancement. By the rates of the first tables two cores take some ten hours.
+# Both data sets side by side, then enhancement: hours on two cores.
 train_methods() {
-  local earpoint=$1 novel single
+  local earpoint=$1 novel single name
   train_data_set "$earpoint" novel &
   novel=$!
   train_data_set "$earpoint" single &
   single=$!
   wait "$novel"
   wait "$single"
-  local name
-  for name in gtf vigas; do
-    say "Training speech enhancement: $name"
-    "$earpoint" train "configs/enhance-$name.json" --data out/data/novel --out "out/enhance/$name" \
-      --jobs 1 --resume
+  for name in gtf vigas-small; do
+    train_run "$earpoint" "enhance-$name" out/data/novel "out/enhance/$name"
   done
 }
 
@@ -146,11 +147,11 @@ results() {
   say "Wrote docs/results.md"
 }
 
-# The whole way in miniature, from voices to tables, in minutes: four voices, twelve homes of stand-in
+# The whole way in miniature, from voices to tables, in minutes: six voices, twelve homes of stand-in
 # furniture, networks that train for seconds. Holds every number against bench/quick_expected.json.
 # EARPOINT_PRESET=dev takes the binary of the tests.
 quick_results() {
-  local preset=${EARPOINT_PRESET:-release} quick=$PWD/out/quick data name
+  local preset=${EARPOINT_PRESET:-release} quick=$PWD/out/quick name
   build "$preset" --target earpoint
   local earpoint=build/$preset/apps/earpoint/earpoint
   rm -rf "$quick"
@@ -161,9 +162,7 @@ quick_results() {
   EARPOINT_DATA_DIR=$quick/nothing "$earpoint" simulate --scenes 12 --conversations 2 --rays 300 \
     --seed 7 --speech "$quick/speech" --out "$quick/data"
   for name in gtf vigas; do
-    say "Training $name for seconds"
-    OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 "$earpoint" train "configs/quick/$name.json" \
-      --data "$quick/data" --out "$quick/runs/$name-quick" --jobs 1
+    train_run "$earpoint" "quick/$name" "$quick/data" "$quick/runs/$name-quick"
   done
   say "Methods side by side"
   "$earpoint" evaluate --data "$quick/data" --methods input,tf,dsp,gtf --runs "$quick/runs" --oracles \
