@@ -22,8 +22,10 @@ constexpr std::array<std::pair<PoseEncoding, std::string_view>, 3> kPoseEncoding
     {{PoseEncoding::soundspaces, "soundspaces"},
      {PoseEncoding::replay, "replay"},
      {PoseEncoding::full, "full"}}};
-constexpr std::array<std::pair<BoxEncoding, std::string_view>, 2> kBoxEncodings{
-    {{BoxEncoding::soundspaces, "soundspaces"}, {BoxEncoding::corners, "corners"}}};
+constexpr std::array<std::pair<BoxEncoding, std::string_view>, 3> kBoxEncodings{
+    {{BoxEncoding::soundspaces, "soundspaces"},
+     {BoxEncoding::corners, "corners"},
+     {BoxEncoding::centre, "centre"}}};
 
 template <typename Names, typename Value>
 std::string_view name_in(const Names& names, Value value) {

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include <earpoint/core/error.h>
@@ -7,6 +8,8 @@ namespace earpoint {
 namespace {
 
 constexpr double kCentimetresPerMetre = 100.0;
+/// Of a picture's height; what is smaller counts as far away as this.
+constexpr double kLeastHeight = 0.01;
 
 void append_sine_cosine(std::vector<float>& values, double angle_rad) {
   values.push_back(static_cast<float>(std::sin(angle_rad)));
@@ -70,14 +73,23 @@ EncodedPose encode_pose(PoseEncoding encoding, const Pose& source_from_target) {
 }
 
 std::vector<float> encode_box(BoxEncoding encoding, const Box& box) {
-  if (encoding == BoxEncoding::soundspaces) {
-    return to_floats({box.y_min, box.y_max, box.x_min, box.x_max});
+  switch (encoding) {
+    case BoxEncoding::soundspaces:
+      return to_floats({box.y_min, box.y_max, box.x_min, box.x_max});
+    case BoxEncoding::corners:
+      return to_floats({box.x_min, box.y_min, box.x_max, box.y_max});
+    case BoxEncoding::centre: {
+      const double height = std::max(box.y_max - box.y_min, kLeastHeight);
+      return to_floats({1.0, 2.0 * (box.x_min + box.x_max - 1.0),
+                        2.0 * (box.y_min + box.y_max - 1.0), 2.0 * std::log(2.0 * height)});
+    }
   }
-  return to_floats({box.x_min, box.y_min, box.x_max, box.y_max});
+  EARPOINT_CHECK(false);
 }
 
 std::vector<float> encode_box(BoxEncoding encoding, const std::optional<Box>& box) {
-  return encode_box(encoding, box.value_or(Box{}));
+  if (!box) return std::vector<float>(4);
+  return encode_box(encoding, *box);
 }
 
 }  // namespace earpoint

@@ -85,5 +85,28 @@ TEST(BoxEncoding, OrdersTheEdgesAsEachDatasetDoes) {
   EXPECT_EQ(encode_box(BoxEncoding::corners, box), (std::vector<float>{0.1F, 0.2F, 0.3F, 0.4F}));
 }
 
+TEST(BoxEncoding, TellsMiddleAndHeightInNumbersOfLikeSpread) {
+  const std::vector<float> seen = encode_box(BoxEncoding::centre, Box{0.5, 0.25, 1.0, 0.75});
+  ASSERT_EQ(seen.size(), 4);
+  EXPECT_EQ(seen[0], 1.0F);
+  EXPECT_FLOAT_EQ(seen[1], 1.0F);  // its middle is at three quarters of the width
+  EXPECT_FLOAT_EQ(seen[2], 0.0F);
+  EXPECT_FLOAT_EQ(seen[3], 0.0F);  // half as high as the picture
+  // Twice as far away, half as high.
+  EXPECT_NEAR(encode_box(BoxEncoding::centre, Box{0.5, 0.375, 0.75, 0.625})[3],
+              -2.0 * std::log(2.0), 1e-6);
+}
+
+TEST(BoxEncoding, SaysNothingOfASpeakerOutOfSight) {
+  for (const BoxEncoding encoding :
+       {BoxEncoding::soundspaces, BoxEncoding::corners, BoxEncoding::centre}) {
+    EXPECT_EQ(encode_box(encoding, std::optional<Box>()), std::vector<float>(4));
+  }
+}
+
+TEST(BoxEncoding, BoundsABoxWithoutHeight) {
+  EXPECT_TRUE(std::isfinite(encode_box(BoxEncoding::centre, Box{0.2, 0.5, 0.2, 0.5})[3]));
+}
+
 }  // namespace
 }  // namespace earpoint

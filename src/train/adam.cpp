@@ -40,8 +40,10 @@ std::map<std::string, at::Tensor> moments(const SafetensorsFile& file, std::stri
   return found;
 }
 
-std::int64_t steps_in(const SafetensorsFile& file, std::string_view where) {
-  const auto found = file.metadata.find(std::string(kStepsKey));
+std::string steps_key(const std::string& name) { return fmt::format("{}/{}", kStepsKey, name); }
+
+std::int64_t steps_in(const SafetensorsFile& file, std::string_view where, const std::string& key) {
+  const auto found = file.metadata.find(key);
   std::int64_t steps = -1;
   if (found != file.metadata.end()) {
     const std::string& text = found->second;
@@ -49,7 +51,7 @@ std::int64_t steps_in(const SafetensorsFile& file, std::string_view where) {
     if (error != std::errc() || end != text.data() + text.size()) steps = -1;
   }
   if (steps < 0) {
-    throw InputError(where, fmt::format("has no '{}' that counts steps", kStepsKey),
+    throw InputError(where, fmt::format("has no '{}' that counts steps", key),
                      "was it written by training?");
   }
   return steps;
@@ -62,18 +64,19 @@ Adam::Adam(std::map<std::string, at::Tensor> parameters, AdamDecay decay)
   for (const auto& [name, parameter] : parameters_) {
     first_[name] = at::zeros_like(parameter);
     second_[name] = at::zeros_like(parameter);
+    taken_[name] = 0;
   }
 }
 
 void Adam::step(double learning_rate) {
   const at::NoGradGuard no_gradients;
   ++steps_;
-  const double count = static_cast<double>(steps_);
-  const double first_bias = 1.0 - std::pow(decay_.first, count);
-  const double second_bias = 1.0 - std::pow(decay_.second, count);
   for (auto& [name, parameter] : parameters_) {
     const at::Tensor gradient = parameter.grad();
     if (!gradient.defined()) continue;
+    const auto count = static_cast<double>(++taken_.at(name));
+    const double first_bias = 1.0 - std::pow(decay_.first, count);
+    const double second_bias = 1.0 - std::pow(decay_.second, count);
     at::Tensor& first = first_.at(name);
     at::Tensor& second = second_.at(name);
     first.mul_(decay_.first).add_(gradient, 1.0 - decay_.first);
@@ -85,6 +88,9 @@ void Adam::step(double learning_rate) {
 
 void Adam::save(SafetensorsFile& file) const {
   file.metadata[std::string(kStepsKey)] = std::to_string(steps_);
+  for (const auto& [name, taken] : taken_) {
+    if (taken != steps_) file.metadata[steps_key(name)] = std::to_string(taken);
+  }
   for (const auto& [name, moment] : first_) {
     file.tensors[std::string(kFirst) + name] = from_torch(moment);
   }
@@ -94,10 +100,16 @@ void Adam::save(SafetensorsFile& file) const {
 }
 
 void Adam::load(const SafetensorsFile& file, std::string_view where) {
-  const std::int64_t steps = steps_in(file, where);
+  const std::int64_t steps = steps_in(file, where, std::string(kStepsKey));
+  std::map<std::string, std::int64_t> taken;
+  for (const auto& [name, parameter] : parameters_) {
+    const std::string key = steps_key(name);
+    taken[name] = file.metadata.contains(key) ? steps_in(file, where, key) : steps;
+  }
   std::map<std::string, at::Tensor> first = moments(file, where, kFirst, parameters_);
   second_ = moments(file, where, kSecond, parameters_);
   first_ = std::move(first);
+  taken_ = std::move(taken);
   steps_ = steps;
 }
 

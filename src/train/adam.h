@@ -17,7 +17,8 @@ struct AdamDecay {
   double second = 0.999;
 };
 
-/// Adam without weight decay, epsilon 1e-8.
+/// Adam without weight decay, epsilon 1e-8. A parameter's bias corrections count the steps that it
+/// had a gradient at.
 /// Source: Kingma and Ba, ICLR 2015, algorithm 1.
 class Adam {
  public:
@@ -31,7 +32,7 @@ class Adam {
 
   /// Puts the running means of the gradients and of their squares beside the weights
   /// ("adam.first/NAME", "adam.second/NAME") and the steps into the metadata
-  /// ("earpoint.adam_steps").
+  /// ("earpoint.adam_steps", and "earpoint.adam_steps/NAME" where they are fewer).
   void save(SafetensorsFile& file) const;
 
   /// Goes on from what save() put there.
@@ -44,6 +45,7 @@ class Adam {
   std::map<std::string, at::Tensor> parameters_;
   std::map<std::string, at::Tensor> first_;
   std::map<std::string, at::Tensor> second_;
+  std::map<std::string, std::int64_t> taken_;  ///< steps of each: those that it had a gradient at
   std::int64_t steps_ = 0;
 };
 

@@ -23,6 +23,8 @@ constexpr double kLeak = 0.05;
 constexpr double kSway = 0.1;
 /// The gates halve a small sound: sigmoid(0).
 constexpr double kGateGain = 0.5;
+/// Of a target's coordinates about the source.
+constexpr double kPoseSpread_m = 2.0;
 
 /// One layer's weights, filled element by element.
 class Layer {
@@ -30,15 +32,16 @@ class Layer {
   Layer(ViGasWeights& weights, const std::string& name, std::uint64_t seed)
       : weight_(weights.tensors.at(name + ".weight")), bias_(weights.tensors.at(name + ".bias")) {
     random_ = RandomStream(seed);
+    taps_ = weight_.shape.size() > 2 ? weight_.shape[2] : 1;
   }
 
-  /// @param value  by output, input and tap
+  /// @param value  by output, input and tap; the layers that join the inputs have one tap
   void fill(const std::function<double(std::int64_t, std::int64_t, std::int64_t)>& value) {
     const std::vector<std::int64_t> shape = weight_.shape;
     std::vector<float> values;
     for (std::int64_t out = 0; out < shape[0]; ++out) {
       for (std::int64_t in = 0; in < shape[1]; ++in) {
-        for (std::int64_t tap = 0; tap < shape[2]; ++tap) {
+        for (std::int64_t tap = 0; tap < taps_; ++tap) {
           values.push_back(static_cast<float>(value(out, in, tap)));
         }
       }
@@ -47,15 +50,17 @@ class Layer {
     bias_ = make_tensor<float>(std::vector<float>(static_cast<std::size_t>(shape[0])), {shape[0]});
   }
 
+  double normal() { return random_.normal(); }
+
   /// Normal, so that an output has `gain` times the size of independent inputs.
   double mixture(double gain) {
-    const auto inputs = static_cast<double>(weight_.shape[1] * weight_.shape[2]);
-    return gain / std::sqrt(inputs) * random_.normal();
+    return gain / std::sqrt(static_cast<double>(weight_.shape[1] * taps_)) * random_.normal();
   }
 
  private:
   Tensor& weight_;
   Tensor& bias_;
+  std::int64_t taps_ = 1;
   RandomStream random_{0};
 };
 
@@ -68,6 +73,7 @@ class IdentityMaker {
     fill("input", [&](Layer& layer, auto out, auto in, auto) {
       return is_ear(out) ? (out == in ? kScale : 0.0) : layer.mixture(kScale);
     });
+    make_fusion();
     for (int i = 0; i < d_.layers(); ++i) make_layer(i);
     const std::string head = fmt::format("output_net.{}.", d_.layers() - 1);
     carry(head + "first", 1.0, 1.0);
@@ -96,6 +102,21 @@ class IdentityMaker {
 
   /// Leaks of all layers add up.
   double leak() const { return kLeak / std::sqrt(d_.layers()); }
+
+  /// Every kind of input counts the same, however many numbers and whatever spread it has, and z
+  /// has the size of one: a box of four numbers would else drown beside the picture.
+  void make_fusion() {
+    std::vector<double> gains;
+    for (const ConditioningInput& input : d_.inputs) {
+      const double spread = input.name == "tgt_pose" ? kPoseSpread_m : 1.0;
+      const auto share = static_cast<double>(d_.inputs.size()) * input.width;
+      gains.insert(gains.end(), input.width, std::sqrt(2.0 / share) / spread);
+    }
+    fill("fusion.0", [&](Layer& layer, auto, auto in, auto) {
+      return gains.at(static_cast<std::size_t>(in)) * layer.normal();
+    });
+    fill("fusion.2", [](Layer& layer, auto, auto, auto) { return layer.mixture(std::sqrt(2.0)); });
+  }
 
   void make_layer(int index) {
     const std::string name = fmt::format("hyperconv_wavenet.layers.{}.", index);

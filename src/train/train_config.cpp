@@ -198,6 +198,8 @@ TrainConfig read_train_config(const fs::path& path) {
 ViGasConfig vigas_config_from_json(std::string_view text, std::string_view where, bool separated) {
   constexpr std::array<std::pair<LossKind, std::string_view>, 2> kLosses{
       {{LossKind::magnitude, "magnitude"}, {LossKind::log_magnitude, "log_magnitude"}}};
+  constexpr std::array<std::pair<BoxEncoding, std::string_view>, 2> kBoxEncodings{
+      {{BoxEncoding::corners, "corners"}, {BoxEncoding::centre, "centre"}}};
   const Json json = parsed(text, where);
   Section section(json, std::string(where));
   ViGasConfig config;
@@ -224,6 +226,12 @@ ViGasConfig vigas_config_from_json(std::string_view text, std::string_view where
   section.take("dilation_base", d.dilation_base, 1, 64);
   section.take("acausal", d.acausal);
   section.take("loss", config.loss, kLosses);
+  section.take("place", config.place, 0.0, 1e3);
+  section.take("place_steps", config.place_steps, 0);
+  if (config.place_steps > 0 && config.place == 0.0) {
+    section.fail("place", "more than 0 where there are 'place_steps'", "0");
+  }
+  section.take("box_encoding", d.box_encoding, kBoxEncodings);
   std::string start = "identity";
   section.take("init", start);
   if (start == "released" || start == "identity") {

@@ -1,5 +1,8 @@
+#include "conditioning_probe.h"
 #include "task_kinds.h"
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
@@ -13,6 +16,9 @@
 
 namespace earpoint {
 namespace {
+
+/// Mouths are not nearer than this to an ear.
+constexpr double kNearest_m = 0.25;
 
 ViGasWeights starting_weights(const ViGasConfig& config, std::uint64_t seed,
                               std::string_view where) {
@@ -38,7 +44,10 @@ ViGasWeights starting_weights(const ViGasConfig& config, std::uint64_t seed,
 
 std::unique_ptr<Learner> vigas_learner(const ViGasConfig& config, std::uint64_t seed,
                                        std::string_view where, const TaskOptions& options) {
-  const LearnerOptions learner_options{.loss = config.loss, .device = options.device};
+  const LearnerOptions learner_options{.loss = config.loss,
+                                       .place = config.place,
+                                       .place_steps = config.place_steps,
+                                       .device = options.device};
   if (options.checkpoint == nullptr) {
     return std::make_unique<ViGasLearner>(starting_weights(config, seed, where), learner_options);
   }
@@ -62,6 +71,21 @@ TrainingTask vigas_task(const TrainConfig& config, std::string_view where,
   task.examples = std::make_unique<PairExamples>(std::move(pairs), encode);
   task.learner = vigas_learner(network, config.training.seed, where, options);
   return task;
+}
+
+/// What ConditioningProbe asks: cosine and sine of the speaker's azimuth at the target, logarithm
+/// of the distance there in metres, and by how much that is larger than at the source.
+std::vector<float> place_of(const PairSample& sample) {
+  const auto distance_m = [](const Vector3& p) {
+    return std::max(std::hypot(p.x, p.y, p.z), kNearest_m);
+  };
+  const Vector3 seen = transform_point(inverse(sample.source_from_target), sample.speaker_m);
+  const double azimuth_rad = std::atan2(seen.y, seen.x);
+  const double target_m = distance_m(seen);
+  const double source_m = distance_m(sample.speaker_m);
+  return {static_cast<float>(std::cos(azimuth_rad)), static_cast<float>(std::sin(azimuth_rad)),
+          static_cast<float>(std::log(target_m)),
+          static_cast<float>(std::log(target_m / source_m))};
 }
 
 std::vector<float> planar(const Waveform& sound) {
@@ -108,6 +132,7 @@ TrainingExample vigas_example(const ViGasDescription& description, const PairSam
   if (description.has_input("bboxes")) {
     example.inputs["bboxes"] = encode_box(description.box_encoding, sample.speaker_box);
   }
+  example.inputs[ConditioningProbe::kPlace] = place_of(sample);
   return example;
 }
 

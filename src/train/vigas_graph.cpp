@@ -98,11 +98,10 @@ at::Tensor ViGasGraph::gate(int layer, const at::Tensor& x, const at::Tensor& fu
   return (halves[0].tanh() * halves[1].sigmoid()).sin();
 }
 
-at::Tensor ViGasGraph::forward(const GraphInputs& inputs, GraphMode mode, StackKind kind) {
-  const at::Tensor fused = fuse(inputs, mode);
-  return kind == StackKind::fused && inputs.source.is_cpu()
-             ? stack_.forward(tensors_, inputs.source, fused)
-             : operations(inputs.source, fused);
+at::Tensor ViGasGraph::synthesize(const at::Tensor& source, const at::Tensor& fused,
+                                  StackKind kind) {
+  return kind == StackKind::fused && source.is_cpu() ? stack_.forward(tensors_, source, fused)
+                                                     : operations(source, fused);
 }
 
 at::Tensor ViGasGraph::operations(const at::Tensor& source, const at::Tensor& fused) {

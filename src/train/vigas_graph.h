@@ -33,7 +33,16 @@ class ViGasGraph {
 
   /// @return [clips][audio channels][samples]; keeps what a gradient needs unless gradients are off
   /// @see StackGraph::forward() for when the gradient is to be had
-  at::Tensor forward(const GraphInputs& inputs, GraphMode mode, StackKind kind = StackKind::fused);
+  at::Tensor forward(const GraphInputs& inputs, GraphMode mode, StackKind kind = StackKind::fused) {
+    return synthesize(inputs.source, fuse(inputs, mode), kind);
+  }
+
+  /// The first half of forward(): what the network makes of picture, pose and box.
+  /// @return z: [clips][conditioning width]
+  at::Tensor fuse(const GraphInputs& inputs, GraphMode mode);
+  /// The second half: the gated stack.
+  at::Tensor synthesize(const at::Tensor& source, const at::Tensor& fused,
+                        StackKind kind = StackKind::fused);
 
   [[nodiscard]] const ViGasDescription& description() const { return description_; }
   /// What is learned by gradients.
@@ -42,7 +51,6 @@ class ViGasGraph {
 
  private:
   at::Tensor image_feature(const at::Tensor& picture, GraphMode mode);
-  at::Tensor fuse(const GraphInputs& inputs, GraphMode mode);
   at::Tensor operations(const at::Tensor& source, const at::Tensor& fused);
   at::Tensor gate(int layer, const at::Tensor& x, const at::Tensor& fused);
   at::Tensor pointwise(const std::string& name, const at::Tensor& x);

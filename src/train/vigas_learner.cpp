@@ -1,4 +1,5 @@
 #include "adam.h"
+#include "conditioning_probe.h"
 #include "graph_tensors.h"
 #include "stft_loss.h"
 #include "torch_tensor.h"
@@ -7,6 +8,7 @@
 #include <utility>
 
 #include <ATen/Parallel.h>
+#include <ATen/TensorOperators.h>
 #include <ATen/core/grad_mode.h>
 
 #include <earpoint/core/error.h>
@@ -15,11 +17,13 @@
 namespace earpoint {
 
 struct ViGasLearner::State {
-  State(const ViGasWeights& weights, const LearnerOptions& options)
-      : loss(options.loss),
+  State(const ViGasWeights& weights, const LearnerOptions& learner_options)
+      : options(learner_options),
         device(device_named(options.device)),
         graph(weights, device),
-        adam(graph.parameters()),
+        probe(graph.description().conditioning_width, graph.description().audio_channels, device),
+        learned(parameters()),
+        adam(learned),
         magnitude(weights.description.hop_samples, device) {}
 
   [[nodiscard]] at::Tensor sounds(const TrainingBatch& batch,
@@ -45,9 +49,34 @@ struct ViGasLearner::State {
     return inputs;
   }
 
-  LossKind loss;
+  /// What the network learns, and the probe where it is asked.
+  [[nodiscard]] std::map<std::string, at::Tensor> parameters() const {
+    std::map<std::string, at::Tensor> all = graph.tensors().parameters;
+    if (options.place > 0) all.insert(probe.parameters().begin(), probe.parameters().end());
+    return all;
+  }
+
+  [[nodiscard]] at::Tensor sound_error(const at::Tensor& source, const at::Tensor& fused,
+                                       const at::Tensor& target) {
+    const at::Tensor prediction = graph.synthesize(source, fused);
+    return options.loss == LossKind::magnitude ? magnitude_loss(magnitude, prediction, target)
+                                               : log_magnitude_loss(magnitude, prediction, target);
+  }
+
+  [[nodiscard]] at::Tensor probe_error(const TrainingBatch& batch, const at::Tensor& fused,
+                                       const at::Tensor& source, const at::Tensor& target) const {
+    const auto found = batch.inputs.find(ConditioningProbe::kPlace);
+    EARPOINT_CHECK(found != batch.inputs.end());
+    const at::Tensor truth =
+        to_torch(found->second, {batch.clips, ConditioningProbe::kPlaceWidth}, device);
+    return probe.error(fused, truth, source, target);
+  }
+
+  LearnerOptions options;
   at::Device device;
   ViGasGraph graph;
+  ConditioningProbe probe;
+  std::map<std::string, at::Tensor> learned;
   Adam adam;
   ShortTimeMagnitude magnitude;
 };
@@ -78,12 +107,18 @@ std::vector<double> ViGasLearner::errors(const TrainingBatch& batch) {
 
 double ViGasLearner::compute_gradients(const TrainingBatch& batch) {
   State& state = *state_;
-  forget_gradients(state.graph.parameters());
-  const at::Tensor prediction = state.graph.forward(state.inputs(batch), GraphMode::training);
+  forget_gradients(state.learned);
+  const GraphInputs inputs = state.inputs(batch);
+  const at::Tensor fused = state.graph.fuse(inputs, GraphMode::training);
   const at::Tensor target = state.sounds(batch, batch.target);
-  const at::Tensor loss = state.loss == LossKind::magnitude
-                              ? magnitude_loss(state.magnitude, prediction, target)
-                              : log_magnitude_loss(state.magnitude, prediction, target);
+  at::Tensor loss;
+  if (const double weight = state.options.place; weight > 0) {
+    loss = state.probe_error(batch, fused, inputs.source, target) * weight;
+  }
+  if (steps() >= state.options.place_steps) {
+    const at::Tensor error = state.sound_error(inputs.source, fused, target);
+    loss = loss.defined() ? loss + error : error;
+  }
   loss.backward();
   return loss.item<double>();
 }
@@ -93,7 +128,7 @@ std::map<std::string, Tensor> ViGasLearner::gradients() const {
 }
 
 void ViGasLearner::visit_gradients(const Visitor& visitor) {
-  earpoint::visit_gradients(state_->graph.tensors().parameters, visitor);
+  earpoint::visit_gradients(state_->learned, visitor);
 }
 
 void ViGasLearner::visit_statistics(const Visitor& visitor) {
@@ -108,6 +143,7 @@ SafetensorsFile ViGasLearner::weight_file() const { return vigas_weight_file(wei
 
 SafetensorsFile ViGasLearner::checkpoint() const {
   SafetensorsFile file = vigas_weight_file(weights());
+  if (state_->options.place > 0) state_->probe.save(file);
   state_->adam.save(file);
   return file;
 }
@@ -115,6 +151,7 @@ SafetensorsFile ViGasLearner::checkpoint() const {
 ViGasLearner ViGasLearner::from_checkpoint(const SafetensorsFile& file, std::string_view where,
                                            LearnerOptions options) {
   ViGasLearner learner(vigas_weights(file, where), std::move(options));
+  if (learner.state_->options.place > 0) learner.state_->probe.load(file, where);
   learner.state_->adam.load(file, where);
   return learner;
 }

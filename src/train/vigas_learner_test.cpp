@@ -173,6 +173,58 @@ TEST(ViGasLearner, GoesOnFromItsCheckpointAsIfNeverStopped) {
   EXPECT_TRUE(resumed.weights().tensors == unbroken.weights().tensors);
 }
 
+/// The same, where the conditioning vector is asked what it knows.
+TEST(ViGasLearner, GoesOnWithItsProbe) {
+  const ViGasDescription d = small();
+  TrainingBatch batch = batch_for(d, 2);
+  batch.inputs["place"] = noise(2 * 4, 1.0, 30);
+  const LearnerOptions asked{.place = 0.5, .place_steps = 2};
+  ViGasLearner unbroken(initial_vigas_weights(d, 1), asked);
+  for (int step = 0; step < 3; ++step) {
+    unbroken.compute_gradients(batch);
+    unbroken.apply_gradients(0.01);
+  }
+  EXPECT_EQ(unbroken.steps(), 3);
+  const SafetensorsFile saved = unbroken.checkpoint();
+  ViGasLearner resumed = ViGasLearner::from_checkpoint(saved, "checkpoint", asked);
+  for (int step = 0; step < 2; ++step) {
+    EXPECT_EQ(resumed.compute_gradients(batch), unbroken.compute_gradients(batch));
+    resumed.apply_gradients(0.01);
+    unbroken.apply_gradients(0.01);
+  }
+  EXPECT_TRUE(resumed.weights().tensors == unbroken.weights().tensors);
+  EXPECT_EQ(unbroken.weight_file().tensors.count("conditioning_probe.weight"), 0);
+  SafetensorsFile without = saved;
+  without.tensors.erase("conditioning_probe.weight");
+  EXPECT_THROW(static_cast<void>(ViGasLearner::from_checkpoint(without, "checkpoint", asked)),
+               InputError);
+}
+
+/// The sounds tell nothing of the place, so only the probe's question can have taught it.
+TEST(ViGasLearner, LearnsWhatItsProbeAsks) {
+  const ViGasDescription d = small();
+  constexpr int kClips = 8;
+  TrainingBatch batch = batch_for(d, kClips);
+  batch.target = batch.source;
+  std::vector<float>& place = batch.inputs["place"];
+  for (std::size_t clip = 0; clip < kClips; ++clip) {
+    const float* box = &batch.inputs.at("bboxes")[4 * clip];
+    place.insert(place.end(), {box[0], box[1] * box[0], box[2], box[3]});
+  }
+  const auto share_left = [&](double weight) {
+    ViGasLearner learner(initial_vigas_weights(d, 1), {.place = weight});
+    const double first = learner.compute_gradients(batch);
+    double last = first;
+    for (int step = 0; step < 300; ++step) {
+      learner.apply_gradients(0.01);
+      last = learner.compute_gradients(batch);
+    }
+    return last / first;
+  };
+  // What the probe asks is nearly all of the second loss and none of the first.
+  EXPECT_LT(share_left(100.0), 0.1);
+}
+
 std::string refusal(const std::function<void()>& action) {
   try {
     action();

@@ -23,6 +23,7 @@ enum class PoseEncoding {
 enum class BoxEncoding {
   soundspaces,  ///< [y_min, y_max, x_min, x_max], pixels of 256 divided by 255
   corners,      ///< [x_min, y_min, x_max, y_max], from 0 to 1
+  centre,       ///< [1, 4 (x - 1/2), 4 (y - 1/2), 2 ln 2 h]: middle and height, of like spread
 };
 
 /// One of the inputs that are joined into the conditioning vector.

@@ -23,6 +23,12 @@ enum class LossKind {
 
 struct LearnerOptions {
   LossKind loss = LossKind::magnitude;
+  /// Weight, beside the loss, of how well a linear layer reads from the conditioning vector where
+  /// the speaker is from the target and how each ear's level changes; 0 asks nothing. Batches then
+  /// have an input "place".
+  double place = 0.0;
+  /// So many steps learn only that and make no sound: many times as fast.
+  std::int64_t place_steps = 0;
   std::string device = "cpu";  ///< or "cuda", "cuda:1", where LibTorch has it
 };
 
