@@ -230,6 +230,8 @@ PairSample PairSampler::sample(const SoundSpacesClip& clip, const SoundSpacesCho
   WindowConvolver convolver(truth.dry, truth.lead);
   sample.source = convolver.heard(truth.source_response);
   sample.target = convolver.heard(truth.target_response);
+  sample.dry = Waveform(1, samples, kRateHz);
+  copy_window(truth.dry, 0, truth.lead, sample.dry.channel(0));
   sample.picture = state_->picture(source.image);
   sample.speaker_box = from_soundspaces_box(source.bboxes.at(speaker.id));
   sample.world_from_source = world_from_viewpoint(source);

@@ -18,6 +18,9 @@ namespace {
 constexpr int kEars = 2;
 // Long enough for the first 10 dB of any room's decay and for C50 but for what is 25 dB down.
 constexpr double kResponse_s = 0.5;
+// A method may put the sound at one ear before its beginning at the other, where the true response
+// begins; a filter that could not would lose the direct sound. Ears are 0.7 ms apart.
+constexpr double kAhead_s = 0.004;
 
 constexpr std::array<Metric, kMetricCount> kMetrics = {Metric::mag,
                                                        Metric::lre,
@@ -110,6 +113,7 @@ struct ClipMeasurer::State {
   /// Keeps as much of the dry speech as the response that is looked for can reach.
   void plan_fit(const PairTruth& truth, const Waveform& sound) {
     const auto taps = static_cast<std::ptrdiff_t>(kResponse_s * sound.sample_rate_hz());
+    const auto ahead = static_cast<std::ptrdiff_t>(kAhead_s * sound.sample_rate_hz());
     const std::ptrdiff_t new_lead = std::min(truth.lead, taps - 1);
     const auto speech = truth.dry.channel(0);
     EARPOINT_CHECK(std::ssize(speech) == truth.lead + sound.samples());
@@ -117,7 +121,7 @@ struct ClipMeasurer::State {
     if (fit && lead == new_lead && planned_samples == sound.samples()) return;
     lead = new_lead;
     planned_samples = sound.samples();
-    fit.emplace(FilterShape{.before = 0, .after = taps}, lead, planned_samples,
+    fit.emplace(FilterShape{.before = ahead, .after = taps}, lead, planned_samples,
                 FilterFit::Options{});
   }
 

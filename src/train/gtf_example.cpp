@@ -22,6 +22,7 @@ TrainingExample gtf_example(const GtfDescription& description, const PairSample&
   TrainingExample example;
   example.source.assign(sample.source.planar().begin(), sample.source.planar().end());
   example.target.assign(sample.target.planar().begin(), sample.target.planar().end());
+  example.inputs["dry"].assign(sample.dry.planar().begin(), sample.dry.planar().end());
   const bool looks = description.picture_px > 0;
   GtfView view = gtf_view(looks ? sample.picture.get() : nullptr, sample.speaker_box, kFov_rad,
                           looks ? description.picture_px : 1);

@@ -92,8 +92,13 @@ std::vector<double> GtfLearner::errors(const TrainingBatch& batch) {
 double GtfLearner::compute_gradients(const TrainingBatch& batch) {
   State& state = *state_;
   forget_gradients(state.graph.parameters());
-  const GtfTruth truth{State::sounds(batch, batch.target), State::values(batch, "speaker_m", 3),
-                       State::values(batch, "speaker_heading", 2)};
+  GtfTruth truth{State::sounds(batch, batch.target),
+                 {},
+                 State::values(batch, "speaker_m", 3),
+                 State::values(batch, "speaker_heading", 2)};
+  if (state.options.loss.decay > 0) {
+    truth.dry = State::values(batch, "dry", truth.target.size(2));
+  }
   const at::Tensor loss = gtf_loss(state.options.loss, state.forward(batch), truth);
   loss.backward();
   return loss.item<double>();

@@ -266,6 +266,30 @@ TEST(GtfLearner, ModulationCountsGapsThatAreFilled) {
   EXPECT_LT(modulation(bursts), 0.3 * modulation(filled));
 }
 
+TEST(GtfLearner, DecayCountsReverberationThatIsMissing) {
+  // The untrained network gives back its input, the dry speech itself.
+  const GtfDescription d = small();
+  TrainingBatch copy = batch_for(d, 1);
+  copy.inputs["dry"].assign(copy.source.begin(), copy.source.begin() + kSamples);
+  std::copy_n(copy.source.begin(), kSamples, copy.source.begin() + kSamples);
+  copy.target = copy.source;
+  TrainingBatch reverberant = copy;
+  // Half of the energy comes 60 ms later: the curve lies at -3 dB from the direct sound until then.
+  for (std::int64_t i = 2 * kSamples - 1; i >= 0; --i) {
+    if (i % kSamples >= 960) reverberant.target[i] += reverberant.target[i - 960];
+  }
+  const auto decay = [&](const TrainingBatch& batch) {
+    GtfLearnerOptions without;
+    GtfLearnerOptions with = without;
+    with.loss.decay = 1.0;
+    const GtfWeights weights = initial_gtf_weights(d, head(), 1);
+    return GtfLearner(weights, with).compute_gradients(batch) -
+           GtfLearner(weights, without).compute_gradients(batch);
+  };
+  EXPECT_LT(decay(copy), 0.5 * decay(reverberant));
+  EXPECT_GT(decay(reverberant), 3.0);
+}
+
 TEST(GtfExample, HoldsWhatTheNetworkIsToldAndWhereTheSpeakerIs) {
   PairSample sample;
   sample.source = Waveform(2, 16000, 16000);

@@ -1,5 +1,6 @@
 #include "gtf_loss.h"
 
+#include "decay_error.h"
 #include "short_time.h"
 
 #include <ATen/TensorOperators.h>
@@ -93,6 +94,9 @@ at::Tensor gtf_loss(const GtfLossWeights& weights, const GtfOutput& output, cons
   }
   if (weights.modulation > 0) {
     loss = loss + modulation_error(found, right) * weights.modulation;
+  }
+  if (weights.decay > 0) {
+    loss = loss + decay_error_db(truth.dry, output.sound, truth.target) * weights.decay;
   }
   if (weights.phase_difference > 0) {
     loss = loss + phase_difference_error(predicted, wanted) * weights.phase_difference;

@@ -12,6 +12,7 @@ namespace earpoint {
 /// What a prediction is measured by.
 struct GtfTruth {
   at::Tensor target;           ///< [clips][2][samples]
+  at::Tensor dry;              ///< [clips][samples]: the speech; needed where decay counts
   at::Tensor speaker_m;        ///< [clips][3]: the mouth in the source's frame
   at::Tensor speaker_heading;  ///< [clips][2]: cosine and sine of where it looks; zeros if unknown
 };

@@ -28,6 +28,7 @@ GtfLossWeights loss_from(const Json& json, const std::string& where) {
            {"level_difference", &weights.level_difference},
            {"level", &weights.level},
            {"modulation", &weights.modulation},
+           {"decay", &weights.decay},
            {"phase_difference", &weights.phase_difference},
            {"place", &weights.place}}) {
     if (!reader.has(key)) continue;

@@ -1,5 +1,7 @@
+#include <cmath>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -85,6 +87,33 @@ TEST_F(TaskKinds, NamesWhatIsWrongWithAGeometricNetwork) {
   EXPECT_NE(said(R"({"kind": "gtf", "loss": {"level": -1}})").find("'level': expected 0 to 1000"),
             std::string::npos);
   EXPECT_NE(said(R"({"kind": "gtf", "picture_px": 33})").find("multiple of 32"), std::string::npos);
+}
+
+TEST_F(TaskKinds, RefusesStepsThatWouldLearnNothing) {
+  EXPECT_NE(refusal(config_of(R"({"kind": "vigas", "place_steps": 3})"))
+                .find("'place': expected more than 0"),
+            std::string::npos);
+}
+
+TEST(ViGasExample, SaysWhereTheSpeakerIsFromTheTarget) {
+  PairSample sample;
+  sample.source = Waveform(2, 16000, 16000);
+  sample.target = Waveform(2, 16000, 16000);
+  sample.speaker_m = {2, 0, 0};
+  // Beside the speaker, 1 m to their left as the source sees it, and turned to the right.
+  sample.source_from_target = {{2, 1, 0}, quaternion_from_euler({.yaw_rad = -0.5 * kPi})};
+  ViGasDescription d;
+  d.pose_encoding = PoseEncoding::full;
+  d.inputs = {{"tgt_pose", 3}, {"tgt_rotation", 6}};
+  const std::vector<float> place = vigas_example(d, sample).inputs.at("place");
+  ASSERT_EQ(place.size(), 4U);
+  EXPECT_NEAR(place[0], 1.0, 1e-6);  // straight ahead
+  EXPECT_NEAR(place[1], 0.0, 1e-6);
+  EXPECT_NEAR(place[2], 0.0, 1e-6);             // at 1 m
+  EXPECT_NEAR(place[3], -std::log(2.0), 1e-6);  // half as far as from the source
+  // Turned back by a quarter, the speaker is to the right.
+  sample.source_from_target.orientation = {};
+  EXPECT_NEAR(vigas_example(d, sample).inputs.at("place")[1], -1.0, 1e-6);
 }
 
 TEST_F(TaskKinds, TrainsAnEstimatorOfReverberationTime) {

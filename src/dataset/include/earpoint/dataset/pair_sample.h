@@ -21,6 +21,7 @@ struct PairSample {
   Waveform source;  ///< 2 ears, 16 kHz: the high-passed speech as the source view hears it, the
                     ///< response's delay dropped as the released loader does
   Waveform target;  ///< the same at the target
+  Waveform dry;     ///< 1 channel: the high-passed speech in the same window, for supervision
   std::optional<Waveform> ambient;  ///< taken out of the source: both together are what it heard;
                                     ///< nothing where nothing was. See ambient.h
   std::shared_ptr<const Image> picture;   ///< of the source view, RGB; shared

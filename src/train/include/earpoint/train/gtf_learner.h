@@ -23,6 +23,7 @@ struct GtfLossWeights {
   double level_difference = 0.01;  ///< of the level between the ears, dB
   double level = 0.01;             ///< of each ear's level, dB
   double modulation = 0.0;         ///< of the spread of each bin's level over time, nepers
+  double decay = 0.0;              ///< of the decay of the response from dry speech, dB
   double phase_difference = 0.05;  ///< of the phase between the ears
   double place = 0.02;             ///< of the speaker's estimated direction, distance and heading
 
