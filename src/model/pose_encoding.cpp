@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <cmath>
 
 #include <earpoint/core/error.h>
@@ -8,8 +7,6 @@ namespace earpoint {
 namespace {
 
 constexpr double kCentimetresPerMetre = 100.0;
-/// Of a picture's height; what is smaller counts as far away as this.
-constexpr double kLeastHeight = 0.01;
 
 void append_sine_cosine(std::vector<float>& values, double angle_rad) {
   values.push_back(static_cast<float>(std::sin(angle_rad)));
@@ -79,7 +76,8 @@ std::vector<float> encode_box(BoxEncoding encoding, const Box& box) {
     case BoxEncoding::corners:
       return to_floats({box.x_min, box.y_min, box.x_max, box.y_max});
     case BoxEncoding::centre: {
-      const double height = std::max(box.y_max - box.y_min, kLeastHeight);
+      const double height = box.y_max - box.y_min;
+      if (height <= 0.0) return std::vector<float>(4);
       return to_floats({1.0, 2.0 * (box.x_min + box.x_max - 1.0),
                         2.0 * (box.y_min + box.y_max - 1.0), 2.0 * std::log(2.0 * height)});
     }
@@ -88,8 +86,7 @@ std::vector<float> encode_box(BoxEncoding encoding, const Box& box) {
 }
 
 std::vector<float> encode_box(BoxEncoding encoding, const std::optional<Box>& box) {
-  if (!box) return std::vector<float>(4);
-  return encode_box(encoding, *box);
+  return encode_box(encoding, box.value_or(Box{}));
 }
 
 }  // namespace earpoint

@@ -104,8 +104,9 @@ TEST(BoxEncoding, SaysNothingOfASpeakerOutOfSight) {
   }
 }
 
-TEST(BoxEncoding, BoundsABoxWithoutHeight) {
-  EXPECT_TRUE(std::isfinite(encode_box(BoxEncoding::centre, Box{0.2, 0.5, 0.2, 0.5})[3]));
+TEST(BoxEncoding, TakesABoxWithoutHeightForNobody) {
+  EXPECT_EQ(encode_box(BoxEncoding::centre, Box{}), std::vector<float>(4));
+  EXPECT_EQ(encode_box(BoxEncoding::centre, Box{0.2, 0.5, 0.2, 0.5}), std::vector<float>(4));
 }
 
 }  // namespace

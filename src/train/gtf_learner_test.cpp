@@ -45,6 +45,7 @@ TrainingBatch batch_for(const GtfDescription& d, std::int64_t clips) {
   batch.clips = clips;
   batch.source = noise(clips * 2 * kSamples, 0.1, 1);
   batch.target = noise(clips * 2 * kSamples, 0.05, 2);
+  batch.inputs["dry"] = noise(clips * kSamples, 0.1, 7);
   if (d.picture_px > 0) {
     batch.pictures = noise(clips * 3 * d.picture_px * d.picture_px, 0.2, 3);
   }
@@ -161,7 +162,13 @@ void expect_slope(const GtfDescription& d) {
   const GtfWeights weights = stirred(d);
   const TrainingBatch batch = batch_for(d, 2);
   GtfLearnerOptions options;
-  options.loss = {0.1, 0.01, 0.01, 0.03, 0.1, 0.1};
+  options.loss = {.log_magnitude = 0.1,
+                  .level_difference = 0.01,
+                  .level = 0.01,
+                  .modulation = 0.03,
+                  .decay = 0.01,
+                  .phase_difference = 0.1,
+                  .place = 0.1};
   GtfLearner learner(weights, options);
   learner.compute_gradients(batch);
   double slope = 0.0;

@@ -1,4 +1,5 @@
 #include <cmath>
+#include <span>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -52,10 +53,11 @@ double change(const ViGasDescription& description, std::uint64_t seed) {
 }
 
 TEST(IdentityWeights, GiveBackTheInputNearlyUnchanged) {
-  // The leaks add 5 % and the gates' sway as much; it is not to be zero, either.
+  // The leaks add 5 %; the gates' sway is a tenth of a vector whose size varies by half from seed
+  // to seed, on gains that it changes by half as much. It is not to be zero, either.
   for (const std::uint64_t seed : {1, 2, 3}) {
-    EXPECT_LT(change(network(1, 10, 32), seed), 0.08) << seed;
-    EXPECT_LT(change(network(3, 10, 64), seed), 0.08) << seed;
+    EXPECT_LT(change(network(1, 10, 32), seed), 0.12) << seed;
+    EXPECT_LT(change(network(3, 10, 64), seed), 0.12) << seed;
     EXPECT_GT(change(network(1, 10, 32), seed), 1e-3) << seed;
   }
 }
@@ -64,7 +66,7 @@ TEST(IdentityWeights, EveryKindOfInputCountsAlike) {
   ViGasDescription d = network(1, 4, 16);
   d.inputs.push_back({"visual_feat", 72});
   const ViGasWeights weights = identity_vigas_weights(d, 1);
-  const std::vector<float> fusion = weights.at("fusion.0.weight").as<float>();
+  const std::span<const float> fusion = weights.at("fusion.0.weight").as<float>();
   std::vector<double> energy;  // that each kind brings to the hidden layer
   std::size_t column = 0;
   for (const ConditioningInput& input : d.inputs) {

@@ -31,7 +31,7 @@ EncodedPose encode_pose(PoseEncoding encoding, const Pose& source_from_target);
 
 /// @return the four numbers of `bboxes`: [y_min, y_max, x_min, x_max] for soundspaces, [x_min,
 ///         y_min, x_max, y_max] for corners, fractions of the picture; for centre [1, 4 (x - 1/2),
-///         4 (y - 1/2), 2 ln 2 h] of its middle and height
+///         4 (y - 1/2), 2 ln 2 h] of its middle and height, zeros for a box without height
 std::vector<float> encode_box(BoxEncoding encoding, const Box& box);
 
 /// The same; four zeros stand for a speaker who is out of sight, as in the SoundSpaces data set.
