@@ -7,6 +7,7 @@ RUNS holds folders DATA/METHOD as `earpoint train --out` fills them. The table's
 line through the later half of a curve, on logarithmic axes, to ten times the clips.
 """
 import csv
+import json
 import math
 import os
 import sys
@@ -17,10 +18,17 @@ COLOURS = {"gtf-magnitude": "#56b4e9", "gtf": "#0072b2", "vigas": "#d55e00", "vi
 
 
 def curve_of(folder):
-    """(clips, error) pairs of the validations after the first step, and seconds of the whole run."""
+    """(clips, error) pairs of the validations, and seconds of the whole run.
+
+    Steps that made no sound are not counted, nor are validations before their end.
+    """
     with open(os.path.join(folder, "validation.csv"), encoding="utf-8") as file:
         rows = [{key: float(value) for key, value in row.items()} for row in csv.DictReader(file)]
-    return [(row["clips"], row["error"]) for row in rows], rows[-1]["seconds"]
+    with open(os.path.join(folder, "config.json"), encoding="utf-8") as file:
+        config = json.load(file)
+    silent = config["network"].get("place_steps", 0) * config["training"]["batch"]
+    return [(row["clips"] - silent, row["error"]) for row in rows
+            if row["clips"] >= silent], rows[-1]["seconds"]
 
 
 def forecast(curve, clips):

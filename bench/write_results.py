@@ -170,7 +170,8 @@ SECTIONS = [
     ("Learning curves", "learning_curves.md", None,
      "`bench/learning_curves.py`: Mag on 256 validation pairs while `earpoint train` runs on one core "
      "beside others, so minutes are upper bounds. gtf goes on from where gtf-magnitude ends, with the depth "
-     "of modulation in its loss, which Mag does not see. "
+     "of modulation and the decay in its loss, which Mag does not see. vigas and vigas-blind first learn "
+     "where the speaker is, with no sound made; those clips do not count. "
      "![Error over clips seen](images/learning-curves.svg)"),
     ("Reverberation time from sound", "rt60_error.json", rt60_table,
      "`rt60_error DATA test`: the estimator that RTE is computed with, on simulated speech of homes and "
