@@ -27,15 +27,7 @@ std::map<std::string, at::Tensor> moments(const SafetensorsFile& file, std::stri
                                           const std::map<std::string, at::Tensor>& parameters) {
   std::map<std::string, at::Tensor> found;
   for (const auto& [name, parameter] : parameters) {
-    const std::string key = std::string(prefix) + name;
-    const auto entry = file.tensors.find(key);
-    if (entry == file.tensors.end() || entry->second.dtype != DType::f32 ||
-        at::IntArrayRef(entry->second.shape) != parameter.sizes()) {
-      throw InputError(
-          where, fmt::format("has no tensor '{}' of type F32 and the shape of '{}'", key, name),
-          "was it written by training?");
-    }
-    found[name] = to_torch(entry->second, parameter.device());
+    found[name] = saved_tensor(file, where, std::string(prefix) + name, parameter);
   }
   return found;
 }

@@ -7,9 +7,6 @@
 #include <ATen/ops/cat.h>
 #include <ATen/ops/linear.h>
 #include <ATen/ops/zeros.h>
-#include <fmt/format.h>
-
-#include <earpoint/core/error.h>
 
 namespace earpoint {
 namespace {
@@ -49,13 +46,7 @@ void ConditioningProbe::save(SafetensorsFile& file) const {
 void ConditioningProbe::load(const SafetensorsFile& file, std::string_view where) {
   const at::NoGradGuard no_gradients;
   for (auto& [name, parameter] : parameters_) {
-    const auto found = file.tensors.find(name);
-    if (found == file.tensors.end() || found->second.dtype != DType::f32 ||
-        at::IntArrayRef(found->second.shape) != parameter.sizes()) {
-      throw InputError(where, fmt::format("has no tensor '{}' of its shape", name),
-                       "was it written by training with 'place'?");
-    }
-    parameter.copy_(to_torch(found->second, parameter.device()));
+    parameter.copy_(saved_tensor(file, where, name, parameter));
   }
 }
 

@@ -5,6 +5,7 @@
 #include <ATen/ops/empty.h>
 #include <ATen/ops/zeros.h>
 #include <c10/util/Exception.h>
+#include <fmt/format.h>
 
 #include <earpoint/core/error.h>
 
@@ -31,6 +32,19 @@ at::Tensor to_torch(std::span<const float> values, const std::vector<std::int64_
 
 at::Tensor to_torch(const Tensor& tensor, const at::Device& device) {
   return to_torch(tensor.as<float>(), tensor.shape, device);
+}
+
+at::Tensor saved_tensor(const SafetensorsFile& file, std::string_view where,
+                        const std::string& name, const at::Tensor& like) {
+  const auto found = file.tensors.find(name);
+  if (found == file.tensors.end() || found->second.dtype != DType::f32 ||
+      at::IntArrayRef(found->second.shape) != like.sizes()) {
+    throw InputError(where,
+                     fmt::format("has no tensor '{}' of type F32 and shape {}", name,
+                                 to_string(like.sizes().vec())),
+                     "was it written by training with this configuration?");
+  }
+  return to_torch(found->second, like.device());
 }
 
 Tensor from_torch(const at::Tensor& tensor) {

@@ -3,10 +3,12 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <ATen/core/Tensor.h>
 
+#include <earpoint/model/safetensors.h>
 #include <earpoint/model/tensor.h>
 
 namespace earpoint {
@@ -20,6 +22,12 @@ at::Device device_named(const std::string& name);
 at::Tensor to_torch(std::span<const float> values, const std::vector<std::int64_t>& shape,
                     const at::Device& device);
 at::Tensor to_torch(const Tensor& tensor, const at::Device& device);
+
+/// What training saved beside the weights. @param where  the file, for messages
+/// @return a copy on the device of `like`
+/// @throws InputError if the file has no float32 tensor of that name and the shape of `like`
+at::Tensor saved_tensor(const SafetensorsFile& file, std::string_view where,
+                        const std::string& name, const at::Tensor& like);
 
 /// A copy in memory of a float32 tensor, wherever it lies.
 Tensor from_torch(const at::Tensor& tensor);

@@ -76,13 +76,11 @@ TrainingTask vigas_task(const TrainConfig& config, std::string_view where,
 /// What ConditioningProbe asks: cosine and sine of the speaker's azimuth at the target, logarithm
 /// of the distance there in metres, and by how much that is larger than at the source.
 std::vector<float> place_of(const PairSample& sample) {
-  const auto distance_m = [](const Vector3& p) {
-    return std::max(std::hypot(p.x, p.y, p.z), kNearest_m);
-  };
-  const Vector3 seen = transform_point(inverse(sample.source_from_target), sample.speaker_m);
-  const double azimuth_rad = std::atan2(seen.y, seen.x);
-  const double target_m = distance_m(seen);
-  const double source_m = distance_m(sample.speaker_m);
+  const Spherical seen = spherical_from_cartesian(
+      transform_point(inverse(sample.source_from_target), sample.speaker_m));
+  const double azimuth_rad = seen.azimuth_rad;
+  const double target_m = std::max(seen.distance_m, kNearest_m);
+  const double source_m = std::max(norm(sample.speaker_m), kNearest_m);
   return {static_cast<float>(std::cos(azimuth_rad)), static_cast<float>(std::sin(azimuth_rad)),
           static_cast<float>(std::log(target_m)),
           static_cast<float>(std::log(target_m / source_m))};

@@ -42,7 +42,8 @@ struct GtfLearnerOptions {
 [[nodiscard]] GtfWeights initial_gtf_weights(const GtfDescription& description, const HrtfSet& head,
                                              std::uint64_t seed);
 
-/// A sample as the network is trained on it: beside its inputs it holds where the speaker is.
+/// A sample as the network is trained on it: beside its inputs it holds where the speaker is and
+/// what is said, "dry".
 [[nodiscard]] TrainingExample gtf_example(const GtfDescription& description,
                                           const PairSample& sample);
 

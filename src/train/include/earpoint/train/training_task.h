@@ -34,7 +34,9 @@ struct TaskOptions {
 [[nodiscard]] TrainingTask make_training_task(const TrainConfig& config, std::string_view where,
                                               const TaskOptions& options);
 
-/// A sample as a ViGAS network is trained on it.
+/// A sample as a ViGAS network is trained on it: beside its inputs it holds, as "place", cosine and
+/// sine of the speaker's azimuth at the target, the logarithm of the distance there in metres, and
+/// that of this distance over the source's.
 [[nodiscard]] TrainingExample vigas_example(const ViGasDescription& description,
                                             const PairSample& sample);
 
