@@ -115,6 +115,7 @@ TEST_F(PairSamplerTest, TruthConvolvesToTheSample) {
     std::copy_n(all.begin() + truth.lead, kPairSamples, heard.channel(ear).begin());
   }
   expect_same(sample.target, heard);
+  expect_same(sample.dry, window_of(truth.dry, truth.lead, kPairSamples));
 }
 
 TEST_F(PairSamplerTest, RelativeDelaysAreTheWaysDifference) {

@@ -134,6 +134,24 @@ TEST(ClipMeasurer, DecayErrorsAreThoseOfTheResponses) {
   EXPECT_NEAR(metrics[Metric::clarity].value(), clarity_db, 0.05 * clarity_db);
 }
 
+TEST(ClipMeasurer, AnEarThatHearsEarlyDecaysAsItDid) {
+  constexpr std::ptrdiff_t kEarly = 8;  // half a millisecond, a voice at the side
+  const PairTruth truth{.dry = noise(1, kRate_hz + 6399, 2),
+                        .lead = 6399,
+                        .source_response = {},
+                        .target_response = {}};
+  const Waveform target = heard(truth.dry, room(0.5, 3), truth.lead);
+  const Waveform earlier = heard(truth.dry, room(0.5, 3), truth.lead + kEarly);
+  Waveform early = target;
+  std::ranges::copy(earlier.channel(0), early.channel(0).begin());
+  ClipMeasurer measurer({});
+  measurer.set_target(target, &truth);
+  const ClipMetrics metrics = measurer.measure(early);
+  // The last samples are still the target's: 8 of 16,000.
+  EXPECT_LT(metrics[Metric::early_decay].value(), 0.01);
+  EXPECT_LT(metrics[Metric::clarity].value(), 0.1);
+}
+
 TEST(ClipMeasurer, SilentEarHasNoLevelErrorAndNanIsRefused) {
   const Waveform target = noise(2, kRate_hz, 1);
   ClipMeasurer measurer({});

@@ -211,18 +211,48 @@ TEST(ViGasLearner, LearnsWhatItsProbeAsks) {
     const float* box = &batch.inputs.at("bboxes")[4 * clip];
     place.insert(place.end(), {box[0], box[1] * box[0], box[2], box[3]});
   }
-  const auto share_left = [&](double weight) {
-    ViGasLearner learner(initial_vigas_weights(d, 1), {.place = weight});
-    const double first = learner.compute_gradients(batch);
-    double last = first;
-    for (int step = 0; step < 300; ++step) {
-      learner.apply_gradients(0.01);
-      last = learner.compute_gradients(batch);
-    }
-    return last / first;
+  ViGasLearner learner(initial_vigas_weights(d, 1), {.place = 100.0});
+  const double first = learner.compute_gradients(batch);
+  double last = first;
+  for (int step = 0; step < 300; ++step) {
+    learner.apply_gradients(0.01);
+    last = learner.compute_gradients(batch);
+  }
+  // What the probe asks is nearly all of the loss.
+  EXPECT_LT(last, 0.1 * first);
+}
+
+TEST(ViGasLearner, AsksForThePlaceAndForNepersOfLevel) {
+  const ViGasDescription d = small();
+  TrainingBatch batch = batch_for(d, 1);
+  batch.inputs["place"] = {0.6F, 0.8F, 0.5F, -0.5F};
+  // The left ear e times as loud, the right ear as it was.
+  batch.target = batch.source;
+  for (std::int64_t i = 0; i < kSamples; ++i) batch.target[i] *= std::exp(1.0F);
+  // A probe of zeros answers zero: the loss of a silent step is the sum of the squares.
+  ViGasLearner learner(initial_vigas_weights(d, 1), {.place = 2.0, .place_steps = 1});
+  EXPECT_NEAR(learner.compute_gradients(batch), 2.0 * (0.36 + 0.64 + 0.25 + 0.25 + 1.0), 1e-3);
+}
+
+TEST(ViGasLearner, FirstStepWithSoundIsAsLongAsTheFirstStepOfAll) {
+  const ViGasDescription d = small();
+  TrainingBatch batch = batch_for(d, 1);
+  batch.inputs["place"] = noise(4, 1.0, 30);
+  ViGasLearner learner(stirred(d), {.place = 1.0, .place_steps = 50});
+  const auto stack = [&] { return learner.weights().at("input.weight"); };
+  const Tensor before = stack();
+  const auto step = [&] {
+    learner.compute_gradients(batch);
+    learner.apply_gradients(0.01);
   };
-  // What the probe asks is nearly all of the second loss and none of the first.
-  EXPECT_LT(share_left(100.0), 0.1);
+  for (int i = 0; i < 50; ++i) step();
+  EXPECT_TRUE(stack() == before);  // no sound, no gradient
+  step();
+  const Tensor after = stack();
+  // Adam's first step goes by the learning rate, whatever the gradient.
+  for (std::int64_t i = 0; i < before.elements(); ++i) {
+    EXPECT_NEAR(std::abs(after.as<float>()[i] - before.as<float>()[i]), 0.01, 1e-4);
+  }
 }
 
 std::string refusal(const std::function<void()>& action) {
