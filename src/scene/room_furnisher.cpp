@@ -87,7 +87,7 @@ std::size_t RoomFurnisher::triangles_left() const {
 
 std::optional<FurniturePiece> RoomFurnisher::draw(FurnitureKind kind, const Vector3& limit_m) {
   // One piece takes at most a sixth of what is left, so that the last rooms get models, too.
-  return draw_furniture(shared_.library, kind, limit_m, triangles_left() / 6, random_);
+  return draw_furniture(shared_.catalogue, kind, limit_m, triangles_left() / 6, random_);
 }
 
 double RoomFurnisher::wall_length_m(Side side) const {

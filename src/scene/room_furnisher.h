@@ -30,7 +30,7 @@ class RoomFurnisher {
   /// What all rooms of a home share; must outlive the furnisher.
   struct Shared {
     const FloorPlan& plan;
-    const FurnitureLibrary& library;
+    const FurnitureLibrary& catalogue;
     const FurnitureStyle& style;
     SceneBuilder& builder;
     std::vector<PlacedFurniture>& furniture;
