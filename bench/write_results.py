@@ -181,8 +181,8 @@ SECTIONS = [
     ("Ablations in unseen homes", "ablations-novel.json", evaluation_table,
      "`earpoint evaluate --ablations --json`, as above."),
     ("Generalisation", "generalisation.json", generalisation_table,
-     "`bench/generalisation.py --every 2`: gtf's mean errors over those of the unchanged input, in unseen homes, "
-     "where something is not as in training; below 1 it helps. `dsp` is told where the speaker truly "
+     "`bench/generalisation.py --every 2`: gtf's mean errors over those of the unchanged input, in "
+     "unseen homes, where something is not as in training; below 1 it helps. `dsp` is told where the speaker truly "
      "is. Voices of the test split are in no other; Greek is a language that training never has."),
     ("Ambient sound in one home", "ambient-single.json", evaluation_table,
      "`earpoint evaluate --ambient -40 --json`: room noise in what every source hears, separated by the "
