@@ -5,43 +5,53 @@
 #include <utility>
 #include <vector>
 
-#include <samplerate.h>
+#include <soxr.h>
 
 #include <earpoint/audio/resample.h>
 #include <earpoint/core/error.h>
 
 namespace earpoint {
+namespace {
 
-/// Holds one converter; interleaved samples, as libsamplerate wants them.
+constexpr double kPassBand = 0.96;  // of the lower Nyquist frequency
+
+}  // namespace
+
+/// Holds one converter; interleaved samples.
 struct StreamResampler::State {
   State(int channels_in, int from, int to) : channels(channels_in), from_hz(from), to_hz(to) {
-    int error = 0;
-    converter = src_new(SRC_SINC_BEST_QUALITY, channels, &error);
-    EARPOINT_CHECK(converter != nullptr);
+    const soxr_io_spec_t interleaved = soxr_io_spec(SOXR_FLOAT32_I, SOXR_FLOAT32_I);
+    soxr_quality_spec_t quality = soxr_quality_spec(SOXR_HQ, 0);
+    quality.passband_end = kPassBand;
+    soxr_error_t error = nullptr;
+    converter = soxr_create(from, to, static_cast<unsigned>(channels), &error, &interleaved,
+                            &quality, nullptr);
+    EARPOINT_CHECK(error == nullptr);
   }
-  ~State() { src_delete(converter); }
+  ~State() { soxr_delete(converter); }
   State(const State&) = delete;
   State& operator=(const State&) = delete;
 
-  /// Runs the converter over `input` and appends what comes out to `output`.
+  /// Runs the converter over `input`, nothing after which ends the sound if it is the `last`, and
+  /// appends what comes out to `output`.
   void convert(const std::vector<float>& input, bool last, std::vector<float>& output) {
-    SRC_DATA data{};
-    data.data_in = input.data();
-    data.input_frames = static_cast<long>(input.size()) / channels;
-    data.src_ratio = static_cast<double>(to_hz) / from_hz;
-    data.end_of_input = last ? 1 : 0;
-    const long room = 4096;
+    if (input.empty() && !last) return;  // to soxr, no input is the end
+    const float* next = input.data();
+    std::size_t left = input.size() / static_cast<std::size_t>(channels);
+    const std::size_t room = 4096;
     for (;;) {
+      const bool ends = last && left == 0;
       const std::size_t start = output.size();
-      output.resize(start + static_cast<std::size_t>(room * channels));
-      data.data_out = output.data() + start;
-      data.output_frames = room;
-      const int error = src_process(converter, &data);
-      EARPOINT_CHECK(error == 0);
-      output.resize(start + static_cast<std::size_t>(data.output_frames_gen * channels));
-      data.data_in += data.input_frames_used * channels;
-      data.input_frames -= data.input_frames_used;
-      if (data.input_frames == 0 && data.output_frames_gen < room) return;
+      output.resize(start + room * channels);
+      std::size_t used = 0;
+      std::size_t made = 0;
+      const soxr_error_t error = soxr_process(converter, ends ? nullptr : next, left, &used,
+                                              output.data() + start, room, &made);
+      EARPOINT_CHECK(error == nullptr);
+      output.resize(start + made * channels);
+      next += used * channels;
+      left -= used;
+      if (left == 0 && made < room && (ends || !last)) return;
     }
   }
 
@@ -53,14 +63,14 @@ struct StreamResampler::State {
   int channels;
   int from_hz;
   int to_hz;
-  SRC_STATE* converter = nullptr;
+  soxr_t converter = nullptr;
   std::int64_t frames_in = 0;
   std::int64_t frames_out = 0;
 };
 
 StreamResampler::StreamResampler(int channels, int from_hz, int to_hz) {
   EARPOINT_CHECK(channels > 0 && from_hz > 0 && to_hz > 0);
-  EARPOINT_CHECK(src_is_valid_ratio(static_cast<double>(to_hz) / from_hz) != 0);
+  EARPOINT_CHECK(from_hz / 256 <= to_hz && to_hz / 256 <= from_hz);
   state_ = std::make_unique<State>(channels, from_hz, to_hz);
 }
 StreamResampler::~StreamResampler() = default;
