@@ -3,19 +3,15 @@
 #include "metrics_command.h"
 #include "model_command.h"
 #include "render_command.h"
+#include "run_app.h"
 #include "simulate_command.h"
 #include "trace_command.h"
 #if defined(EARPOINT_TRAIN)
-#include "train_command.h"
+#include "train_program.h"
 #endif
 #include "view_command.h"
 
-#include <cstdio>
-#include <exception>
-
 #include <CLI/CLI.hpp>
-
-#include <earpoint/core/error.h>
 
 int main(int argc, char** argv) {
   CLI::App app("Earpoint: hear a recorded moment from another place.", "earpoint");
@@ -29,21 +25,8 @@ int main(int argc, char** argv) {
   add_simulate_command(app);
   add_trace_command(app);
 #if defined(EARPOINT_TRAIN)
-  add_train_command(app);
+  add_train_program(app, argv);
 #endif
   add_view_command(app);
-  try {
-    app.parse(argc, argv);
-    return 0;
-  } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
-    std::fprintf(stderr, "earpoint: %s; --help tells more\n", error.what());
-    return 2;
-  } catch (const earpoint::InputError& error) {
-    std::fprintf(stderr, "earpoint: %s\n", error.what());
-    return 2;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "earpoint: internal error: %s\n", error.what());
-    return 1;
-  }
+  return run_app(app, argc, argv);
 }

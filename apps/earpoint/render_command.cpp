@@ -200,6 +200,7 @@ void run_render(RenderArguments arguments) {
   ClipRenderOptions options;
   options.extend_band = arguments.band == "full";
   options.gain_db = arguments.gain_db;
+  options.threads = arguments.threads;
   if (arguments.ambient_cutoff_hz >= 0.0) options.ambient_cutoff_hz = arguments.ambient_cutoff_hz;
 
   SilentProgress silent;

@@ -229,10 +229,7 @@ void run(const Options& options) {
 
 void add_train_command(CLI::App& app) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand(
-      "train",
-      "Learn a network from a data set. The folder of the run holds best.safetensors, which "
-      "`earpoint render --model` takes at once, curves.png, and all that --resume goes on from.");
+  CLI::App* command = app.add_subcommand("train", kTrainDescription);
   command
       ->add_option("config", options->config,
                    "What to learn and how, e.g. configs/vigas-small-single.json")

@@ -1,0 +1,13 @@
+// earpoint-train: what `earpoint train` hands over to, the only program that loads LibTorch.
+#include "run_app.h"
+#include "train_command.h"
+
+#include <CLI/CLI.hpp>
+
+int main(int argc, char** argv) {
+  CLI::App app("Earpoint: hear a recorded moment from another place.", "earpoint");
+  app.require_subcommand(1);
+  app.set_version_flag("--version", EARPOINT_VERSION);
+  add_train_command(app);
+  return run_app(app, argc, argv);
+}

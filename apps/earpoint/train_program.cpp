@@ -1,0 +1,30 @@
+#include "train_program.h"
+
+#include "train_command.h"
+
+#include <filesystem>
+
+#include <CLI/CLI.hpp>
+#include <unistd.h>
+
+#include <earpoint/core/error.h>
+
+namespace {
+
+namespace fs = std::filesystem;
+
+void hand_over(char** argv) {
+  const fs::path program = fs::read_symlink("/proc/self/exe").parent_path() / "earpoint-train";
+  ::execv(program.c_str(), argv);
+  throw earpoint::InputError("train", "cannot start " + program.string(),
+                             "keep earpoint-train in the folder of earpoint");
+}
+
+}  // namespace
+
+void add_train_program(CLI::App& app, char** argv) {
+  CLI::App* command = app.add_subcommand("train", kTrainDescription);
+  command->prefix_command();
+  command->set_help_flag();
+  command->callback([argv] { hand_over(argv); });
+}
