@@ -1,5 +1,9 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
+#include <numeric>
+#include <span>
 
 #include <earpoint/core/error.h>
 #include <earpoint/core/pose.h>
@@ -37,19 +41,42 @@ std::vector<Cover> covers(int in, int out, double width) {
   return found;
 }
 
-/// The average over an area; what of it lies outside of the picture is grey.
-float average(const Image& picture, int channel, const Cover& row, const Cover& column) {
-  float sum = 0.0F;
-  float covered = 0.0F;
-  for (std::size_t y = 0; y < row.shares.size(); ++y) {
-    for (std::size_t x = 0; x < column.shares.size(); ++x) {
-      const float share = row.shares[y] * column.shares[x];
-      sum += share * static_cast<float>(picture.at(column.first + static_cast<int>(x),
-                                                   row.first + static_cast<int>(y), channel));
-      covered += share;
+float sum(std::span<const float> shares) {
+  return std::accumulate(shares.begin(), shares.end(), 0.0F);
+}
+
+/// Means over the areas where rows and columns cross; what of them lies outside of the picture is
+/// grey. First along x, then along y.
+/// @param view  [3][rows][columns], in [0, 1]
+void shrink(const Image& picture, const std::vector<Cover>& rows, const std::vector<Cover>& columns,
+            std::span<float> view) {
+  const std::span<const std::uint8_t> pixels = picture.pixels();
+  const auto width = static_cast<std::size_t>(picture.width());
+  const std::size_t across = columns.size();
+  std::vector<float> narrow(static_cast<std::size_t>(picture.height()) * across * 3);
+  auto narrowed = narrow.begin();
+  for (int y = 0; y < picture.height(); ++y) {
+    for (const Cover& column : columns) {
+      std::array<float, 3> sums{};
+      const std::uint8_t* pixel = pixels.data() + (y * width + column.first) * 3;
+      for (const float share : column.shares) {
+        for (float& total : sums) total += share * static_cast<float>(*pixel++);
+      }
+      narrowed = std::copy(sums.begin(), sums.end(), narrowed);
     }
   }
-  return sum / 255.0F + (1.0F - covered) * kGrey;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    for (std::size_t j = 0; j < across; ++j) {
+      const float bare = 1.0F - sum(rows[i].shares) * sum(columns[j].shares);
+      for (std::size_t channel = 0; channel < 3; ++channel) {
+        float total = 0.0F;
+        for (std::size_t y = 0; y < rows[i].shares.size(); ++y) {
+          total += rows[i].shares[y] * narrow[((rows[i].first + y) * across + j) * 3 + channel];
+        }
+        view[(channel * rows.size() + i) * across + j] = total / 255.0F + bare * kGrey;
+      }
+    }
+  }
 }
 
 }  // namespace
@@ -67,12 +94,7 @@ GtfView gtf_view(const Image* picture, const std::optional<Box>& speaker_box,
     const double width = picture->width() / half_width;
     const std::vector<Cover> columns = covers(picture->width(), size, width);
     const std::vector<Cover> rows = covers(picture->height(), size, width);
-    auto pixel = view.picture.begin();
-    for (int channel = 0; channel < 3; ++channel) {
-      for (const Cover& row : rows) {
-        for (const Cover& column : columns) *pixel++ = average(*picture, channel, row, column);
-      }
-    }
+    shrink(*picture, rows, columns, view.picture);
     aspect = static_cast<double>(picture->height()) / picture->width();
   }
   if (speaker_box) {

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <memory>
 #include <utility>
 
 #include <earpoint/core/error.h>
@@ -8,16 +9,9 @@
 #include <earpoint/synth/locate_speaker.h>
 #include <earpoint/synth/picture_stream.h>
 #include <earpoint/synth/source_stream.h>
-#include <earpoint/video/media.h>
 
 namespace earpoint {
 namespace {
-
-PictureStream open_picture(const RenderSource& source) {
-  if (source.picture) return PictureStream(*source.picture);
-  const MediaKind kind = probe_media(source.sound.path).kind;
-  return kind == MediaKind::movie ? PictureStream(source.sound.path) : PictureStream();
-}
 
 /// The standard deviation of an angle whose unit vectors have a mean of that length.
 double spread_of(double mean_length) {
@@ -67,7 +61,9 @@ LocatedSpeaker locate_speaker(const RenderSource& source, const GtfWeights& weig
                      "give one that does with --model");
   }
   const SoundSurvey survey = survey_sound(source.sound);
-  PictureStream pictures = description.picture_px > 0 ? open_picture(source) : PictureStream();
+  PictureStream pictures = description.picture_px > 0
+                               ? open_pictures(source.picture, source.sound.path)
+                               : PictureStream();
   constexpr int kRate_hz = GtfDescription::kSampleRateHz;
   SourceStream stream(source.sound, survey, kRate_hz, description.highpass_cutoff_hz.value_or(0.0));
   const std::ptrdiff_t samples = description.window_samples;
@@ -83,11 +79,11 @@ LocatedSpeaker locate_speaker(const RenderSource& source, const GtfWeights& weig
         static_cast<std::ptrdiff_t>(static_cast<double>(start) / kRate_hz * survey.sample_rate_hz));
     const double middle_s =
         (static_cast<double>(start) + 0.5 * static_cast<double>(samples)) / kRate_hz;
-    const Image* picture = pictures.nearest(middle_s);
+    const std::shared_ptr<const Image> picture = pictures.nearest(middle_s);
     const std::optional<Box> box =
         source.speaker_track ? std::optional(source.speaker_track->at(middle_s)) : std::nullopt;
     const GtfView view =
-        gtf_view(picture, box, horizontal_fov_rad, std::max(description.picture_px, 1));
+        gtf_view(picture.get(), box, horizontal_fov_rad, std::max(description.picture_px, 1));
     network.look(view.picture, view.speaker_box);
     const GtfSpeaker found = network.locate(window.primary.planar()).value();
     sightings.push_back({middle_s, found, network.statistics().level});

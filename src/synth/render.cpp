@@ -1,7 +1,11 @@
 #include <algorithm>
 #include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
 
 #include <earpoint/core/error.h>
+#include <earpoint/core/parallel.h>
 #include <earpoint/synth/picture_stream.h>
 #include <earpoint/synth/render.h>
 #include <earpoint/synth/sound_sink.h>
@@ -17,17 +21,17 @@ std::filesystem::path moving_picture(const RenderSource& source) {
   return probe_media(path).kind == MediaKind::movie ? path : std::filesystem::path();
 }
 
-PictureStream open_picture(const RenderSource& source, const AcousticSynthesizer& synthesizer,
-                           const std::filesystem::path& movie) {
+PictureStream pictures_for(const RenderSource& source, const AcousticSynthesizer& synthesizer) {
   const PictureUse use = synthesizer.picture_use();
   const bool by_box = source.speaker_track && !source.speaker_m;
   if (use == PictureUse::never || (use == PictureUse::with_box && !by_box)) return {};
-  if (source.picture) return PictureStream(*source.picture);
-  if (!movie.empty()) return PictureStream(movie);
-  if (use != PictureUse::always) return {};
-  throw InputError(source.sound.path.string(),
-                   "this model looks at the scene, and here is no picture",
-                   "give a picture before the sound: earpoint render frame.png sound.flac");
+  PictureStream pictures = open_pictures(source.picture, source.sound.path);
+  if (use == PictureUse::always && pictures.empty()) {
+    throw InputError(source.sound.path.string(),
+                     "this model looks at the scene, and here is no picture",
+                     "give a picture before the sound: earpoint render frame.png sound.flac");
+  }
+  return pictures;
 }
 
 RenderOutline outline_of(const RenderSource& source, const SoundSurvey& survey,
@@ -84,6 +88,22 @@ Waveform synthesize(AcousticSynthesizer& synthesizer, const EarpointPath& path,
   return synthesizer.synthesize_along(poses);
 }
 
+/// What is read of a window before anything is made of it.
+struct Moment {
+  SourceStream::Window sound;
+  std::shared_ptr<const Image> picture;
+  double middle_s = 0.0;
+};
+
+Observation observation_of(const RenderSource& source, const Moment& moment) {
+  Observation observation;
+  observation.sound = moment.sound.primary;
+  observation.picture = moment.picture.get();
+  if (source.speaker_track) observation.speaker_box = source.speaker_track->at(moment.middle_s);
+  observation.speaker_m = source.speaker_m;
+  return observation;
+}
+
 void check_targets(std::span<const RenderTarget> targets, const RenderSource& source,
                    double duration_s) {
   for (std::size_t i = 0; i < targets.size(); ++i) {
@@ -103,61 +123,111 @@ void check_targets(std::span<const RenderTarget> targets, const RenderSource& so
   }
 }
 
+/// One pass over the recording: every window goes from the source through the synthesizer to the
+/// targets.
+class Rendering {
+ public:
+  Rendering(const RenderSource& source, AcousticSynthesizer& synthesizer,
+            std::span<const RenderTarget> targets, const ClipRenderOptions& options)
+      : source_(source),
+        synthesizer_(synthesizer),
+        targets_(targets),
+        survey_(survey_sound(source.sound)),
+        shape_(synthesizer.window_shape(survey_.sample_rate_hz)),
+        pool_(std::min(2, options.threads)) {
+    check_targets(targets, source, survey_.duration_s());
+    const std::filesystem::path movie = moving_picture(source);
+    pictures_ = pictures_for(source, synthesizer);
+    stream_.emplace(source.sound, survey_, shape_.sample_rate_hz,
+                    options.ambient_cutoff_hz.value_or(synthesizer.ambient_cutoff_hz()));
+    outputs_ = open_targets(targets, survey_, shape_, options, movie);
+  }
+
+  RenderReport run(ProgressSink& progress) {
+    const std::ptrdiff_t windows = count_windows(stream_->model_samples(), shape_);
+    bool has_picture = false;
+    progress.begin("rendering", survey_.duration_s(), "s");
+    Moment next = read(0);
+    for (std::ptrdiff_t index = 0; index < windows; ++index) {
+      const Moment moment = std::exchange(next, {});
+      has_picture |= moment.picture != nullptr;
+      std::vector<Waveform> results;
+      pool_.run(2, [&](std::ptrdiff_t task, int /*worker*/) {
+        if (task == 1) {
+          results = synthesize_all(moment, start_of(index));
+        } else if (index + 1 < windows) {
+          next = read(index + 1);
+        }
+      });
+      write(moment, results);
+      // The last window takes its overlap along.
+      const std::ptrdiff_t done =
+          index + 1 < windows ? start_of(1) : stream_->model_samples() - start_of(index);
+      progress.advance(static_cast<double>(done) / shape_.sample_rate_hz);
+    }
+    for (TargetStream& output : outputs_) output.finish(*stream_);
+    RenderReport report{survey_, stream_->outline(), {}, static_cast<int>(windows), {}};
+    report.doubts = synthesizer_.doubts(outline_of(source_, survey_, targets_, has_picture));
+    for (TargetStream& output : outputs_) {
+      output.commit();
+      report.targets.push_back(output.outline());
+    }
+    progress.finish();
+    return report;
+  }
+
+ private:
+  [[nodiscard]] std::ptrdiff_t start_of(std::ptrdiff_t index) const {
+    return index * (shape_.samples - shape_.overlap);
+  }
+
+  Moment read(std::ptrdiff_t index) {
+    Moment moment;
+    moment.middle_s =
+        (static_cast<double>(start_of(index)) + static_cast<double>(shape_.samples) / 2) /
+        shape_.sample_rate_hz;
+    moment.sound = stream_->window(start_of(index), shape_.samples, shape_.context);
+    moment.picture = pictures_.nearest(moment.middle_s);
+    return moment;
+  }
+
+  std::vector<Waveform> synthesize_all(const Moment& moment, std::ptrdiff_t start) {
+    synthesizer_.observe(observation_of(source_, moment));
+    std::vector<Waveform> results;
+    for (const RenderTarget& target : targets_) {
+      results.push_back(synthesize(synthesizer_, target.path, shape_, start));
+    }
+    return results;
+  }
+
+  void write(const Moment& moment, std::span<const Waveform> results) {
+    const Waveform primary = without_context(moment.sound.primary, shape_);
+    std::ptrdiff_t needed = survey_.samples;
+    for (std::size_t i = 0; i < outputs_.size(); ++i) {
+      outputs_[i].add_window(primary, results[i], moment.sound.ambient, *stream_);
+      needed = std::min(needed, outputs_[i].written());
+    }
+    stream_->drop_high_band_before(needed);
+  }
+
+  const RenderSource& source_;
+  AcousticSynthesizer& synthesizer_;
+  std::span<const RenderTarget> targets_;
+  SoundSurvey survey_;
+  WindowShape shape_;
+  ThreadPool pool_;
+  PictureStream pictures_;
+  std::optional<SourceStream> stream_;
+  std::vector<TargetStream> outputs_;
+};
+
 }  // namespace
 
 RenderReport render(const RenderSource& source, AcousticSynthesizer& synthesizer,
                     std::span<const RenderTarget> targets, const ClipRenderOptions& options,
                     ProgressSink& progress) {
   EARPOINT_CHECK(!targets.empty());
-  const SoundSurvey survey = survey_sound(source.sound);
-  check_targets(targets, source, survey.duration_s());
-
-  const std::filesystem::path movie = moving_picture(source);
-  PictureStream picture = open_picture(source, synthesizer, movie);
-  const WindowShape shape = synthesizer.window_shape(survey.sample_rate_hz);
-  SourceStream stream(source.sound, survey, shape.sample_rate_hz,
-                      options.ambient_cutoff_hz.value_or(synthesizer.ambient_cutoff_hz()));
-  std::vector<TargetStream> outputs = open_targets(targets, survey, shape, options, movie);
-
-  const std::ptrdiff_t windows = count_windows(stream.model_samples(), shape);
-  const std::ptrdiff_t hop = shape.samples - shape.overlap;
-  bool has_picture = false;
-  progress.begin("rendering", survey.duration_s(), "s");
-  for (std::ptrdiff_t index = 0; index < windows; ++index) {
-    const std::ptrdiff_t start = index * hop;
-    const double middle_s = (static_cast<double>(start) + static_cast<double>(shape.samples) / 2) /
-                            shape.sample_rate_hz;
-    SourceStream::Window window = stream.window(start, shape.samples, shape.context);
-
-    Observation observation;
-    observation.sound = std::move(window.primary);
-    observation.picture = picture.nearest(middle_s);
-    has_picture |= observation.picture != nullptr;
-    if (source.speaker_track) observation.speaker_box = source.speaker_track->at(middle_s);
-    observation.speaker_m = source.speaker_m;
-    synthesizer.observe(observation);
-
-    const Waveform primary = without_context(observation.sound, shape);
-    std::ptrdiff_t needed = survey.samples;
-    for (std::size_t i = 0; i < outputs.size(); ++i) {
-      const Waveform result = synthesize(synthesizer, targets[i].path, shape, start);
-      outputs[i].add_window(primary, result, window.ambient, stream);
-      needed = std::min(needed, outputs[i].written());
-    }
-    stream.drop_high_band_before(needed);
-    // The last window takes its overlap along.
-    const std::ptrdiff_t rest = stream.model_samples() - start;
-    progress.advance(static_cast<double>(index + 1 < windows ? hop : rest) / shape.sample_rate_hz);
-  }
-  for (TargetStream& output : outputs) output.finish(stream);
-  RenderReport report{survey, stream.outline(), {}, static_cast<int>(windows), {}};
-  report.doubts = synthesizer.doubts(outline_of(source, survey, targets, has_picture));
-  for (TargetStream& output : outputs) {
-    output.commit();
-    report.targets.push_back(output.outline());
-  }
-  progress.finish();
-  return report;
+  return Rendering(source, synthesizer, targets, options).run(progress);
 }
 
 }  // namespace earpoint

@@ -221,6 +221,16 @@ TEST_F(RenderTest, SeveralTargetsShareOneReading) {
   EXPECT_LT(greatest_difference(read_sound(folder_ / "a.wav"), sound), 1e-6);
 }
 
+TEST_F(RenderTest, ReadingAheadChangesNoSample) {
+  const fs::path input = write(noise(5.3, 44100));
+  IdentityNetwork network(80.0);
+  ClipRenderOptions options;
+  const Waveform alone = rendered(input, network, options, 0.5);
+  options.threads = 2;
+  const Waveform ahead = rendered(input, network, options, 0.5);
+  EXPECT_EQ(greatest_difference(alone, ahead), 0.0);
+}
+
 TEST_F(RenderTest, BadRecordingsGetOneLineAndLeaveNothing) {
   EXPECT_NE(error_of(folder_ / "missing.wav").find("missing.wav"), std::string::npos);
 

@@ -17,12 +17,20 @@ class PictureStream {
   /// @throws InputError if the file is neither a picture nor a movie with frames
   explicit PictureStream(const std::filesystem::path& path);
 
-  /// @return the frame nearest to that time, valid until the next call; null if there is none
-  [[nodiscard]] const Image* nearest(double time_s);
+  [[nodiscard]] bool empty() const { return !frames_ && image_ == nullptr; }
+
+  /// @return the frame nearest to that time; null if there is none
+  [[nodiscard]] std::shared_ptr<const Image> nearest(double time_s);
 
  private:
   std::optional<FrameReader> frames_;
-  Image image_;
+  std::shared_ptr<const Image> image_;
 };
+
+/// The pictures that go with a sound: those of `picture`, or else of the sound's own movie, or
+/// none.
+/// @throws InputError if `picture` is neither a picture nor a movie with frames
+PictureStream open_pictures(const std::optional<std::filesystem::path>& picture,
+                            const std::filesystem::path& sound);
 
 }  // namespace earpoint

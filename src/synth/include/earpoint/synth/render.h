@@ -39,6 +39,8 @@ struct ClipRenderOptions {
   /// In place of the synthesizer's own.
   std::optional<double> ambient_cutoff_hz;
   double gain_db = 0.0;
+  /// With two or more the next window is read while one is synthesized.
+  int threads = 1;
 };
 
 struct RenderReport {
