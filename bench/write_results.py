@@ -3,11 +3,13 @@
 
 usage: bench/write_results.py MEASURED RESULTS.md [--measured-only]
 
-MEASURED holds vigas.md, training.json, oracle_errors.md, render_memory.jsonl, demo.jsonl, trace_gates.md,
-learning_curves.md, rt60_error.json, home_reverberation.jsonl, camera_bench.jsonl, simulate_cost.jsonl,
-evaluate-single.json, evaluate-novel.json, ablations-single.json, ablations-novel.json,
-generalisation.json, ambient-single.json, ambient-novel.json and enhance-novel.json; a section whose
-file is missing stays as it is in RESULTS.md, or says so where it is new; with --measured-only it is left out.
+MEASURED holds vigas.md, gtf_bench.json, training.json, oracle_errors.md, render_speed.jsonl,
+render_memory.jsonl, demo.jsonl, trace_gates.md, learning_curves.md, rt60_error.json,
+home_reverberation.jsonl, camera_bench.jsonl, simulate_cost.jsonl, evaluate-single.json,
+evaluate-novel.json, ablations-single.json, ablations-novel.json, generalisation.json,
+generalisation_heads.json, ambient-single.json, ambient-novel.json and enhance-novel.json; a section
+whose file is missing stays as it is in RESULTS.md, or says so where it is new; with --measured-only it
+is left out.
 """
 import json
 import os
@@ -41,6 +43,33 @@ def training_table(text):
                     f"{ours['clips_per_s']:.2f} | {peer['clips_per_s']:.2f} | "
                     f"{run['times_faster']:.2f} | {ours['processor_s_per_clip']:.3f} | "
                     f"{peer['processor_s_per_clip']:.3f} |")
+    return "\n".join(rows)
+
+
+def network_table(text):
+    run = json.loads(text)
+    gtf, vigas = run["gtf"], run["vigas"]
+    rows = ["| network | threads | million multiply-adds | a second of sound | times real time |",
+            "|---|---|---|---|---|",
+            f"| gtf, with its picture | {gtf['threads']} | {gtf['million_multiply_adds']:.0f} | "
+            f"{1000 * (gtf['window_s'] + gtf['picture_s']):.2f} ms | {gtf['times_real_time']:.0f} |",
+            f"| gtf, hop by hop, the target moving at each | {gtf['threads']} | "
+            f"{gtf['million_multiply_adds']:.0f} | {1000 * gtf['moving_stream_s']:.2f} ms | "
+            f"{gtf['moving_times_real_time']:.0f} |",
+            f"| ViGAS as released | {vigas['threads']} | {vigas['million_multiply_adds']:.0f} | "
+            f"{1000 * vigas['window_s']:.1f} ms | {vigas['times_real_time']:.1f} |", "",
+            f"gtf takes 1/{vigas['million_multiply_adds'] / gtf['million_multiply_adds']:.0f} of the "
+            f"multiply-adds (aim 1/20)."]
+    return "\n".join(rows)
+
+
+def speed_table(text):
+    rows = ["| model | sound | target | cores | wall time | times real time |", "|---|---|---|---|---|---|"]
+    for line in text.splitlines():
+        run = json.loads(line)
+        rows.append(f"| {run['model']} | {run['clip_s']} s at {run['rate_hz'] / 1000:g} kHz | "
+                    f"{'moving' if run['moving'] else 'still'} | {run['cores']} | {run['wall_s']:.1f} s | "
+                    f"{run['times_real_time']:.0f} |")
     return "\n".join(rows)
 
 
@@ -184,6 +213,10 @@ SECTIONS = [
      "`bench/generalisation.py --every 2`: gtf's mean errors over those of the unchanged input, in "
      "unseen homes, where something is not as in training; below 1 it helps. `dsp` is told where the speaker truly "
      "is. Voices of the test split are in no other; Greek is a language that training never has."),
+    ("Generalisation: other heads, another building", "generalisation_heads.json", generalisation_table,
+     "`bench/generalisation_heads.py`, as above: homes of other seeds, heard by the head of training and by "
+     "FABIAN, measured in the horizontal plane; and a house that no generator drew, with an octagonal hall, a "
+     "bare corridor and an attic, read from an OBJ file. `dsp` takes every head for KEMAR."),
     ("Ambient sound in one home", "ambient-single.json", evaluation_table,
      "`earpoint evaluate --ambient -40 --json`: room noise in what every source hears, separated by the "
      "high-pass at 80 Hz; the target is clean. `no-separation` was trained with the noise in both "
@@ -200,6 +233,11 @@ SECTIONS = [
     ("Speed: one second of sound through the released network", "vigas.md", None,
      "`bench/compare_vigas.py`: Earpoint and PyTorch take turns in one run; medians. GFLOP are "
      "counted by the direct form of the convolutions, whatever was really multiplied."),
+    ("Speed: gtf and ViGAS", "gtf_bench.json", network_table,
+     "`gtf_bench`: one second of sound in turns, medians; multiply-adds by the direct form."),
+    ("Speed: rendering a clip", "render_speed.jsonl", speed_table,
+     "`bench/render_speed.py`: the whole of `earpoint render`, starting, reading and writing included, "
+     "with the shipped models. The aim for gtf is 100 on two cores."),
     ("Speed: training steps", "training.json", training_table,
      "`bench/compare_training.py`: forward, backward and Adam on batches of one-second clips, in turns "
      "with Debian's python3-torch, which computes only the head that is heard and keeps freed memory; "
