@@ -262,6 +262,19 @@ def cases(data, scratch):
     yield "sound", "two people at once", folder, pairs, False
 
 
+def row_of(group, case, result, has_dry=True):
+    """What the table keeps of one run of `earpoint evaluate`."""
+    row = {"group": group, "case": case, "clips": result["clips"], "methods": {}}
+    for method in result["rows"]:
+        row["methods"][method["method"]] = {
+            name: {"mean": method[name]["mean"],
+                   "ratio": (method[name].get("ratio") or {}).get("value"),
+                   "low": (method[name].get("ratio") or {}).get("low"),
+                   "high": (method[name].get("ratio") or {}).get("high")}
+            for name in METRICS if name in method and (has_dry or name != "c50_db")}
+    return row
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("earpoint")
@@ -278,14 +291,7 @@ def main():
             continue
         done.add((group, case))
         result = evaluate(arguments, folder, pairs, data.list, arguments.scratch)
-        row = {"group": group, "case": case, "clips": result["clips"], "methods": {}}
-        for method in result["rows"]:
-            row["methods"][method["method"]] = {
-                name: {"mean": method[name]["mean"],
-                       "ratio": (method[name].get("ratio") or {}).get("value"),
-                       "low": (method[name].get("ratio") or {}).get("low"),
-                       "high": (method[name].get("ratio") or {}).get("high")}
-                for name in METRICS if name in method and (has_dry or name != "c50_db")}
+        row = row_of(group, case, result, has_dry)
         rows.append(row)
         print(f"{group}: {case}, {result['clips']} clips", file=sys.stderr)
     json.dump({"rows": rows}, sys.stdout, indent=1)

@@ -84,6 +84,30 @@ evaluate_methods() {
   done
 }
 
+# The test splits that other heads and buildings are heard in: the same homes and conversations with the
+# ears of KEMAR and of FABIAN (Debian's soundscaperenderer-common, unpacked and not installed), and a house
+# that is read from a file.
+simulate_generalisation() {
+  local earpoint=$1 unpacked head
+  local homes=(--scenes 12 --conversations 3 --split test --rays 1000 --seed 99)
+  ensure_packages python3-netcdf4 python3-numpy
+  mkdir -p out/data
+  if [ ! -f out/data/fabian.sofa ]; then
+    unpacked=$(mktemp -d)
+    (cd "$unpacked" && apt-get download -qq -o APT::Sandbox::User=root soundscaperenderer-common) ||
+      fail "could not fetch soundscaperenderer-common; try apt-get update"
+    dpkg-deb -x "$unpacked"/soundscaperenderer-common_*.deb "$unpacked"
+    head=$unpacked/usr/share/ssr/impulse_responses/hrirs/hrirs_fabian_min_phase_eq.wav
+    /usr/bin/python3 bench/fabian_sofa.py "$head" out/data/fabian.sofa
+    rm -rf "$unpacked"
+  fi
+  python3 bench/make_house.py out/data/house.obj
+  "$earpoint" simulate "${homes[@]}" --out out/data/kemar
+  EARPOINT_HRTF=out/data/fabian.sofa "$earpoint" simulate "${homes[@]}" --out out/data/fabian
+  "$earpoint" simulate --scene out/data/house.obj --up z --conversations 36 --split test \
+    --rays 1000 --seed 99 --out out/data/imported
+}
+
 # Speech enhancement and what gtf was not trained for.
 evaluate_beyond() {
   local earpoint=$1
@@ -95,6 +119,9 @@ evaluate_beyond() {
   say "Generalisation of the shipped gtf"
   python3 bench/generalisation.py "$earpoint" out/data/novel models/gtf.safetensors \
     out/generalisation --every 2 >out/bench/generalisation.json
+  simulate_generalisation "$earpoint"
+  python3 bench/generalisation_heads.py "$earpoint" out/data/kemar out/data/fabian out/data/imported \
+    models/gtf.safetensors out/generalisation >out/bench/generalisation_heads.json
 }
 
 # The earpoints of the demo, one line of JSON each.
