@@ -70,21 +70,35 @@ double take_zero(Complex pole, int& zeros_at_plus_one, int& zeros_at_minus_one) 
   return plus ? 1.0 : -1.0;
 }
 
-/// One pass through the cascade, in place, from the steady state for the first sample.
+/// A section on its way through a signal: transposed direct form II.
+struct RunningSection {
+  SecondOrderSection s;
+  double z1 = 0.0;
+  double z2 = 0.0;
+};
+
+/// One pass through the cascade, in place, from the steady state for the first sample. Each sample
+/// goes through all sections before the next: what one section waits for, others do not.
 void filter_forward(std::span<const SecondOrderSection> sections, std::span<double> signal) {
-  double gain = signal.empty() ? 0.0 : signal[0];
+  if (signal.empty()) return;
+  double level = signal[0];
+  std::vector<RunningSection> cascade;
   for (const SecondOrderSection& s : sections) {
-    // Transposed direct form II.
     const double section_gain = (s.b0 + s.b1 + s.b2) / (1.0 + s.a1 + s.a2);
-    double z2 = (s.b2 - s.a2 * section_gain) * gain;
-    double z1 = (s.b1 - s.a1 * section_gain) * gain + z2;
-    for (double& x : signal) {
-      const double y = s.b0 * x + z1;
-      z1 = s.b1 * x - s.a1 * y + z2;
-      z2 = s.b2 * x - s.a2 * y;
+    RunningSection running{.s = s, .z2 = (s.b2 - s.a2 * section_gain) * level};
+    running.z1 = (s.b1 - s.a1 * section_gain) * level + running.z2;
+    cascade.push_back(running);
+    level *= section_gain;
+  }
+  for (double& sample : signal) {
+    double x = sample;
+    for (RunningSection& r : cascade) {
+      const double y = r.s.b0 * x + r.z1;
+      r.z1 = r.s.b1 * x - r.s.a1 * y + r.z2;
+      r.z2 = r.s.b2 * x - r.s.a2 * y;
       x = y;
     }
-    gain *= section_gain;
+    sample = x;
   }
 }
 

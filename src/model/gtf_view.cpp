@@ -46,34 +46,29 @@ float sum(std::span<const float> shares) {
 }
 
 /// Means over the areas where rows and columns cross; what of them lies outside of the picture is
-/// grey. First along x, then along y.
+/// grey. First along y, over whole rows of pixels, then along x.
 /// @param view  [3][rows][columns], in [0, 1]
 void shrink(const Image& picture, const std::vector<Cover>& rows, const std::vector<Cover>& columns,
             std::span<float> view) {
-  const std::span<const std::uint8_t> pixels = picture.pixels();
-  const auto width = static_cast<std::size_t>(picture.width());
-  const std::size_t across = columns.size();
-  std::vector<float> narrow(static_cast<std::size_t>(picture.height()) * across * 3);
-  auto narrowed = narrow.begin();
-  for (int y = 0; y < picture.height(); ++y) {
-    for (const Cover& column : columns) {
-      std::array<float, 3> sums{};
-      const std::uint8_t* pixel = pixels.data() + (y * width + column.first) * 3;
-      for (const float share : column.shares) {
-        for (float& total : sums) total += share * static_cast<float>(*pixel++);
-      }
-      narrowed = std::copy(sums.begin(), sums.end(), narrowed);
-    }
-  }
+  const auto width = static_cast<std::size_t>(picture.width()) * 3;
+  std::vector<float> mean_row(width);
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    for (std::size_t j = 0; j < across; ++j) {
+    std::ranges::fill(mean_row, 0.0F);
+    for (std::size_t y = 0; y < rows[i].shares.size(); ++y) {
+      const std::uint8_t* pixels = picture.pixels().data() + (rows[i].first + y) * width;
+      const float share = rows[i].shares[y];
+      for (std::size_t x = 0; x < width; ++x) mean_row[x] += share * static_cast<float>(pixels[x]);
+    }
+    for (std::size_t j = 0; j < columns.size(); ++j) {
+      std::array<float, 3> totals{};
+      auto value = mean_row.begin() + std::ptrdiff_t{3} * columns[j].first;
+      for (const float share : columns[j].shares) {
+        for (float& total : totals) total += share * *value++;
+      }
       const float bare = 1.0F - sum(rows[i].shares) * sum(columns[j].shares);
       for (std::size_t channel = 0; channel < 3; ++channel) {
-        float total = 0.0F;
-        for (std::size_t y = 0; y < rows[i].shares.size(); ++y) {
-          total += rows[i].shares[y] * narrow[((rows[i].first + y) * across + j) * 3 + channel];
-        }
-        view[(channel * rows.size() + i) * across + j] = total / 255.0F + bare * kGrey;
+        view[(channel * rows.size() + i) * columns.size() + j] =
+            totals[channel] / 255.0F + bare * kGrey;
       }
     }
   }

@@ -25,6 +25,10 @@ BandExtension::BandExtension(std::ptrdiff_t window, std::ptrdiff_t overlap)
       tapered_(taper_.size()),
       spectrum_(taper_.size() / 2 + 1) {
   EARPOINT_CHECK(window > 0 && window % 2 == 0 && 0 <= overlap && 2 * overlap <= window);
+  for (std::ptrdiff_t i = 0; overlap > 0 && i <= overlap; ++i) {
+    const double sine = std::sin(kPi / 2 * static_cast<double>(i) / static_cast<double>(overlap));
+    rising_.push_back(static_cast<float>(sine * sine));
+  }
   // Without a taper the strong low bands would leak into the weak top octave.
   for (std::size_t i = 0; i < taper_.size(); ++i) {
     const double sine =
@@ -67,8 +71,9 @@ float BandExtension::gain(int ear, double model_samples) const {
   const float present = gains_[index][ear];
   const double into = model_samples - static_cast<double>(index) * hop;
   if (index == 0 || into >= static_cast<double>(overlap_)) return present;
-  const double sine = std::sin(kPi / 2 * into / static_cast<double>(overlap_));
-  const auto rising = static_cast<float>(sine * sine);
+  const auto before = static_cast<std::size_t>(into);
+  const auto past = static_cast<float>(into - static_cast<double>(before));
+  const float rising = rising_[before] + past * (rising_[before + 1] - rising_[before]);
   return gains_[index - 1][ear] * (1.0F - rising) + present * rising;
 }
 

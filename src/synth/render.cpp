@@ -124,7 +124,7 @@ void check_targets(std::span<const RenderTarget> targets, const RenderSource& so
 }
 
 /// One pass over the recording: every window goes from the source through the synthesizer to the
-/// targets.
+/// targets. While one is synthesized, that before it is written and that behind it read.
 class Rendering {
  public:
   Rendering(const RenderSource& source, AcousticSynthesizer& synthesizer,
@@ -148,23 +148,28 @@ class Rendering {
     bool has_picture = false;
     progress.begin("rendering", survey_.duration_s(), "s");
     Moment next = read(0);
+    Moment previous;
+    std::vector<Waveform> previous_results;
     for (std::ptrdiff_t index = 0; index < windows; ++index) {
-      const Moment moment = std::exchange(next, {});
+      Moment moment = std::exchange(next, {});
       has_picture |= moment.picture != nullptr;
       std::vector<Waveform> results;
       pool_.run(2, [&](std::ptrdiff_t task, int /*worker*/) {
         if (task == 1) {
           results = synthesize_all(moment, start_of(index));
-        } else if (index + 1 < windows) {
-          next = read(index + 1);
+          return;
         }
+        if (index > 0) write(previous, previous_results);
+        if (index + 1 < windows) next = read(index + 1);
       });
-      write(moment, results);
+      previous = std::move(moment);
+      previous_results = std::move(results);
       // The last window takes its overlap along.
       const std::ptrdiff_t done =
           index + 1 < windows ? start_of(1) : stream_->model_samples() - start_of(index);
       progress.advance(static_cast<double>(done) / shape_.sample_rate_hz);
     }
+    write(previous, previous_results);
     for (TargetStream& output : outputs_) output.finish(*stream_);
     RenderReport report{survey_, stream_->outline(), {}, static_cast<int>(windows), {}};
     report.doubts = synthesizer_.doubts(outline_of(source_, survey_, targets_, has_picture));

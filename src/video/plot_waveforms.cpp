@@ -36,6 +36,19 @@ void merge(WaveformOutline::Span& into, const WaveformOutline::Span& other) {
   into.energy += other.energy;
 }
 
+WaveformOutline::Span span_of(std::span<const float> samples) {
+  WaveformOutline::Span span{0.0F, 0.0F, 0.0};
+  bool first = true;
+  for (const float raw : samples) {
+    const float sample = std::isfinite(raw) ? raw : 0.0F;
+    span.low = first ? sample : std::min(span.low, sample);
+    span.high = first ? sample : std::max(span.high, sample);
+    span.energy += double{sample} * sample;
+    first = false;
+  }
+  return span;
+}
+
 std::string level_text(double level_db) {
   return std::isfinite(level_db) ? fmt::format("{:.1f} dB", level_db) : "silent";
 }
@@ -161,20 +174,23 @@ WaveformOutline::WaveformOutline(const Waveform& sound) : WaveformOutline(sound.
 
 void WaveformOutline::add(const Waveform& block) {
   EARPOINT_CHECK(block.channels() == 2 && block.sample_rate_hz() == sample_rate_hz_);
-  for (std::ptrdiff_t i = 0; i < block.samples(); ++i) {
+  for (std::ptrdiff_t start = 0; start < block.samples();) {
     const bool begins_span = samples_ % samples_per_span_ == 0;
     if (begins_span && spans_[0].size() == kMostSpans) halve_resolution();
+    const std::ptrdiff_t count = std::min<std::ptrdiff_t>(
+        samples_per_span_ - samples_ % samples_per_span_, block.samples() - start);
     for (std::size_t ear = 0; ear < 2; ++ear) {
-      const float raw = block.channel(static_cast<int>(ear))[static_cast<std::size_t>(i)];
-      const float sample = std::isfinite(raw) ? raw : 0.0F;
-      const Span span{sample, sample, double{sample} * sample};
+      const Span span =
+          span_of(block.channel(static_cast<int>(ear))
+                      .subspan(static_cast<std::size_t>(start), static_cast<std::size_t>(count)));
       if (samples_ % samples_per_span_ == 0) {
         spans_[ear].push_back(span);
       } else {
         merge(spans_[ear].back(), span);
       }
     }
-    ++samples_;
+    samples_ += count;
+    start += count;
   }
 }
 

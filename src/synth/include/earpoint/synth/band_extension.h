@@ -37,6 +37,7 @@ class BandExtension {
   std::vector<float> taper_;
   std::vector<float> tapered_;
   std::vector<std::complex<float>> spectrum_;
+  std::vector<float> rising_;  // how much of a window is heard, by samples into the overlap
   std::vector<std::array<float, 2>> gains_;
 };
 

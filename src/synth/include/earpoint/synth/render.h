@@ -39,7 +39,7 @@ struct ClipRenderOptions {
   /// In place of the synthesizer's own.
   std::optional<double> ambient_cutoff_hz;
   double gain_db = 0.0;
-  /// With two or more the next window is read while one is synthesized.
+  /// With two or more, other windows are read and written while one is synthesized.
   int threads = 1;
 };
 
