@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""Learning curves of training runs, as a Markdown table on standard output and a picture.
+"""Learning curves of training runs on one data set, as a Markdown table on standard output and a picture.
 
 usage: bench/learning_curves.py RUNS PICTURE.svg
 
-RUNS holds folders DATA/METHOD as `earpoint train --out` fills them. The table's forecast extends the
-line through the later half of a curve, on logarithmic axes, to ten times the clips.
+RUNS holds a folder for each method as `earpoint train --out` fills it, and is named after the data. The
+table's forecast extends the line through the later half of a curve, on logarithmic axes, to ten times the
+clips.
 """
 import csv
 import json
@@ -44,11 +45,10 @@ def forecast(curve, clips):
 
 
 def runs_of(folder):
-    for data in sorted(os.listdir(folder)):
-        for method in sorted(os.listdir(os.path.join(folder, data))):
-            run = os.path.join(folder, data, method)
-            if method in COLOURS and os.path.exists(os.path.join(run, "validation.csv")):
-                yield data, method, *curve_of(run)
+    for method in sorted(os.listdir(folder)):
+        run = os.path.join(folder, method)
+        if method in COLOURS and os.path.exists(os.path.join(run, "validation.csv")):
+            yield method, *curve_of(run)
 
 
 def polyline(curve, x_of, y_of, colour):
@@ -60,14 +60,17 @@ def text(x, y, words, anchor="middle"):
     return f'<text x="{x:.0f}" y="{y:.0f}" text-anchor="{anchor}">{words}</text>'
 
 
-def panel(data, runs, left):
-    """One data set: error over thousands of clips."""
+def picture(data, runs):
+    """Error over thousands of clips."""
     width, height = PLOT
-    most = max(curve[-1][0] for _, curve in runs)
-    errors = [error for _, curve in runs for _, error in curve]
+    left = LEFT
+    most = max(curve[-1][0] for _, curve, _ in runs)
+    errors = [error for _, curve, _ in runs for _, error in curve]
     # Networks start as a copy of their input or later: what lies above went wrong and is cut off.
-    low, high = 0.98 * min(errors), 1.02 * max(curve[0][1] for _, curve in runs)
-    parts = [f'<rect x="{left}" y="{TOP}" width="{width}" height="{height}" fill="none" '
+    low, high = 0.98 * min(errors), 1.02 * max(curve[0][1] for _, curve, _ in runs)
+    parts = [f'<svg xmlns="http://www.w3.org/2000/svg" width="{width + 2 * LEFT}" height="{HEIGHT}" '
+             'font-family="sans-serif" font-size="12"><rect width="100%" height="100%" fill="#fff"/>',
+             f'<rect x="{left}" y="{TOP}" width="{width}" height="{height}" fill="none" '
              'stroke="#888"/>', text(left + width / 2, TOP - 12, f"{data}: Mag of validation pairs")]
     x_of = lambda n: left + width * n / most
     y_of = lambda error: TOP + height * (high - min(error, high)) / (high - low)
@@ -76,22 +79,10 @@ def panel(data, runs, left):
         parts.append(text(left - 6, y_of(value) + 4, f"{value:.3f}", "end"))
         parts.append(text(x_of(most * i / 4), TOP + height + 18, f"{most * i / 4000:.0f}k"))
     parts.append(text(left + width / 2, TOP + height + 38, "clips seen"))
-    for i, (name, curve) in enumerate(runs):
+    for i, (name, curve, _) in enumerate(runs):
         parts.append(polyline(curve, x_of, y_of, COLOURS[name]))
         parts.append(f'<g fill="{COLOURS[name]}">'
                      + text(left + width - 8, TOP + 18 + 16 * i, name, "end") + "</g>")
-    return parts
-
-
-def picture(runs):
-    panels = {}
-    for data, method, curve, _ in runs:
-        panels.setdefault(data, []).append((method, curve))
-    width = len(panels) * (PLOT[0] + 2 * LEFT - 20) + 20
-    parts = [f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{HEIGHT}" '
-             'font-family="sans-serif" font-size="12"><rect width="100%" height="100%" fill="#fff"/>']
-    for i, (data, methods) in enumerate(sorted(panels.items())):
-        parts += panel(data, methods, LEFT + i * (PLOT[0] + 2 * LEFT - 20))
     return "\n".join(parts + ["</svg>", ""])
 
 
@@ -101,15 +92,15 @@ def main():
     runs = list(runs_of(sys.argv[1]))
     if not runs:
         sys.exit(f"learning_curves: {sys.argv[1]}: holds no run; train first (earpoint train)")
-    print("| data | network | clips seen | minutes | Mag before | at half | at the end | "
-          "forecast for ten times the clips |\n|---|---|---|---|---|---|---|---|")
-    for data, method, curve, seconds in runs:
+    print("| network | clips seen | minutes | Mag before | at half | at the end | "
+          "forecast for ten times the clips |\n|---|---|---|---|---|---|---|")
+    for method, curve, seconds in runs:
         half = min(curve, key=lambda point: abs(point[0] - curve[-1][0] / 2))
         later = forecast(curve, 10 * curve[-1][0])
-        print(f"| {data} | {method} | {curve[-1][0]:.0f} | {seconds / 60:.0f} | {curve[0][1]:.4f} | "
+        print(f"| {method} | {curve[-1][0]:.0f} | {seconds / 60:.0f} | {curve[0][1]:.4f} | "
               f"{half[1]:.4f} | {curve[-1][1]:.4f} | {f'{later:.4f}' if later else ''} |")
     with open(sys.argv[2], "w", encoding="utf-8") as file:
-        file.write(picture(runs))
+        file.write(picture(os.path.basename(os.path.normpath(sys.argv[1])), runs))
 
 
 main()

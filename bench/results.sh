@@ -98,7 +98,7 @@ simulate_generalisation() {
       fail "could not fetch soundscaperenderer-common; try apt-get update"
     dpkg-deb -x "$unpacked"/soundscaperenderer-common_*.deb "$unpacked"
     head=$unpacked/usr/share/ssr/impulse_responses/hrirs/hrirs_fabian_min_phase_eq.wav
-    /usr/bin/python3 bench/fabian_sofa.py "$head" out/data/fabian.sofa
+    python3 bench/fabian_sofa.py "$head" out/data/fabian.sofa
     rm -rf "$unpacked"
   fi
   python3 bench/make_house.py out/data/house.obj
@@ -157,7 +157,7 @@ measure_simulator() {
 # Everything that docs/results.md shows. The exactness table needs the reference outputs.
 results() {
   bench
-  local earpoint=build/release/apps/earpoint/earpoint
+  local earpoint=build/release/apps/earpoint/earpoint data
   if [ -n "${EARPOINT_ORACLE_DIR:-}" ]; then
     python3 bench/oracle_errors.py "$earpoint" "$EARPOINT_ORACLE_DIR" >out/bench/oracle_errors.md
   fi
@@ -168,7 +168,10 @@ results() {
   train_methods "$earpoint"
   evaluate_methods "$earpoint" novel single
   evaluate_beyond "$earpoint"
-  python3 bench/learning_curves.py out/runs docs/images/learning-curves.svg >out/bench/learning_curves.md
+  for data in single novel; do
+    python3 bench/learning_curves.py "out/runs/$data" "docs/images/learning-curves-$data.svg" \
+      >"out/bench/learning_curves-$data.md"
+  done
   build/release/bench/rt60_error out/data/novel test models/rt60.safetensors >out/bench/rt60_error.json
   python3 bench/write_results.py out/bench docs/results.md
   say "Wrote docs/results.md"

@@ -4,8 +4,8 @@
 usage: bench/write_results.py MEASURED RESULTS.md [--measured-only]
 
 MEASURED holds vigas.md, gtf_bench.json, training.json, oracle_errors.md, render_speed.jsonl,
-render_memory.jsonl, demo.jsonl, trace_gates.md, learning_curves.md, rt60_error.json,
-home_reverberation.jsonl, camera_bench.jsonl, simulate_cost.jsonl, evaluate-single.json,
+render_memory.jsonl, demo.jsonl, trace_gates.md, learning_curves-single.md, learning_curves-novel.md,
+rt60_error.json, home_reverberation.jsonl, camera_bench.jsonl, simulate_cost.jsonl, evaluate-single.json,
 evaluate-novel.json, ablations-single.json, ablations-novel.json, generalisation.json,
 generalisation_heads.json, ambient-single.json, ambient-novel.json and enhance-novel.json; a section
 whose file is missing stays as it is in RESULTS.md, or says so where it is new; with --measured-only it
@@ -196,12 +196,14 @@ SECTIONS = [
      EVALUATION_WORDS + "One home; its conversations are split."),
     ("Methods in unseen homes", "evaluate-novel.json", evaluation_table,
      EVALUATION_WORDS + "Homes and speakers of the test split are in no other split."),
-    ("Learning curves", "learning_curves.md", None,
+    ("Learning curves in one home", "learning_curves-single.md", None,
      "`bench/learning_curves.py`: Mag on 256 validation pairs while `earpoint train` runs on one core "
      "beside others, so minutes are upper bounds. gtf goes on from where gtf-magnitude ends, with the depth "
      "of modulation and the decay in its loss, which Mag does not see. vigas and vigas-blind first learn "
      "where the speaker is, with no sound made; those clips do not count. "
-     "![Error over clips seen](images/learning-curves.svg)"),
+     "![Error over clips seen](images/learning-curves-single.svg)"),
+    ("Learning curves in unseen homes", "learning_curves-novel.md", None,
+     "`bench/learning_curves.py`, as above. ![Error over clips seen](images/learning-curves-novel.svg)"),
     ("Reverberation time from sound", "rt60_error.json", rt60_table,
      "`rt60_error DATA test`: the estimator that RTE is computed with, on simulated speech of homes and "
      "voices it has not heard, against the reverberation time of the response."),
