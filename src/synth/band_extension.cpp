@@ -63,18 +63,43 @@ void BandExtension::add_window(const Waveform& input, const Waveform& output) {
   gains_.push_back(gains);
 }
 
+BandExtension::Place BandExtension::place_of(double model_samples) const {
+  const auto hop = static_cast<double>(window_ - overlap_);
+  const auto window = std::min(static_cast<std::ptrdiff_t>(model_samples / hop),
+                               static_cast<std::ptrdiff_t>(gains_.size()) - 1);
+  return {window, model_samples - static_cast<double>(window) * hop};
+}
+
 float BandExtension::gain(int ear, double model_samples) const {
   EARPOINT_DCHECK(!gains_.empty() && model_samples >= 0.0);
-  const auto hop = static_cast<double>(window_ - overlap_);
-  const auto last = static_cast<std::ptrdiff_t>(gains_.size()) - 1;
-  const auto index = std::min(static_cast<std::ptrdiff_t>(model_samples / hop), last);
-  const float present = gains_[index][ear];
-  const double into = model_samples - static_cast<double>(index) * hop;
-  if (index == 0 || into >= static_cast<double>(overlap_)) return present;
-  const auto before = static_cast<std::size_t>(into);
-  const auto past = static_cast<float>(into - static_cast<double>(before));
+  const Place place = place_of(model_samples);
+  const float present = gains_[place.window][ear];
+  if (place.window == 0 || place.into >= static_cast<double>(overlap_)) return present;
+  const auto before = static_cast<std::size_t>(place.into);
+  const auto past = static_cast<float>(place.into - static_cast<double>(before));
   const float rising = rising_[before] + past * (rising_[before + 1] - rising_[before]);
-  return gains_[index - 1][ear] * (1.0F - rising) + present * rising;
+  return gains_[place.window - 1][ear] * (1.0F - rising) + present * rising;
+}
+
+void BandExtension::add(int ear, double model_start, double model_step, std::span<const float> high,
+                        std::span<float> samples) const {
+  const auto hop = static_cast<double>(window_ - overlap_);
+  for (std::size_t i = 0; i < high.size();) {
+    const double model_time = model_start + model_step * static_cast<double>(i);
+    const Place place = place_of(model_time);
+    const bool is_last = place.window + 1 == std::ssize(gains_);
+    // Past the overlap the gain stands still until the next window begins.
+    std::size_t still = 0;
+    if (place.into >= static_cast<double>(overlap_)) {
+      const double left =
+          is_last ? static_cast<double>(high.size()) : (hop - place.into) / model_step;
+      still = std::min(high.size() - i, static_cast<std::size_t>(left));
+    }
+    const float present = gain(ear, model_time);
+    for (const std::size_t end = i + std::max<std::size_t>(still, 1); i < end; ++i) {
+      samples[i] += present * high[i];
+    }
+  }
 }
 
 }  // namespace earpoint

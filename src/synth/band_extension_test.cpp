@@ -1,4 +1,5 @@
 #include <cmath>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -40,6 +41,23 @@ TEST(BandExtension, FollowsEachEarsTopOctaveAndFadesBetweenWindows) {
   EXPECT_NEAR(extension.gain(0, kHop + kOverlap), 2.0F, 1e-5);
   EXPECT_NEAR(extension.gain(0, 3 * kHop), 2.0F, 1e-5);
   EXPECT_NEAR(extension.gain(1, kHop + 3), 0.25F, 1e-5);
+}
+
+TEST(BandExtension, AddsEverySampleAtItsGain) {
+  RandomStream random(4);
+  BandExtension extension(kWindow, kOverlap);
+  for (const float left : {0.5F, 2.0F, 0.1F}) {
+    const Waveform input = noise(random);
+    extension.add_window(input, scaled(input, left, 1.0F));
+  }
+  const std::vector<float> ones(9001, 1.0F);
+  std::vector<float> sum(ones.size(), 3.0F);
+  extension.add(0, 100.0, 16000.0 / 44100.0, ones, sum);
+  for (std::size_t i = 0; i < sum.size(); ++i) {
+    const float expected = extension.gain(0, 100.0 + 16000.0 / 44100.0 * static_cast<double>(i));
+    // Float sums of about 5; a sample at a window's seam may round to either side of it.
+    ASSERT_NEAR(sum[i], 3.0F + expected, 1e-6F) << i;
+  }
 }
 
 TEST(BandExtension, IsDeafToTheLowBand) {

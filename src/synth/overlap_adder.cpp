@@ -30,6 +30,11 @@ double correlation(std::span<const float> a, std::span<const float> b) {
 OverlapAdder::OverlapAdder(std::ptrdiff_t window, std::ptrdiff_t overlap)
     : window_(window), overlap_(overlap) {
   EARPOINT_CHECK(window > 0 && overlap >= 0 && 2 * overlap <= window);
+  for (std::ptrdiff_t i = 0; i < overlap; ++i) {
+    const double sine =
+        std::sin(kPi / 2 * (static_cast<double>(i) + 0.5) / static_cast<double>(overlap));
+    rising_.push_back(sine * sine);
+  }
 }
 
 Waveform OverlapAdder::add(const Waveform& window) {
@@ -46,9 +51,7 @@ Waveform OverlapAdder::add(const Waveform& window) {
     const std::span<const float> old = std::as_const(tail_).channel(c);
     const double rho = correlation(old, samples.first(old.size()));
     for (std::ptrdiff_t i = 0; i < overlap_; ++i) {
-      const double sine =
-          std::sin(kPi / 2 * (static_cast<double>(i) + 0.5) / static_cast<double>(overlap_));
-      const double rising = sine * sine;
+      const double rising = rising_[i];
       const double falling = 1.0 - rising;
       const double gain =
           1.0 / std::sqrt(falling * falling + rising * rising + 2.0 * rho * falling * rising);

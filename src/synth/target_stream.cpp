@@ -49,9 +49,9 @@ void TargetStream::emit(const Waveform& block, SourceStream& source) {
   for (int ear = 0; ear < 2; ++ear) {
     const auto samples = output.channel(ear);
     std::copy_n(block.channel(ear).begin(), count, samples.begin());
-    for (std::ptrdiff_t i = 0; i < high.samples(); ++i) {
-      const double model_time = static_cast<double>(written_ + i) * model_per_native_;
-      samples[i] += band_extension_->gain(ear, model_time) * high.channel(ear)[i];
+    if (band_extension_) {
+      band_extension_->add(ear, static_cast<double>(written_) * model_per_native_,
+                           model_per_native_, high.channel(ear), samples);
     }
     for (float& sample : samples) sample *= gain_;
   }

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <array>
+#include <complex>
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include <earpoint/audio/fft.h>
@@ -28,7 +30,18 @@ class BandExtension {
   /// @param model_samples  time in samples at the model's rate, >= 0, within the windows added
   [[nodiscard]] float gain(int ear, double model_samples) const;
 
+  /// Adds to each of `samples` that of `high` at its gain.
+  /// @param model_start, model_step  when the first is heard and how far apart they are, in samples
+  ///                                 at the model's rate
+  void add(int ear, double model_start, double model_step, std::span<const float> high,
+           std::span<float> samples) const;
+
  private:
+  struct Place {
+    std::ptrdiff_t window = 0;
+    double into = 0.0;  ///< samples since it began
+  };
+  [[nodiscard]] Place place_of(double model_samples) const;
   [[nodiscard]] double top_octave_energy(std::span<const float> samples);
 
   std::ptrdiff_t window_;

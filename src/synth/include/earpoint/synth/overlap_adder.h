@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <vector>
 
 #include <earpoint/core/waveform.h>
 
@@ -28,6 +29,7 @@ class OverlapAdder {
  private:
   std::ptrdiff_t window_;
   std::ptrdiff_t overlap_;
+  std::vector<double> rising_;  // how much of the later window is heard, [overlap]
   Waveform tail_;
 };
 
