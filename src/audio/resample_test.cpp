@@ -81,10 +81,10 @@ TEST(StreamResampler, BlocksOfAnySizeGiveWhatOneBlockGives) {
     int blocks = 0;
     for (std::ptrdiff_t start = 0; start < wave.samples();) {
       // Every third block is empty, which must not be taken for the end.
-      const std::ptrdiff_t samples =
-          ++blocks % 3 == 0 ? 0
-                            : static_cast<std::ptrdiff_t>(std::min<std::uint64_t>(
-                                  random.index(3000), wave.samples() - start));
+      const std::ptrdiff_t samples = ++blocks % 3 == 0
+                                         ? 0
+                                         : static_cast<std::ptrdiff_t>(std::min<std::uint64_t>(
+                                               random.index(3000), wave.samples() - start));
       Waveform block(2, samples, 44100);
       for (int c = 0; c < 2; ++c) {
         std::ranges::copy(wave.channel(c).subspan(start, samples), block.channel(c).begin());

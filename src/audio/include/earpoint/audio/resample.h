@@ -7,8 +7,8 @@
 
 namespace earpoint {
 
-/// Resamples with soxr in high quality (pass band 96 %, aliases below -120 dB), without delay: sample
-/// i of the input lies at i * to / from in the output.
+/// Resamples with soxr in high quality (pass band 96 %, aliases below -120 dB), without delay:
+/// sample i of the input lies at i * to / from in the output.
 /// @return  round(samples * to / from) samples; the input itself if the rates are equal
 [[nodiscard]] Waveform resample(const Waveform& waveform, int sample_rate_hz);
 
