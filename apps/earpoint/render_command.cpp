@@ -161,6 +161,13 @@ void warn_of_peaks(const RenderArguments& arguments, const RenderReport& report)
   }
 }
 
+/// A program that was moved away from its models renders differently: never without a word.
+void warn_of_missing_network() {
+  fmt::print(stderr,
+             "earpoint: found no gtf.safetensors among the shipped models and rendered by dsp; set "
+             "EARPOINT_MODELS_DIR to the folder that holds it, or ask for --model dsp\n");
+}
+
 void write_plot(const RenderArguments& arguments, const RenderReport& report) {
   const auto name_of = [](const std::string& path) {
     return std::filesystem::path(path).filename().string();
@@ -183,6 +190,7 @@ std::string resolve_model(const std::string& word) {
 }
 
 void run_render(RenderArguments arguments) {
+  const bool takes_default = arguments.model.empty();
   arguments.model = resolve_model(arguments.model);
   const std::vector<EarpointPath> paths = parse_targets(arguments);
   const RenderSource source = parse_source(arguments.source);
@@ -212,6 +220,7 @@ void run_render(RenderArguments arguments) {
   } else if (!arguments.quiet) {
     print_table(arguments, report);
   }
+  if (takes_default && arguments.model == "dsp") warn_of_missing_network();
   warn_of_doubts(arguments, report);
   warn_of_peaks(arguments, report);
   if (!arguments.plot.empty()) write_plot(arguments, report);

@@ -89,6 +89,7 @@ TEST_F(RenderCommand, ASpeakerPassedByChangesSides) {
   const auto& right = document["targets"][1];
   EXPECT_LT(left["left_db"].get<double>(), left["right_db"].get<double>() - 3.0);
   EXPECT_GT(right["left_db"].get<double>(), right["right_db"].get<double>() + 3.0);
+  EXPECT_NE(outcome.errors.find("found no gtf.safetensors"), std::string::npos) << outcome.errors;
 }
 
 TEST_F(RenderCommand, AMovieWithAMovingEarpointKeepsItsPictureAndLength) {
