@@ -14,7 +14,7 @@ import wave
 import netCDF4
 import numpy
 
-DISTANCE_M = 2.5  # taken as free field beyond: only the direction is used
+DISTANCE_M = 2.5  # any beyond the head's near field will do: Earpoint takes the direction alone
 EAR_M = 0.08
 STEP_DEG = 5
 ELEVATIONS_DEG = range(-80, 81, 10)

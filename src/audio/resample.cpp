@@ -70,7 +70,7 @@ struct StreamResampler::State {
 
 StreamResampler::StreamResampler(int channels, int from_hz, int to_hz) {
   EARPOINT_CHECK(channels > 0 && from_hz > 0 && to_hz > 0);
-  EARPOINT_CHECK(from_hz / 256 <= to_hz && to_hz / 256 <= from_hz);
+  EARPOINT_CHECK(from_hz <= std::int64_t{256} * to_hz && to_hz <= std::int64_t{256} * from_hz);
   state_ = std::make_unique<State>(channels, from_hz, to_hz);
 }
 StreamResampler::~StreamResampler() = default;
@@ -85,10 +85,7 @@ Waveform StreamResampler::process(const Waveform& block, bool last) {
   if (s.from_hz == s.to_hz) return samples > 0 ? block : Waveform(s.channels, 0, s.to_hz);
   s.frames_in += samples;
 
-  // The converter may hold back the last sample or two at the end; silence behind the sound brings
-  // them out, and the count below drops what is too many.
-  const std::ptrdiff_t silence = last ? 2 + 2 * (s.from_hz / s.to_hz) : 0;
-  std::vector<float> input(static_cast<std::size_t>((samples + silence) * s.channels));
+  std::vector<float> input(static_cast<std::size_t>(samples * s.channels));
   for (int c = 0; samples > 0 && c < s.channels; ++c) {
     const std::span<const float> source = block.channel(c);
     for (std::ptrdiff_t i = 0; i < samples; ++i) input[i * s.channels + c] = source[i];

@@ -43,7 +43,7 @@ TEST(Resample, ToneKeepsItsAmplitudeAndPhase) {
       const Waveform expected = tone(frequency, to, to);
       ASSERT_EQ(out.samples(), expected.samples());
       for (std::ptrdiff_t i = 1000; i + 1000 < out.samples(); ++i) {
-        // Float samples of size 0.5 through a filter with -140 dB of error.
+        // Float samples of size 0.5 through a filter with -120 dB of error.
         ASSERT_NEAR(out.channel(0)[i], expected.channel(0)[i], 1e-6)
             << from << " to " << to << ", " << frequency << " Hz, sample " << i;
       }
@@ -52,7 +52,7 @@ TEST(Resample, ToneKeepsItsAmplitudeAndPhase) {
 }
 
 TEST(Resample, WhatTheNewRateCannotHoldIsGone) {
-  // 9 and 12 kHz would fold to 7 and 4 kHz; the converter promises -140 dB, float leaves -130.
+  // 9 and 12 kHz would fold to 7 and 4 kHz; the converter promises -120 dB.
   for (const double frequency : {9000.0, 12000.0, 20000.0}) {
     EXPECT_LT(peak_inside(resample(tone(frequency, 48000, 48000), 16000), 1000), 0.5e-6);
   }
@@ -96,7 +96,7 @@ TEST(StreamResampler, BlocksOfAnySizeGiveWhatOneBlockGives) {
     }
     ASSERT_EQ(std::ssize(left), whole.samples());
     for (std::ptrdiff_t i = 0; i < whole.samples(); ++i) {
-      // The converter's read position is a running sum: blocks round it differently.
+      // Float rounding; the converter works in blocks of its own.
       ASSERT_NEAR(left[i], whole.channel(0)[i], 1e-6F) << i;
       ASSERT_NEAR(right[i], whole.channel(1)[i], 1e-6F) << i;
     }
