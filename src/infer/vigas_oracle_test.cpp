@@ -24,7 +24,9 @@ namespace fs = std::filesystem;
 // What the released code computes in float32 differs from float64 by up to 4e-6 with values of
 // order 1, and one implementation from another by as much again.
 constexpr double kWaveformTolerance = 2e-5;
-constexpr double kFeatureTolerance = 2e-5;
+// Up to twenty float32 layers, whose sums each instruction set takes in another order; in parts of
+// the largest value. Seen: 5e-6 with AVX2 and SSE4.1.
+constexpr double kFeatureTolerance = 1e-5;
 
 /// Networks and tensors that the released code was run on.
 class ViGasOracle : public ::testing::Test {
@@ -93,20 +95,25 @@ class ViGasOracle : public ::testing::Test {
     return fused;
   }
 
+  static void expect_same_features(std::span<const float> found, std::span<const float> expected) {
+    float largest = 0.0F;
+    for (const float value : expected) largest = std::max(largest, std::abs(value));
+    EXPECT_LT(largest_difference(found, expected), kFeatureTolerance * largest);
+  }
+
   /// Both clips, from the inputs to the waveform.
   void expect_same_outputs(ViGas& network) {
     for (std::size_t index = 0; index < 2; ++index) {
       std::vector<float> feature;
       if (network.description().image_encoder) {
         feature = network.image_feature(picture(index));
-        EXPECT_LT(largest_difference(feature, clip(outputs_, "visual_feat", index)),
-                  kFeatureTolerance);
+        expect_same_features(feature, clip(outputs_, "visual_feat", index));
       } else {
         const auto given = clip(inputs_, "visual_feat", index);
         feature.assign(given.begin(), given.end());
       }
       const std::vector<float> fused = fuse(network, inputs_, index, feature);
-      EXPECT_LT(largest_difference(fused, clip(outputs_, "fused", index)), kFeatureTolerance);
+      expect_same_features(fused, clip(outputs_, "fused", index));
       const std::span<const float> source = clip(inputs_, "src_wav", index);
       std::vector<float> output(source.size());
       network.synthesize(source, fused, output);
@@ -194,10 +201,7 @@ TEST_F(ViGasOracle, ImageMapAgreesWithTheReleasedCode) {
   std::vector<float> feature(512);
   trunk.encode(picture(0), feature);
   const SafetensorsFile debug = read_safetensors(folder_ / "debug_sample0.safetensors");
-  const auto expected = debug.tensors.at("visual_map").as<float>();
-  const double scale = *std::max_element(expected.begin(), expected.end());
-  // Seventeen float32 convolutions; relative to the largest value.
-  EXPECT_LT(largest_difference(trunk.map(), expected), 1e-5 * scale);
+  expect_same_features(trunk.map(), debug.tensors.at("visual_map").as<float>());
 }
 
 }  // namespace

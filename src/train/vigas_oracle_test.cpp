@@ -30,6 +30,10 @@ constexpr double kReleasedRate = 0.001;
 constexpr double kWaveformTolerance = 2e-5;
 // The same for gradients, in parts of a tensor's largest.
 constexpr double kGradientTolerance = 8e-6;
+// By how much one rectified unit whose input is zero within rounding, open here and shut there, may
+// turn the gradients below it; relative. Seen: 0.017 with AVX2 and SSE4.1, 7e-6 with AVX-512. A
+// wrong gradient is off by its own size.
+constexpr double kOneUnit = 0.05;
 // Of a mean of thousands of such differences; relative.
 constexpr double kLossTolerance = 2e-6;
 
@@ -37,6 +41,23 @@ double greatest(std::span<const float> values) {
   double found = 0.0;
   for (const float value : values) found = std::max<double>(found, std::abs(value));
   return found;
+}
+
+bool is_near(std::span<const float> found, std::span<const float> expected, double tolerance) {
+  return std::ranges::equal(found, expected, [&](float a, float b) {
+    return std::abs(static_cast<double>(a) - b) <= tolerance;
+  });
+}
+
+/// Root-mean-square of the difference in parts of what is expected.
+double relative_distance(std::span<const float> found, std::span<const float> expected) {
+  double difference = 0.0;
+  double whole = 0.0;
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    difference += std::pow(static_cast<double>(found[i]) - expected[i], 2);
+    whole += std::pow(expected[i], 2);
+  }
+  return std::sqrt(difference / whole);
 }
 
 void expect_near(std::span<const float> found, std::span<const float> expected, double tolerance,
@@ -148,6 +169,11 @@ class LargeViGasLearnerOracle : public ::testing::Test {
     return make_oracle_vigas(path);
   }
 
+  /// Whether rectified units stand between that parameter and the trunk's last block.
+  [[nodiscard]] static bool is_below_units(const std::string& name) {
+    return name.starts_with("visual_encoder.") && !name.starts_with("visual_encoder.7.1.");
+  }
+
   fs::path folder_;
 };
 
@@ -189,10 +215,17 @@ TEST_F(LargeViGasLearnerOracle, TrunkInTrainingBehavesAsTheReleasedCodes) {
     if (!key.starts_with("grad/")) continue;
     const std::string name = key.substr(5);
     // Batch norm over two pictures amplifies rounding: the manifest says by how much the released
-    // code itself is off in float32.
+    // code itself is off in float32. Below the trunk's last block rounding may also open or shut a
+    // unit, which another instruction set does.
     const auto measured = manifest.at("grad_norm__maxabs_err_vs_fp64__maxabs").at(name);
     const double tolerance = 4.0 * measured[1].get<double>() + 1e-5 * measured[2].get<double>();
-    expect_near(gradients.at(name).as<float>(), tensor.as<float>(), tolerance, name);
+    const auto found = gradients.at(name).as<float>();
+    const auto wanted = tensor.as<float>();
+    if (is_below_units(name) && !is_near(found, wanted, tolerance)) {
+      EXPECT_LT(relative_distance(found, wanted), kOneUnit) << name;
+    } else {
+      expect_near(found, wanted, tolerance, name);
+    }
   }
   learner.apply_gradients(kReleasedRate);
   const ViGasWeights weights = learner.weights();
