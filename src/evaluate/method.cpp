@@ -72,7 +72,7 @@ class NetworkMethod : public Method {
     for (std::ptrdiff_t start = 0; start < samples; start += shape.samples) {
       Observation observation{
           .sound = padded(heard, start - shape.context, shape.samples + 2 * shape.context),
-          .picture = sample.picture.get(),
+          .picture = sample.picture,
           .speaker_box = sample.speaker_box.value_or(Box{}),
           .speaker_m = std::nullopt};
       synthesizer_->observe(observation);

@@ -108,7 +108,7 @@ class ShippedGtf : public testing::Test {
     std::size_t right = 0;
     for (const SanityClip& clip : clips) {
       synthesizer_.observe({.sound = clip.sound,
-                            .picture = &clip.picture,
+                            .picture = std::make_shared<const Image>(clip.picture),
                             .speaker_box = clip.box,
                             .speaker_m = std::nullopt});
       right += holds(clip) ? 1 : 0;

@@ -70,9 +70,7 @@ BandExtension::Place BandExtension::place_of(double model_samples) const {
   return {window, model_samples - static_cast<double>(window) * hop};
 }
 
-float BandExtension::gain(int ear, double model_samples) const {
-  EARPOINT_DCHECK(!gains_.empty() && model_samples >= 0.0);
-  const Place place = place_of(model_samples);
+float BandExtension::gain_at(int ear, Place place) const {
   const float present = gains_[place.window][ear];
   if (place.window == 0 || place.into >= static_cast<double>(overlap_)) return present;
   const auto before = static_cast<std::size_t>(place.into);
@@ -81,23 +79,32 @@ float BandExtension::gain(int ear, double model_samples) const {
   return gains_[place.window - 1][ear] * (1.0F - rising) + present * rising;
 }
 
+float BandExtension::gain(int ear, double model_samples) const {
+  EARPOINT_DCHECK(!gains_.empty() && model_samples >= 0.0);
+  return gain_at(ear, place_of(model_samples));
+}
+
 void BandExtension::add(int ear, double model_start, double model_step, std::span<const float> high,
                         std::span<float> samples) const {
+  const auto overlap = static_cast<double>(overlap_);
   const auto hop = static_cast<double>(window_ - overlap_);
   for (std::size_t i = 0; i < high.size();) {
-    const double model_time = model_start + model_step * static_cast<double>(i);
-    const Place place = place_of(model_time);
+    const Place place = place_of(model_start + model_step * static_cast<double>(i));
+    // In the overlap the gain fades, past it it stands still until the next window begins.
+    const bool fades = place.window > 0 && place.into < overlap;
     const bool is_last = place.window + 1 == std::ssize(gains_);
-    // Past the overlap the gain stands still until the next window begins.
-    std::size_t still = 0;
-    if (place.into >= static_cast<double>(overlap_)) {
-      const double left =
-          is_last ? static_cast<double>(high.size()) : (hop - place.into) / model_step;
-      still = std::min(high.size() - i, static_cast<std::size_t>(left));
+    std::size_t end = high.size();
+    if (fades || !is_last) {
+      const double left = std::ceil(((fades ? overlap : hop) - place.into) / model_step);
+      end = std::min(end, i + static_cast<std::size_t>(std::max(left, 1.0)));
     }
-    const float present = gain(ear, model_time);
-    for (const std::size_t end = i + std::max<std::size_t>(still, 1); i < end; ++i) {
-      samples[i] += present * high[i];
+    if (!fades) {
+      const float present = gain_at(ear, place);
+      for (; i < end; ++i) samples[i] += present * high[i];
+      continue;
+    }
+    for (Place at = place; i < end; ++i, at.into += model_step) {
+      samples[i] += gain_at(ear, at) * high[i];
     }
   }
 }

@@ -1,4 +1,5 @@
 #include <cmath>
+#include <memory>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -98,7 +99,7 @@ TEST(DspSynthesizer, SaysWhatItNeeds) {
   observation.speaker_box = Box{0.4, 0.2, 0.6, 0.9};
   EXPECT_NE(error().find("without a picture"), std::string::npos);
   const Image picture(256, 256, 3);
-  observation.picture = &picture;
+  observation.picture = std::make_shared<const Image>(picture);
   EXPECT_EQ(error(), "no error");
   EXPECT_THROW(DspSynthesizer("missing.sofa", 1.5), InputError);
 }

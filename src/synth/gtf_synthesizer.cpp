@@ -31,9 +31,13 @@ std::vector<std::string> GtfSynthesizer::doubts(const RenderOutline& outline) co
 
 void GtfSynthesizer::observe(const Observation& observation) {
   const int size = network_.description().picture_px;
-  const GtfView view = gtf_view(size > 0 ? observation.picture : nullptr, observation.speaker_box,
-                                horizontal_fov_rad_, size > 0 ? size : 1);
-  network_.look(view.picture, view.speaker_box);
+  const View seen{observation.picture, observation.speaker_box};
+  if (!seen_ || *seen_ != seen) {
+    const GtfView view = gtf_view(size > 0 ? seen.picture.get() : nullptr, seen.speaker_box,
+                                  horizontal_fov_rad_, size > 0 ? size : 1);
+    network_.look(view.picture, view.speaker_box);
+    seen_ = seen;
+  }
   speaker_m_ = observation.speaker_m;
   sound_ = observation.sound;
 }

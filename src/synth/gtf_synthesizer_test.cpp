@@ -1,5 +1,6 @@
 #include <cmath>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -38,7 +39,7 @@ Observation make_observation(const Image& picture) {
   for (float& sample : observation.sound.planar()) {
     sample = static_cast<float>(0.1 * random.normal());
   }
-  observation.picture = &picture;
+  observation.picture = std::make_shared<const Image>(picture);
   observation.speaker_box = Box{0.1, 0.2, 0.3, 0.4};
   return observation;
 }
@@ -65,6 +66,28 @@ TEST(GtfSynthesizer, GivesWhatTheNetworkGivesForTheView) {
   std::vector<float> expected(2 * 4000);
   network.synthesize(observation.sound.planar(), expected);
   EXPECT_EQ(samples(found), expected);
+}
+
+TEST(GtfSynthesizer, LooksAgainWhereThePictureOrTheBoxIsAnother) {
+  const Observation bright = make_observation(Image(64, 64, 3, 200));
+  Observation dark = bright;
+  dark.picture = std::make_shared<const Image>(64, 64, 3, std::uint8_t{10});
+  Observation beside = dark;
+  beside.speaker_box = Box{0.6, 0.2, 0.8, 0.4};
+  const auto heard = [&](GtfSynthesizer& synthesizer, const Observation& observation) {
+    synthesizer.observe(observation);
+    return samples(synthesizer.synthesize({{1, 0, 0}, {}}));
+  };
+  const auto at_first = [&](const Observation& observation) {
+    GtfSynthesizer synthesizer(make_weights(), kFov_rad);
+    return heard(synthesizer, observation);
+  };
+  EXPECT_NE(at_first(bright), at_first(dark));
+  EXPECT_NE(at_first(beside), at_first(dark));
+  GtfSynthesizer synthesizer(make_weights(), kFov_rad);
+  for (const Observation& observation : {bright, bright, dark, beside, dark, bright}) {
+    EXPECT_EQ(heard(synthesizer, observation), at_first(observation));
+  }
 }
 
 TEST(GtfSynthesizer, HeedsTheSpeakersPlace) {

@@ -98,7 +98,7 @@ struct Moment {
 Observation observation_of(const RenderSource& source, const Moment& moment) {
   Observation observation;
   observation.sound = moment.sound.primary;
-  observation.picture = moment.picture.get();
+  observation.picture = moment.picture;
   if (source.speaker_track) observation.speaker_box = source.speaker_track->at(moment.middle_s);
   observation.speaker_m = source.speaker_m;
   return observation;

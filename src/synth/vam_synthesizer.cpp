@@ -33,7 +33,8 @@ double VamSynthesizer::ambient_cutoff_hz() const {
 
 void VamSynthesizer::observe(const Observation& observation) {
   EARPOINT_CHECK(observation.picture != nullptr);
-  map_ = network_.image_map(*observation.picture);
+  if (observation.picture != seen_) map_ = network_.image_map(*observation.picture);
+  seen_ = observation.picture;
   sound_ = observation.sound;
 }
 

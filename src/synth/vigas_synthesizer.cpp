@@ -53,7 +53,9 @@ void ViGasSynthesizer::observe(const Observation& observation) {
   const ViGasDescription& description = network_.description();
   if (description.image_encoder) {
     EARPOINT_CHECK(observation.picture != nullptr);
-    visual_feature_ = network_.image_feature(*observation.picture);
+    if (observation.picture != seen_)
+      visual_feature_ = network_.image_feature(*observation.picture);
+    seen_ = observation.picture;
   }
   if (description.has_input("bboxes")) {
     if (!observation.speaker_box) {

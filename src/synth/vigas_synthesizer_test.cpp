@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -50,7 +51,7 @@ Observation make_observation(const Image& picture) {
   observation.sound = Waveform(2, 4000, 16000);
   RandomStream random(2);
   for (float& sample : observation.sound.planar()) sample = static_cast<float>(random.normal());
-  observation.picture = &picture;
+  observation.picture = std::make_shared<const Image>(picture);
   observation.speaker_box = Box{0.1, 0.2, 0.3, 0.4};
   return observation;
 }
@@ -81,6 +82,26 @@ TEST(ViGasSynthesizer, GivesWhatTheNetworkGivesForTheEncodedInputs) {
   // Another target is another sound: the pose reaches the network.
   const Waveform other = synthesizer.synthesize(Pose{});
   EXPECT_FALSE(std::equal(expected.begin(), expected.end(), other.planar().begin()));
+}
+
+TEST(ViGasSynthesizer, LooksAgainWhereThePictureIsAnother) {
+  const Observation bright = make_observation(Image(96, 54, 3, 200));
+  Observation dark = bright;
+  dark.picture = std::make_shared<const Image>(96, 54, 3, std::uint8_t{10});
+  const auto heard = [&](ViGasSynthesizer& synthesizer, const Observation& observation) {
+    synthesizer.observe(observation);
+    const Waveform result = synthesizer.synthesize(Pose{});
+    return std::vector<float>(result.planar().begin(), result.planar().end());
+  };
+  const auto at_first = [&](const Observation& observation) {
+    ViGasSynthesizer synthesizer(make_weights(), "test", 1);
+    return heard(synthesizer, observation);
+  };
+  EXPECT_NE(at_first(bright), at_first(dark));
+  ViGasSynthesizer synthesizer(make_weights(), "test", 1);
+  for (const Observation& observation : {bright, bright, dark, bright}) {
+    EXPECT_EQ(heard(synthesizer, observation), at_first(observation));
+  }
 }
 
 TEST(ViGasSynthesizer, StatesItsWindowsAndItsAmbientCutoff) {

@@ -42,6 +42,7 @@ class BandExtension {
     double into = 0.0;  ///< samples since it began
   };
   [[nodiscard]] Place place_of(double model_samples) const;
+  [[nodiscard]] float gain_at(int ear, Place place) const;
   [[nodiscard]] double top_octave_energy(std::span<const float> samples);
 
   std::ptrdiff_t window_;

@@ -23,8 +23,16 @@ class GtfSynthesizer : public AcousticSynthesizer {
   [[nodiscard]] Waveform synthesize_along(std::span<const Pose> path) override;
 
  private:
+  struct View {
+    std::shared_ptr<const Image> picture;
+    std::optional<Box> speaker_box;
+
+    friend bool operator==(const View&, const View&) = default;
+  };
+
   Gtf network_;
   double horizontal_fov_rad_;
+  std::optional<View> seen_;  ///< what the network looked at last
   Waveform sound_;
   std::optional<Vector3> speaker_m_;
 };

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -29,8 +30,9 @@ struct WindowShape {
 struct Observation {
   /// The primary sound at the source view: 2 ears, [context + samples + context].
   Waveform sound;
-  /// The frame nearest to the window's middle; null where there is no picture.
-  const Image* picture = nullptr;
+  /// The frame nearest to the window's middle; null where there is no picture. While a picture
+  /// stands still, every window has the same one.
+  std::shared_ptr<const Image> picture;
   /// Where the speaker is seen in that frame.
   std::optional<Box> speaker_box;
   /// Where the speaker's mouth is, in the source view's frame.

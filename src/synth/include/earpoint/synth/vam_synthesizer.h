@@ -27,6 +27,7 @@ class VamSynthesizer : public AcousticSynthesizer {
  private:
   Vam network_;
   Waveform sound_;
+  std::shared_ptr<const Image> seen_;  ///< whose map this is:
   std::vector<float> map_;
 };
 

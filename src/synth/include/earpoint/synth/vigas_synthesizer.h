@@ -29,6 +29,7 @@ class ViGasSynthesizer : public AcousticSynthesizer {
  private:
   ViGas network_;
   Waveform sound_;
+  std::shared_ptr<const Image> seen_;  ///< whose feature this is:
   std::vector<float> visual_feature_;
   std::vector<float> box_;
   std::vector<float> fused_;
