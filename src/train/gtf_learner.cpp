@@ -5,6 +5,7 @@
 #include "stft_loss.h"
 #include "torch_tensor.h"
 
+#include <optional>
 #include <utility>
 
 #include <ATen/core/grad_mode.h>
@@ -18,9 +19,19 @@ namespace earpoint {
 struct GtfLearner::State {
   State(const GtfWeights& weights, const GtfLearnerOptions& learner_options)
       : options(learner_options),
+        estimator(frozen(learner_options)),
         graph(weights, at::kCPU),
         adam(graph.parameters(), {.second = learner_options.second_decay}),
         magnitude(GtfDescription::kHop, at::kCPU) {}
+
+  /// The estimator of the options, which does not learn.
+  [[nodiscard]] static std::optional<Rt60Graph> frozen(const GtfLearnerOptions& options) {
+    if (options.loss.reverberation <= 0) return std::nullopt;
+    EARPOINT_CHECK(options.estimator.has_value());
+    Rt60Graph graph(*options.estimator, at::kCPU);
+    for (auto& [name, parameter] : graph.tensors.parameters) parameter.requires_grad_(false);
+    return graph;
+  }
 
   [[nodiscard]] static at::Tensor sounds(const TrainingBatch& batch,
                                          const std::vector<float>& values) {
@@ -47,6 +58,7 @@ struct GtfLearner::State {
   }
 
   GtfLearnerOptions options;
+  std::optional<Rt60Graph> estimator;
   GtfGraph graph;
   Adam adam;
   ShortTimeMagnitude magnitude;
@@ -99,7 +111,8 @@ double GtfLearner::compute_gradients(const TrainingBatch& batch) {
   if (state.options.loss.decay > 0) {
     truth.dry = State::values(batch, "dry", truth.target.size(2));
   }
-  const at::Tensor loss = gtf_loss(state.options.loss, state.forward(batch), truth);
+  const at::Tensor loss = gtf_loss(state.options.loss, state.forward(batch), truth,
+                                   state.estimator ? &*state.estimator : nullptr);
   loss.backward();
   return loss.item<double>();
 }

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -9,8 +10,10 @@
 #include <earpoint/core/error.h>
 #include <earpoint/core/pose.h>
 #include <earpoint/core/random.h>
+#include <earpoint/infer/rt60_estimator.h>
 #include <earpoint/spatial/hrtf.h>
 #include <earpoint/train/gtf_learner.h>
+#include <earpoint/train/initial_weights.h>
 
 namespace earpoint {
 namespace {
@@ -40,12 +43,13 @@ std::vector<float> noise(std::int64_t count, double size, std::uint64_t seed) {
   return values;
 }
 
-TrainingBatch batch_for(const GtfDescription& d, std::int64_t clips) {
+TrainingBatch batch_for(const GtfDescription& d, std::int64_t clips,
+                        std::int64_t samples = kSamples) {
   TrainingBatch batch;
   batch.clips = clips;
-  batch.source = noise(clips * 2 * kSamples, 0.1, 1);
-  batch.target = noise(clips * 2 * kSamples, 0.05, 2);
-  batch.inputs["dry"] = noise(clips * kSamples, 0.1, 7);
+  batch.source = noise(clips * 2 * samples, 0.1, 1);
+  batch.target = noise(clips * 2 * samples, 0.05, 2);
+  batch.inputs["dry"] = noise(clips * samples, 0.1, 7);
   if (d.picture_px > 0) {
     batch.pictures = noise(clips * 3 * d.picture_px * d.picture_px, 0.2, 3);
   }
@@ -295,6 +299,39 @@ TEST(GtfLearner, DecayCountsReverberationThatIsMissing) {
   };
   EXPECT_LT(decay(copy), 0.5 * decay(reverberant));
   EXPECT_GT(decay(reverberant), 3.0);
+}
+
+TEST(GtfLearner, ReverberationTimesCountAsTheEstimatorHearsThem) {
+  // The untrained network gives back its input as far as its phases let it.
+  const GtfDescription d = small();
+  constexpr std::int64_t kSecond = Rt60Description::kWindowSamples;
+  const GtfWeights weights = initial_gtf_weights(d, head(), 1);
+  TrainingBatch copy = batch_for(d, 1, kSecond);
+  copy.target = GtfLearner(weights).predict(copy);
+  TrainingBatch faded = copy;
+  for (std::int64_t i = 0; i < 2 * kSecond; ++i) {
+    faded.target[i] *= std::exp(-6.9F * static_cast<float>(i % kSecond) / 8000.0F);
+  }
+  const GtfLearnerOptions without;
+  GtfLearnerOptions with = without;
+  with.loss.reverberation = 1.0;
+  with.estimator = initial_rt60_weights({2, 1.0}, 5);
+  const auto counted = [&](const TrainingBatch& batch) {
+    return GtfLearner(weights, with).compute_gradients(batch) -
+           GtfLearner(weights, without).compute_gradients(batch);
+  };
+  Rt60Estimator engine(*with.estimator);
+  double wanted = 0.0;
+  for (std::int64_t ear = 0; ear < 2; ++ear) {
+    const auto time_of = [&](const TrainingBatch& batch) {
+      return engine.estimate_second_s(std::span(batch.target).subspan(ear * kSecond, kSecond));
+    };
+    wanted += std::abs(time_of(copy) - time_of(faded)) / 2;
+  }
+  ASSERT_GT(wanted, 0.01);
+  // Eighteen float32 layers twice, magnitudes of 3e-4 and more, and the difference of two losses.
+  EXPECT_NEAR(counted(copy), 0.0, 1e-5);
+  EXPECT_NEAR(counted(faded), wanted, 0.02 * wanted);
 }
 
 TEST(GtfExample, HoldsWhatTheNetworkIsToldAndWhereTheSpeakerIs) {

@@ -7,6 +7,8 @@
 #include <ATen/ops/log10.h>
 #include <ATen/ops/view_as_real.h>
 
+#include <earpoint/core/error.h>
+
 namespace earpoint {
 namespace {
 
@@ -73,7 +75,8 @@ at::Tensor place_error(const SpeakerPlace& speaker, const GtfTruth& truth) {
 
 }  // namespace
 
-at::Tensor gtf_loss(const GtfLossWeights& weights, const GtfOutput& output, const GtfTruth& truth) {
+at::Tensor gtf_loss(const GtfLossWeights& weights, const GtfOutput& output, const GtfTruth& truth,
+                    const Rt60Graph* estimator) {
   const at::Tensor predicted = short_time_spectrum(output.sound);
   const at::Tensor wanted = short_time_spectrum(truth.target);
   const at::Tensor found = magnitude_of(predicted);
@@ -97,6 +100,11 @@ at::Tensor gtf_loss(const GtfLossWeights& weights, const GtfOutput& output, cons
   }
   if (weights.decay > 0) {
     loss = loss + decay_error_db(truth.dry, output.sound, truth.target) * weights.decay;
+  }
+  if (weights.reverberation > 0) {
+    EARPOINT_CHECK(estimator != nullptr);
+    loss = loss +
+           reverberation_error_s(*estimator, output.sound, truth.target) * weights.reverberation;
   }
   if (weights.phase_difference > 0) {
     loss = loss + phase_difference_error(predicted, wanted) * weights.phase_difference;

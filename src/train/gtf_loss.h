@@ -1,7 +1,7 @@
 #pragma once
 
 #include "gtf_graph.h"
-#include "stft_loss.h"
+#include "rt60_graph.h"
 
 #include <ATen/core/Tensor.h>
 
@@ -18,6 +18,8 @@ struct GtfTruth {
 };
 
 /// The loss that the network learns by; see GtfLossWeights.
-at::Tensor gtf_loss(const GtfLossWeights& weights, const GtfOutput& output, const GtfTruth& truth);
+/// @param estimator  of reverberation time; needed where that counts
+at::Tensor gtf_loss(const GtfLossWeights& weights, const GtfOutput& output, const GtfTruth& truth,
+                    const Rt60Graph* estimator);
 
 }  // namespace earpoint

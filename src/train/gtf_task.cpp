@@ -29,6 +29,7 @@ GtfLossWeights loss_from(const Json& json, const std::string& where) {
            {"level", &weights.level},
            {"modulation", &weights.modulation},
            {"decay", &weights.decay},
+           {"reverberation", &weights.reverberation},
            {"phase_difference", &weights.phase_difference},
            {"place", &weights.place}}) {
     if (!reader.has(key)) continue;
@@ -43,22 +44,36 @@ GtfLossWeights loss_from(const Json& json, const std::string& where) {
 /// What a network's section holds beside its description.
 struct GtfStart {
   GtfLossWeights loss;
-  std::optional<std::string> init;  ///< a weight file to start from
+  std::optional<std::string> init;       ///< a weight file to start from
+  std::optional<std::string> estimator;  ///< the weight file of one of reverberation time
 };
 
-/// Takes `loss` and `init` out of the network's section.
+/// Takes the path at `key` out of the network's section. @param what  it is the path of
+std::optional<std::string> take_path(Json& section, const char* key, const char* what,
+                                     const std::string& where) {
+  if (!section.contains(key)) return std::nullopt;
+  if (!section[key].is_string()) {
+    throw InputError(where, fmt::format("'{}': expected the path of {}", key, what));
+  }
+  std::string path = section[key];
+  section.erase(key);
+  return path;
+}
+
+/// Takes `loss`, `init` and `estimator` out of the network's section.
 GtfStart take_start(std::string& section, const std::string& where) {
   constexpr int kDepth = 2;
   GtfStart start;
   Json json = parse_strict_json(section, where, kDepth);
   if (!json.is_object()) return start;
   if (json.contains("loss")) start.loss = loss_from(json["loss"], fmt::format("{}: 'loss'", where));
-  if (json.contains("init")) {
-    if (!json["init"].is_string()) throw InputError(where, "'init': expected the path of weights");
-    start.init = json["init"];
-  }
   json.erase("loss");
-  json.erase("init");
+  start.init = take_path(json, "init", "weights", where);
+  start.estimator = take_path(json, "estimator", "an rt60 network's weights", where);
+  if ((start.loss.reverberation > 0) != start.estimator.has_value()) {
+    throw InputError(where, "'loss.reverberation' and 'estimator' need each other",
+                     "give both or none");
+  }
   section = json.dump();
   return start;
 }
@@ -88,6 +103,15 @@ TrainingTask gtf_task(const TrainConfig& config, std::string_view where,
   GtfLearnerOptions learner_options;
   const GtfStart start = take_start(section, network);
   learner_options.loss = start.loss;
+  if (start.estimator) {
+    learner_options.estimator =
+        rt60_estimator_weights(read_safetensors(*start.estimator), *start.estimator);
+    if (pairs.samples < Rt60Description::kWindowSamples) {
+      throw InputError(where,
+                       fmt::format("'loss.reverberation' needs windows of {} samples or more",
+                                   Rt60Description::kWindowSamples));
+    }
+  }
   GtfDescription usual;
   if (pairs.separate) usual.highpass_cutoff_hz = kSeparationCutoffHz;
   usual.window_samples = static_cast<int>(pairs.samples);

@@ -1,7 +1,6 @@
 #include "adam.h"
 #include "graph_tensors.h"
-#include "resnet18_graph.h"
-#include "stft_loss.h"
+#include "rt60_graph.h"
 #include "torch_tensor.h"
 
 #include <cmath>
@@ -9,54 +8,28 @@
 
 #include <ATen/TensorOperators.h>
 #include <ATen/core/grad_mode.h>
-#include <ATen/ops/linear.h>
-#include <ATen/ops/ones_like.h>
-#include <ATen/ops/where.h>
 
 #include <earpoint/core/error.h>
 #include <earpoint/train/rt60_learner.h>
 
 namespace earpoint {
-namespace {
-
-constexpr std::int64_t kHopSamples = 160;
-
-at::Tensor scaled_to(const at::Tensor& sounds, double rms) {
-  const at::Tensor found = sounds.square().mean(1, /*keepdim=*/true).sqrt();
-  return sounds * at::where(found > 0.0, rms / found, at::ones_like(found));
-}
-
-}  // namespace
 
 struct Rt60Learner::State {
   State(const Rt60EstimatorWeights& weights, const std::string& device_name)
-      : description(weights.description),
-        device(device_named(device_name)),
-        tensors(weights.tensors, device),
-        adam(tensors.parameters),
-        magnitude(kHopSamples, device) {}
+      : device(device_named(device_name)), graph(weights, device), adam(graph.tensors.parameters) {}
 
-  at::Tensor forward(const TrainingBatch& batch, GraphMode mode) {
-    at::Tensor sounds =
-        to_torch(batch.source, {batch.clips, Rt60Description::kWindowSamples}, device);
-    if (description.input_rms) sounds = scaled_to(sounds, *description.input_rms);
-    const at::Tensor picture = magnitude.plain(sounds).log1p().unsqueeze(1);
-    const at::Tensor map = resnet18(tensors, "feature_extraction", picture, mode);
-    const at::Tensor feature = map.mean(at::IntArrayRef({2, 3}));
-    return at::linear(feature, tensors.parameter("predictor.0.weight"),
-                      tensors.parameter("predictor.0.bias"))
-        .squeeze(1);
+  at::Tensor forward(const TrainingBatch& batch, GraphMode mode) const {
+    return graph.estimate_s(
+        to_torch(batch.source, {batch.clips, Rt60Description::kWindowSamples}, device), mode);
   }
 
   at::Tensor wanted(const TrainingBatch& batch) const {
     return to_torch(batch.inputs.at(std::string(kT60Input)), {batch.clips}, device);
   }
 
-  Rt60Description description;
   at::Device device;
-  GraphTensors tensors;
+  Rt60Graph graph;
   Adam adam;
-  ShortTimeMagnitude magnitude;
 };
 
 TrainingExample rt60_example(std::vector<float> sound, double t60_s) {
@@ -70,10 +43,10 @@ Rt60Learner::~Rt60Learner() = default;
 Rt60Learner::Rt60Learner(Rt60Learner&&) noexcept = default;
 Rt60Learner& Rt60Learner::operator=(Rt60Learner&&) noexcept = default;
 
-const Rt60Description& Rt60Learner::description() const { return state_->description; }
+const Rt60Description& Rt60Learner::description() const { return state_->graph.description; }
 
 Rt60EstimatorWeights Rt60Learner::weights() const {
-  return {state_->description, state_->tensors.weights(), {}};
+  return {state_->graph.description, state_->graph.tensors.weights(), {}};
 }
 
 std::vector<double> Rt60Learner::estimate_s(const TrainingBatch& batch) {
@@ -90,21 +63,23 @@ std::vector<double> Rt60Learner::errors(const TrainingBatch& batch) {
 
 double Rt60Learner::compute_gradients(const TrainingBatch& batch) {
   State& state = *state_;
-  forget_gradients(state.tensors.parameters);
+  forget_gradients(state.graph.tensors.parameters);
   const at::Tensor loss =
       (state.forward(batch, GraphMode::training) - state.wanted(batch)).abs().mean();
   loss.backward();
   return loss.item<double>();
 }
 
-std::map<std::string, Tensor> Rt60Learner::gradients() const { return state_->tensors.gradients(); }
+std::map<std::string, Tensor> Rt60Learner::gradients() const {
+  return state_->graph.tensors.gradients();
+}
 
 void Rt60Learner::visit_gradients(const Visitor& visitor) {
-  earpoint::visit_gradients(state_->tensors.parameters, visitor);
+  earpoint::visit_gradients(state_->graph.tensors.parameters, visitor);
 }
 
 void Rt60Learner::visit_statistics(const Visitor& visitor) {
-  visit_values(state_->tensors.buffers, visitor);
+  visit_values(state_->graph.tensors.buffers, visitor);
 }
 
 void Rt60Learner::apply_gradients(double learning_rate) { state_->adam.step(learning_rate); }

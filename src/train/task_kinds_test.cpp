@@ -11,6 +11,7 @@
 #include <earpoint/model/gtf.h>
 #include <earpoint/model/vam.h>
 #include <earpoint/model/weights.h>
+#include <earpoint/train/initial_weights.h>
 #include <earpoint/train/trainer.h>
 #include <earpoint/train/training_task.h>
 
@@ -87,6 +88,27 @@ TEST_F(TaskKinds, NamesWhatIsWrongWithAGeometricNetwork) {
   EXPECT_NE(said(R"({"kind": "gtf", "loss": {"level": -1}})").find("'level': expected 0 to 1000"),
             std::string::npos);
   EXPECT_NE(said(R"({"kind": "gtf", "picture_px": 33})").find("multiple of 32"), std::string::npos);
+}
+
+TEST_F(TaskKinds, TrainsAGeometricNetworkByAnEstimatorsEar) {
+  const fs::path estimator = folder_ / "estimator.safetensors";
+  write_safetensors(estimator, rt60_weight_file(initial_rt60_weights({2, 1.0}, 1)));
+  const auto config = [&](const std::string& path, const std::string& data) {
+    return config_of(R"({"kind": "gtf", "channels": 8, "layers": 2, "bands": 8, "picture_px": 32,
+      "loss": {"reverberation": 1}, "estimator": ")" +
+                         path + R"("})",
+                     data);
+  };
+  EXPECT_EQ(gtf_weights(trained(config(estimator, "{}")), "best").description.channels, 8);
+
+  fs::resize_file(estimator, 100);
+  EXPECT_NE(refusal(config(estimator, "{}")).find("estimator.safetensors"), std::string::npos);
+  write_safetensors(estimator, rt60_weight_file(initial_rt60_weights({2, 1.0}, 1)));
+  EXPECT_NE(refusal(config(estimator, R"({"window_samples": 8000})")).find("16000 samples"),
+            std::string::npos);
+  EXPECT_NE(refusal(config_of(R"({"kind": "gtf", "loss": {"reverberation": 1}})"))
+                .find("'loss.reverberation' and 'estimator' need each other"),
+            std::string::npos);
 }
 
 TEST_F(TaskKinds, RefusesStepsThatWouldLearnNothing) {

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -10,6 +11,7 @@
 #include <earpoint/dataset/pair_sample.h>
 #include <earpoint/model/gtf.h>
 #include <earpoint/model/safetensors.h>
+#include <earpoint/model/weights.h>
 #include <earpoint/spatial/hrtf.h>
 #include <earpoint/train/learner.h>
 #include <earpoint/train/training_batch.h>
@@ -24,6 +26,7 @@ struct GtfLossWeights {
   double level = 0.01;             ///< of each ear's level, dB
   double modulation = 0.0;         ///< of the spread of each bin's level over time, nepers
   double decay = 0.0;              ///< of the decay of the response from dry speech, dB
+  double reverberation = 0.0;      ///< of reverberation time as an estimator hears it, seconds
   double phase_difference = 0.05;  ///< of the phase between the ears
   double place = 0.02;             ///< of the speaker's estimated direction, distance and heading
 
@@ -32,6 +35,9 @@ struct GtfLossWeights {
 
 struct GtfLearnerOptions {
   GtfLossWeights loss;
+  /// Who hears reverberation times for the loss. Not who measures them: what learns to please one
+  /// estimator must convince another.
+  std::optional<Rt60EstimatorWeights> estimator;
   double longest_gradient = 1.0;  ///< gradients are scaled down to that length
   double second_decay = 0.98;     ///< of Adam: short, as loud clips come and go
 };
