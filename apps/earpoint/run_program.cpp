@@ -2,7 +2,6 @@
 
 #include <array>
 #include <atomic>
-#include <filesystem>
 #include <stdexcept>
 
 #include <fcntl.h>
@@ -27,8 +26,8 @@ std::vector<char*> pointers_to(std::vector<std::string>& words) {
 
 }  // namespace
 
-ProgramOutcome run_earpoint(const std::vector<std::string>& arguments,
-                            const std::vector<std::string>& environment) {
+ProgramOutcome run_program(const fs::path& program, const std::vector<std::string>& arguments,
+                           const std::vector<std::string>& environment) {
   static std::atomic<int> runs = 0;
   const std::string stem =
       (fs::temp_directory_path() /
@@ -42,17 +41,17 @@ ProgramOutcome run_earpoint(const std::vector<std::string>& arguments,
     posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO + i, captured[i].c_str(),
                                      O_CREAT | O_TRUNC | O_WRONLY, 0600);
   }
-  std::vector<std::string> words{EARPOINT_PROGRAM};
+  std::vector<std::string> words{program};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<std::string> variables = environment;
   for (char** variable = environ; *variable != nullptr; ++variable)
     variables.emplace_back(*variable);
 
   pid_t child = 0;
-  const int error = posix_spawn(&child, EARPOINT_PROGRAM, &actions, nullptr,
+  const int error = posix_spawn(&child, program.c_str(), &actions, nullptr,
                                 pointers_to(words).data(), pointers_to(variables).data());
   posix_spawn_file_actions_destroy(&actions);
-  if (error != 0) throw std::runtime_error("cannot start " EARPOINT_PROGRAM);
+  if (error != 0) throw std::runtime_error("cannot start " + program.string());
   int status = 0;
   if (::waitpid(child, &status, 0) != child)
     throw std::runtime_error("cannot wait for the program");
@@ -62,4 +61,9 @@ ProgramOutcome run_earpoint(const std::vector<std::string>& arguments,
                          earpoint::read_text_file(captured[1])};
   for (const std::string& path : captured) fs::remove(path);
   return outcome;
+}
+
+ProgramOutcome run_earpoint(const std::vector<std::string>& arguments,
+                            const std::vector<std::string>& environment) {
+  return run_program(EARPOINT_PROGRAM, arguments, environment);
 }

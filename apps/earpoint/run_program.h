@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -10,8 +11,13 @@ struct ProgramOutcome {
   std::string errors;  ///< standard error
 };
 
-/// Runs the earpoint program that was built beside the tests and waits for it. Any thread may.
+/// Runs a program and waits for it. Any thread may.
 /// @param arguments    as the program gets them; no shell reads them
 /// @param environment  NAME=VALUE, beside what this process has
+ProgramOutcome run_program(const std::filesystem::path& program,
+                           const std::vector<std::string>& arguments,
+                           const std::vector<std::string>& environment = {});
+
+/// The same for the earpoint program that was built beside the tests.
 ProgramOutcome run_earpoint(const std::vector<std::string>& arguments,
                             const std::vector<std::string>& environment = {});

@@ -51,6 +51,16 @@ class TrainCommandTest : public ::testing::Test {
   fs::path folder_;
 };
 
+TEST_F(TrainCommandTest, SaysWhatIsMissingWhereTheProgramThatTrainsIs) {
+  const fs::path alone = folder_ / "earpoint";
+  fs::copy_file(EARPOINT_PROGRAM, alone);
+  const ProgramOutcome outcome = run_program(alone, {"train", "--help"});
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_NE(outcome.errors.find("keep earpoint-train in the folder of earpoint"), std::string::npos)
+      << outcome.errors;
+  EXPECT_EQ(std::ranges::count(outcome.errors, '\n'), 1) << outcome.errors;
+}
+
 TEST_F(TrainCommandTest, WhatWasTrainedRendersAtOnce) {
   const ProgramOutcome trained = train({"--json", "--quiet"});
   ASSERT_EQ(trained.exit_code, 0) << trained.errors;
