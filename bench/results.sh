@@ -43,6 +43,13 @@ train_data_set() {
     no-separation=ablations/vigas-no-separation
 }
 
+# What gtf gains from a loss by the ear of an estimator of reverberation time, which is not the one that
+# measures.
+train_by_ear() {
+  train_run "$1" rt60-loss out/data/novel out/by-ear/novel/rt60-loss
+  train_run "$1" gtf-reverberation-novel out/data/novel out/by-ear/novel/gtf-reverberation
+}
+
 # Both data sets side by side, then enhancement: hours on two cores.
 train_methods() {
   local earpoint=$1 novel single name
@@ -52,6 +59,7 @@ train_methods() {
   single=$!
   wait "$novel"
   wait "$single"
+  train_by_ear "$earpoint"
   for name in gtf vigas-small; do
     train_run "$earpoint" "enhance-$name" out/data/novel "out/enhance/$name"
   done
@@ -108,9 +116,14 @@ simulate_generalisation() {
     --rays 1000 --seed 99 --out out/data/imported
 }
 
-# Speech enhancement and what gtf was not trained for.
+# Speech enhancement, other losses, and what gtf was not trained for.
 evaluate_beyond() {
-  local earpoint=$1
+  local earpoint=$1 by_ear=out/by-ear/novel/gtf-reverberation/best.safetensors
+  if [ -f "$by_ear" ]; then
+    say "A loss by ear"
+    "$earpoint" evaluate --data out/data/novel --methods "input,gtf,gtf-reverberation=$by_ear" --json \
+      >out/bench/by-ear-novel.json
+  fi
   if [ -d out/enhance ]; then
     say "Speech enhancement"
     "$earpoint" evaluate --data out/data/novel --enhance --methods input --runs out/enhance --oracles \
