@@ -1,6 +1,7 @@
 #include "evaluate_command.h"
 
 #include "evaluate_methods.h"
+#include "rt60_model.h"
 
 #include <array>
 #include <cstdio>
@@ -24,7 +25,6 @@
 #include <earpoint/evaluate/evaluation_table.h>
 #include <earpoint/evaluate/report.h>
 #include <earpoint/infer/rt60_estimator.h>
-#include <earpoint/model/shipped_model.h>
 #include <earpoint/model/weights.h>
 
 namespace {
@@ -86,9 +86,11 @@ struct Options {
 
 /// Makes the estimator behind RTE, or nothing where there is none.
 std::function<earpoint::ReverberationEstimator()> estimator_maker(const fs::path& given) {
-  std::optional<fs::path> model = given;
-  if (model->empty()) model = earpoint::shipped_model_path("rt60.safetensors");
-  if (!model) return {};
+  const std::optional<fs::path> model = rt60_model(given);
+  if (!model) {
+    fmt::print(stderr, "earpoint: {}\n", kNoRt60Model);
+    return {};
+  }
   auto weights = std::make_shared<earpoint::Rt60EstimatorWeights>(
       earpoint::read_rt60_estimator_weights(*model));
   return [weights]() -> earpoint::ReverberationEstimator {

@@ -241,6 +241,17 @@ TEST_F(EvaluateCommandTest, RunsAndShippedModelsAreRows) {
   EXPECT_NE(none.errors.find("finds neither gtf.safetensors"), std::string::npos) << none.errors;
 }
 
+TEST_F(EvaluateCommandTest, SaysThatNobodyHearsReverberationTimes) {
+  const ProgramOutcome outcome =
+      run_earpoint({"evaluate", "--data", (folder_ / "data").string(), "--methods", "input",
+                    "--limit", "2", "--quiet", "--json"},
+                   {"EARPOINT_MODELS_DIR=" + folder_.string()});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
+  EXPECT_NE(outcome.errors.find("found no rt60.safetensors"), std::string::npos) << outcome.errors;
+  EXPECT_EQ(std::count(outcome.errors.begin(), outcome.errors.end(), '\n'), 1) << outcome.errors;
+  EXPECT_FALSE(nlohmann::json::parse(outcome.output).at("rows").at(0).contains("rte_s"));
+}
+
 TEST_F(EvaluateCommandTest, ReportIsWritten) {
   const ProgramOutcome outcome =
       evaluate(folder_ / "data",

@@ -1,5 +1,7 @@
 #include "metrics_command.h"
 
+#include "rt60_model.h"
+
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -19,7 +21,6 @@
 #include <earpoint/evaluate/decay_metrics.h>
 #include <earpoint/evaluate/metrics.h>
 #include <earpoint/evaluate/reverberation_error.h>
-#include <earpoint/model/shipped_model.h>
 #include <earpoint/model/weights.h>
 
 namespace {
@@ -123,9 +124,9 @@ Pair read_pair(const MetricsOptions& options, Report& report) {
 
 /// RTE, if there is an estimator to hear it.
 void add_reverberation_error(const MetricsOptions& options, const Pair& pair, Report& report) {
-  std::optional<fs::path> model = options.rt60_model;
-  if (model->empty()) model = earpoint::shipped_model_path("rt60.safetensors");
+  const std::optional<fs::path> model = rt60_model(options.rt60_model);
   if (!model) {
+    report.notes.emplace_back(kNoRt60Model);
     report.rows.push_back({"rte_s", Json(nullptr), "s"});
     return;
   }

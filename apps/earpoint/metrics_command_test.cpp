@@ -105,6 +105,16 @@ TEST_F(MetricsCommand, ReverberationErrorComesFromTheNamedEstimator) {
   expect_refused({reference, estimate, "--rt60-model", reference}, "safetensors");
 }
 
+TEST_F(MetricsCommand, WithoutAnEstimatorReverberationErrorIsNullAndNoted) {
+  const std::string sound = write("a.wav", noise(16000));
+  const ProgramOutcome outcome = run_earpoint({"metrics", sound, sound, "--json"},
+                                              {"EARPOINT_MODELS_DIR=" + folder_.string()});
+  const auto json = nlohmann::json::parse(outcome.output);
+  EXPECT_TRUE(json.at("rte_s").is_null());
+  EXPECT_NE(json.at("notes").at(0).get<std::string>().find("found no rt60.safetensors"),
+            std::string::npos);
+}
+
 TEST_F(MetricsCommand, SilenceGivesNullAndANote) {
   const std::string reference = write("a.wav", noise(16000));
   const std::string estimate = write("b.wav", with_ear_scaled(noise(16000), 0, 0.0F));
