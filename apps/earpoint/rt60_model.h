@@ -5,9 +5,8 @@
 
 /// What to say where rt60_model() finds nothing.
 inline constexpr const char* kNoRt60Model =
-    "found no rt60.safetensors among the shipped models, so rte_s is left out; give --rt60-model, "
-    "or "
-    "set EARPOINT_MODELS_DIR to the folder that holds it";
+    "found no rt60.safetensors among the shipped models, so rte_s is left out; "
+    "give --rt60-model, or set EARPOINT_MODELS_DIR to the folder that holds it";
 
 /// The weight file of the estimator behind rte_s: the one given by --rt60-model, or the shipped
 /// one.
