@@ -222,7 +222,8 @@ SECTIONS = [
     ("A loss by ear", "by-ear-novel.json", evaluation_table,
      "`earpoint evaluate --json` in unseen homes: the shipped `gtf`, and the same trained on for 1200 steps "
      "with the difference of reverberation times in its loss, as an estimator hears them that was trained "
-     "with another seed than the one behind RTE (`configs/gtf-reverberation-novel.json`)."),
+     "with another seed than the one behind RTE (`configs/gtf-reverberation-novel.json`). No run with as many "
+     "further steps and without the term stands beside."),
     ("Ambient sound in one home", "ambient-single.json", evaluation_table,
      "`earpoint evaluate --ambient -40 --json`: room noise in what every source hears, separated by the "
      "high-pass at 80 Hz; the target is clean. `no-separation` was trained with the noise in both "
