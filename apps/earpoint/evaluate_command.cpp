@@ -57,6 +57,7 @@ Oracles, which are shown part of the answer (--oracles: all), from the lowest ru
   oracle-gain        true level of each ear
   oracle-bands       true level of each frequency and ear
   oracle-dry-direct  true dry speech and direct path, tail of noise with the true decay
+  oracle-expected    the same, but the magnitudes to be expected over many such tails: best by Mag
   oracle-all         everything known: 0
 Room noise (--ambient -40) falls by 6 dB an octave from 20 Hz on and is independent at each ear. It is
 separated as the paper separates ambient sound, by a high-pass at 80 Hz: methods hear what is above, and

@@ -97,10 +97,10 @@ TEST_F(EvaluateCommandTest, OraclesAreRowsOfTheirOwn) {
       folder_ / "data", {"--methods", "input,oracle-gain", "--oracles", "--json", "--limit", "3"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
   const auto json = nlohmann::json::parse(outcome.output);
-  ASSERT_EQ(json.at("rows").size(), 5U);
-  EXPECT_EQ(json.at("rows")[4].at("method"), "oracle-all");
-  EXPECT_EQ(json.at("rows")[4].at("is_oracle"), true);
-  EXPECT_LT(json.at("rows")[4].at("mag").at("mean"), 1e-5);
+  ASSERT_EQ(json.at("rows").size(), 6U);
+  EXPECT_EQ(json.at("rows")[5].at("method"), "oracle-all");
+  EXPECT_EQ(json.at("rows")[5].at("is_oracle"), true);
+  EXPECT_LT(json.at("rows")[5].at("mag").at("mean"), 1e-5);
 }
 
 TEST_F(EvaluateCommandTest, TableAndLimitAreForPeople) {
@@ -133,11 +133,11 @@ TEST_F(EvaluateCommandTest, EnhancementAsksForDrySpeechInTheSameForm) {
   const auto json = nlohmann::json::parse(outcome.output);
   EXPECT_EQ(json.at("target"), "near_microphone");
   EXPECT_EQ(json.at("ambient_db"), -40.0);
-  ASSERT_EQ(json.at("rows").size(), 5U);
+  ASSERT_EQ(json.at("rows").size(), 6U);
   const auto& input = json.at("rows")[0];
   EXPECT_EQ(input.at("method"), "input");
   EXPECT_GT(input.at("mag").at("low"), 0.0);
-  EXPECT_LT(json.at("rows")[4].at("mag").at("mean"), 1e-5);
+  EXPECT_LT(json.at("rows")[5].at("mag").at("mean"), 1e-5);
   const ProgramOutcome text = evaluate(folder_ / "data", {"--enhance"});
   EXPECT_NE(text.output.find("Mag"), std::string::npos) << text.output;
   EXPECT_EQ(text.output.find("LRE"), std::string::npos) << text.output;
