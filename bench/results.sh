@@ -43,11 +43,14 @@ train_data_set() {
     no-separation=ablations/vigas-no-separation
 }
 
-# What gtf gains from a loss by the ear of an estimator of reverberation time, which is not the one that
-# measures.
+# The third training of the gtf that ships: a loss by the ear of an estimator of reverberation time, which is
+# not the one that measures. Beside it as many further steps without.
 train_by_ear() {
-  train_run "$1" rt60-loss out/data/novel out/by-ear/novel/rt60-loss
-  train_run "$1" gtf-reverberation-novel out/data/novel out/by-ear/novel/gtf-reverberation
+  local by_ear=out/by-ear/novel name
+  train_run "$1" rt60-loss out/data/novel "$by_ear/rt60-loss"
+  for name in gtf-reverberation gtf-further; do
+    train_run "$1" "$name-novel" out/data/novel "$by_ear/$name"
+  done
 }
 
 # Both data sets side by side, then enhancement: hours on two cores.
@@ -65,16 +68,27 @@ train_methods() {
   done
 }
 
+# The weights of a method in the tables; of gtf those of its last training.
+# Usage: weights_of DATA NAME
+weights_of() {
+  local by_ear=out/by-ear/$1/$2-reverberation/best.safetensors
+  if [ -f "$by_ear" ]; then
+    echo "$by_ear"
+  else
+    echo "out/runs/$1/$2/best.safetensors"
+  fi
+}
+
 # Every method side by side on the frozen test pairs, into out/bench; what was not trained has no row.
 # Usage: evaluate_methods EARPOINT DATA...
 evaluate_methods() {
-  local earpoint=$1 data name methods
+  local earpoint=$1 data name methods weights
   shift
   for data in "$@"; do
     methods=input,tf,dsp
     for name in vam vigas-blind vigas gtf; do
-      [ ! -f "out/runs/$data/$name/best.safetensors" ] ||
-        methods+=,$name=out/runs/$data/$name/best.safetensors
+      weights=$(weights_of "$data" "$name")
+      [ ! -f "$weights" ] || methods+=,$name=$weights
     done
     say "Methods side by side in $data: $methods"
     "$earpoint" evaluate --data "out/data/$data" --methods "$methods" --oracles --json \
@@ -118,11 +132,13 @@ simulate_generalisation() {
 
 # Speech enhancement, other losses, and what gtf was not trained for.
 evaluate_beyond() {
-  local earpoint=$1 by_ear=out/by-ear/novel/gtf-reverberation/best.safetensors
-  if [ -f "$by_ear" ]; then
+  local earpoint=$1 by_ear=out/by-ear/novel methods
+  if [ -d "$by_ear" ]; then
     say "A loss by ear"
-    "$earpoint" evaluate --data out/data/novel --methods "input,gtf,gtf-reverberation=$by_ear" --json \
-      >out/bench/by-ear-novel.json
+    methods=input,gtf-modulation=out/runs/novel/gtf/best.safetensors
+    methods+=,gtf-further=$by_ear/gtf-further/best.safetensors
+    methods+=,gtf=$by_ear/gtf-reverberation/best.safetensors
+    "$earpoint" evaluate --data out/data/novel --methods "$methods" --json >out/bench/by-ear-novel.json
   fi
   if [ -d out/enhance ]; then
     say "Speech enhancement"
