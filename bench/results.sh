@@ -133,7 +133,7 @@ simulate_generalisation() {
 # Speech enhancement, other losses, and what gtf was not trained for.
 evaluate_beyond() {
   local earpoint=$1 by_ear=out/by-ear/novel methods
-  if [ -d "$by_ear" ]; then
+  if [ -f "$by_ear/gtf-further/best.safetensors" ]; then
     say "A loss by ear"
     methods=input,gtf-modulation=out/runs/novel/gtf/best.safetensors
     methods+=,gtf-further=$by_ear/gtf-further/best.safetensors

@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 #include <complex>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -184,19 +185,8 @@ class ExpectedOracle : public Method {
  private:
   /// A sound whose magnitudes are near the medians of all draws'.
   std::vector<float> sound_of(const std::vector<Spectrogram>& draws, std::ptrdiff_t samples) {
-    Spectrogram result = draws.front();
-    std::vector<float> medians(result.values.size());
-    std::array<float, kDraws> magnitudes{};
-    for (std::size_t i = 0; i < medians.size(); ++i) {
-      std::complex<float> sum = 0.0F;
-      for (int draw = 0; draw < kDraws; ++draw) {
-        sum += draws[draw].values[i];
-        magnitudes[draw] = std::abs(draws[draw].values[i]);
-      }
-      std::ranges::nth_element(magnitudes, magnitudes.begin() + kDraws / 2);
-      medians[i] = magnitudes[kDraws / 2];
-      result.values[i] = sum;  // for its phase, which is that of what all draws share
-    }
+    const std::vector<float> medians = median_magnitudes(draws);
+    Spectrogram result = sum_of(draws);  // its phase is that of what all draws share
     for (int pass = 0;; ++pass) {
       for (std::size_t i = 0; i < medians.size(); ++i) {
         result.values[i] = std::polar(medians[i], std::arg(result.values[i]));
@@ -207,9 +197,29 @@ class ExpectedOracle : public Method {
     }
   }
 
+  static std::vector<float> median_magnitudes(const std::vector<Spectrogram>& draws) {
+    std::vector<float> medians(draws.front().values.size());
+    std::array<float, kDraws> magnitudes{};
+    for (std::size_t i = 0; i < medians.size(); ++i) {
+      std::ranges::transform(draws, magnitudes.begin(),
+                             [i](const Spectrogram& draw) { return std::abs(draw.values[i]); });
+      std::ranges::nth_element(magnitudes, magnitudes.begin() + kDraws / 2);
+      medians[i] = magnitudes[kDraws / 2];
+    }
+    return medians;
+  }
+
+  static Spectrogram sum_of(const std::vector<Spectrogram>& draws) {
+    Spectrogram sum = draws.front();
+    for (const Spectrogram& draw : std::span(draws).subspan(1)) {
+      std::ranges::transform(sum.values, draw.values, sum.values.begin(), std::plus<>());
+    }
+    return sum;
+  }
+
   static constexpr int kDraws = 17;
   // Of Griffin and Lim: medians of frame after frame are no spectrum that a sound has. Eight bring
-  // Mag from 0.68 of input's to 0.65.
+  // Mag from 0.68 of input's to 0.65 on validation pairs.
   static constexpr int kPasses = 8;
   NoiseTail tail_;
   Stft stft_;

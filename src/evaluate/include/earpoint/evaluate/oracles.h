@@ -14,9 +14,8 @@ namespace earpoint {
 /// - `oracle-dry-direct`: the true dry speech by the true direct path (the first 4 ms of the
 ///   response), and a tail of noise that has the true response's energy per octave band and 10 ms,
 ///   which is what one can know of a room without the single reflections;
-/// - `oracle-expected`: of many such tails the median magnitude in every bin and frame, which is
-/// the
-///   best answer by Mag to who does not know the single reflections; by decay it is no good one;
+/// - `oracle-expected`: of many such tails the median magnitude in every bin and frame: nearly the
+///   best answer by Mag for who does not know the single reflections, and a bad one by decay;
 /// - `oracle-all`: the true dry speech by the true response, which is the target but for rounding.
 /// The last three need simulated data.
 [[nodiscard]] std::vector<MethodEntry> oracle_methods();
