@@ -192,6 +192,7 @@ results() {
   fi
   demo
   measure_demo "$earpoint" >out/bench/demo.jsonl
+  cp out/demo/ears-gtf.png docs/images/demo.png
   measure_simulator "$earpoint"
   simulate_data "$earpoint"
   train_methods "$earpoint"
