@@ -172,10 +172,12 @@ class ExpectedOracle : public Method {
   Waveform render(const Question& question) override {
     const PairTruth& truth = truth_of(question);
     std::vector<Waveform> draws;
+    draws.reserve(kDraws);
     for (int draw = 0; draw < kDraws; ++draw) draws.push_back(tail_.heard(truth, draw));
     Waveform result = draws.front();
     for (int ear = 0; ear < kEars; ++ear) {
       std::vector<Spectrogram> spectra;
+      spectra.reserve(draws.size());
       for (const Waveform& draw : draws) spectra.push_back(stft_.forward(draw.channel(ear)));
       std::ranges::copy(sound_of(spectra, result.samples()), result.channel(ear).begin());
     }
