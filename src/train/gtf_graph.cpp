@@ -87,6 +87,14 @@ GtfGraph::GtfGraph(const GtfWeights& weights, const at::Device& device)
   band_of_bin_ = band_of_bin_.to(device);
 }
 
+GtfGraph GtfGraph::twin() const {
+  GtfGraph twin = *this;
+  for (auto& [name, parameter] : twin.parameters_) {
+    parameter = parameter.detach().set_requires_grad(true);
+  }
+  return twin;
+}
+
 at::Tensor GtfGraph::linear(const std::string& name, const at::Tensor& x) const {
   return at::linear(x, parameter(name + ".weight"), parameter(name + ".bias"));
 }

@@ -32,6 +32,9 @@ class GtfGraph {
  public:
   GtfGraph(const GtfWeights& weights, const at::Device& device);
 
+  /// The same network with gradients of its own: it shares the memory of parameters and tables.
+  [[nodiscard]] GtfGraph twin() const;
+
   /// Keeps what a gradient needs unless gradients are off.
   GtfOutput forward(const GtfInputs& inputs);
 

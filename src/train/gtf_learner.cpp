@@ -2,11 +2,15 @@
 #include "graph_tensors.h"
 #include "gtf_graph.h"
 #include "gtf_loss.h"
+#include "parts.h"
 #include "stft_loss.h"
 #include "torch_tensor.h"
 
+#include <algorithm>
+#include <numeric>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include <ATen/core/grad_mode.h>
 #include <ATen/ops/zeros_like.h>
@@ -15,6 +19,14 @@
 #include <earpoint/train/gtf_learner.h>
 
 namespace earpoint {
+
+namespace {
+
+/// Few, so that threads have parts to share; enough to be worth a pass through the graph. The same
+/// whatever the number of threads, and with it the numbers.
+constexpr std::int64_t kClipsOfPart = 4;
+
+}  // namespace
 
 struct GtfLearner::State {
   State(const GtfWeights& weights, const GtfLearnerOptions& learner_options)
@@ -45,7 +57,7 @@ struct GtfLearner::State {
     return to_torch(found->second, {batch.clips, width}, at::kCPU);
   }
 
-  [[nodiscard]] GtfOutput forward(const TrainingBatch& batch) {
+  [[nodiscard]] static GtfOutput forward(GtfGraph& graph, const TrainingBatch& batch) {
     GtfInputs inputs;
     inputs.source = sounds(batch, batch.source);
     if (const std::int64_t size = graph.description().picture_px; size > 0) {
@@ -57,9 +69,69 @@ struct GtfLearner::State {
     return graph.forward(inputs);
   }
 
+  /// Calls work(part, clips, graph) for all parts of the batch. Each part has a graph of its own.
+  template <class Work>
+  void each_part(const TrainingBatch& batch, const Work& work) {
+    const std::int64_t parts = parts_of(batch);
+    while (std::ssize(twins) < parts) twins.push_back(graph.twin());
+    team.run(parts, [&](std::ptrdiff_t part) {
+      const std::int64_t first = part * kClipsOfPart;
+      const std::int64_t count = std::min(kClipsOfPart, batch.clips - first);
+      work(part, clips_of(batch, first, count), twins[static_cast<std::size_t>(part)]);
+    });
+  }
+
+  /// The same, one after the other, of what work(clips, graph) returns without gradients.
+  template <class Number, class Work>
+  std::vector<Number> without_gradients(const TrainingBatch& batch, const Work& work) {
+    std::vector<std::vector<Number>> found(static_cast<std::size_t>(parts_of(batch)));
+    each_part(batch, [&](std::ptrdiff_t part, const TrainingBatch& clips, GtfGraph& twin) {
+      const at::NoGradGuard no_gradients;
+      found[static_cast<std::size_t>(part)] = work(clips, twin);
+    });
+    std::vector<Number> all;
+    for (const std::vector<Number>& some : found) all.insert(all.end(), some.begin(), some.end());
+    return all;
+  }
+
+  /// The parts' gradients become one, summed in the order of the parts.
+  void sum_gradients(std::int64_t parts) {
+    const at::NoGradGuard no_gradients;
+    for (auto& [name, parameter] : graph.parameters()) {
+      at::Tensor sum;
+      for (std::int64_t part = 0; part < parts; ++part) {
+        const at::Tensor& gradient =
+            twins[static_cast<std::size_t>(part)].parameters().at(name).grad();
+        if (!gradient.defined()) continue;
+        sum.defined() ? static_cast<void>(sum.add_(gradient)) : static_cast<void>(sum = gradient);
+      }
+      parameter.mutable_grad() = sum;
+    }
+  }
+
+  [[nodiscard]] static std::int64_t parts_of(const TrainingBatch& batch) {
+    return (batch.clips + kClipsOfPart - 1) / kClipsOfPart;
+  }
+
+  /// A part's loss and gradient, which stays in its graph.
+  double learn_from(const TrainingBatch& clips, const BatchShare& share, GtfGraph& twin) {
+    forget_gradients(twin.parameters());
+    GtfTruth truth{sounds(clips, clips.target),
+                   {},
+                   values(clips, "speaker_m", 3),
+                   values(clips, "speaker_heading", 2)};
+    if (options.loss.decay > 0) truth.dry = values(clips, "dry", truth.target.size(2));
+    const at::Tensor loss = gtf_loss(options.loss, forward(twin, clips), truth, share,
+                                     estimator ? &*estimator : nullptr);
+    loss.backward();
+    return loss.item<double>();
+  }
+
   GtfLearnerOptions options;
   std::optional<Rt60Graph> estimator;
   GtfGraph graph;
+  std::vector<GtfGraph> twins;  ///< of the parts of a batch
+  PartTeam team;
   Adam adam;
   ShortTimeMagnitude magnitude;
 };
@@ -84,37 +156,48 @@ GtfWeights GtfLearner::weights() const {
 }
 
 std::vector<float> GtfLearner::predict(const TrainingBatch& batch) {
-  const at::NoGradGuard no_gradients;
-  return numbers_of<float>(state_->forward(batch).sound);
+  return state_->without_gradients<float>(
+      batch, [](const TrainingBatch& clips, GtfGraph& graph) {
+        return numbers_of<float>(State::forward(graph, clips).sound);
+      });
 }
 
 std::vector<float> GtfLearner::locate(const TrainingBatch& batch) {
-  const at::NoGradGuard no_gradients;
-  const GtfOutput output = state_->forward(batch);
-  if (!output.speaker) return {};
-  return numbers_of<float>(output.speaker->position_m);
+  if (!description().geometry) return {};
+  return state_->without_gradients<float>(
+      batch, [](const TrainingBatch& clips, GtfGraph& graph) {
+        return numbers_of<float>(State::forward(graph, clips).speaker->position_m);
+      });
 }
 
 std::vector<double> GtfLearner::errors(const TrainingBatch& batch) {
-  const at::NoGradGuard no_gradients;
-  return numbers_of<double>(magnitude_distance(state_->magnitude, state_->forward(batch).sound,
-                                               State::sounds(batch, batch.target)));
+  return state_->without_gradients<double>(
+      batch, [&](const TrainingBatch& clips, GtfGraph& graph) {
+        return numbers_of<double>(magnitude_distance(state_->magnitude,
+                                                     State::forward(graph, clips).sound,
+                                                     State::sounds(clips, clips.target)));
+      });
 }
 
 double GtfLearner::compute_gradients(const TrainingBatch& batch) {
   State& state = *state_;
-  forget_gradients(state.graph.parameters());
-  GtfTruth truth{State::sounds(batch, batch.target),
-                 {},
-                 State::values(batch, "speaker_m", 3),
-                 State::values(batch, "speaker_heading", 2)};
-  if (state.options.loss.decay > 0) {
-    truth.dry = State::values(batch, "dry", truth.target.size(2));
+  const auto parts = static_cast<std::size_t>(State::parts_of(batch));
+  std::vector<double> loudness(parts);
+  if (state.options.loss.phase_difference > 0) {
+    state.each_part(batch, [&](std::ptrdiff_t part, const TrainingBatch& clips, GtfGraph&) {
+      loudness[static_cast<std::size_t>(part)] = loudness_of(State::sounds(clips, clips.target));
+    });
   }
-  const at::Tensor loss = gtf_loss(state.options.loss, state.forward(batch), truth,
-                                   state.estimator ? &*state.estimator : nullptr);
-  loss.backward();
-  return loss.item<double>();
+  const double all_loudness = std::accumulate(loudness.begin(), loudness.end(), 0.0);
+  std::vector<double> losses(parts);
+  state.each_part(batch, [&](std::ptrdiff_t part, const TrainingBatch& clips, GtfGraph& graph) {
+    const BatchShare share{static_cast<double>(clips.clips) / static_cast<double>(batch.clips),
+                           all_loudness};
+    losses[static_cast<std::size_t>(part)] = state.learn_from(clips, share, graph);
+  });
+  const OneThread one_thread;
+  state.sum_gradients(static_cast<std::int64_t>(parts));
+  return std::accumulate(losses.begin(), losses.end(), 0.0);
 }
 
 std::map<std::string, Tensor> GtfLearner::gradients() const {
@@ -133,6 +216,7 @@ void GtfLearner::visit_gradients(const Visitor& visitor) {
 void GtfLearner::visit_statistics(const Visitor& /*visitor*/) {}
 
 void GtfLearner::apply_gradients(double learning_rate) {
+  const OneThread one_thread;
   clip_gradients(state_->graph.parameters(), state_->options.longest_gradient);
   state_->adam.step(learning_rate);
 }

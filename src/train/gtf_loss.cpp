@@ -4,6 +4,7 @@
 #include "short_time.h"
 
 #include <ATen/TensorOperators.h>
+#include <ATen/core/grad_mode.h>
 #include <ATen/ops/log10.h>
 #include <ATen/ops/view_as_real.h>
 
@@ -27,15 +28,17 @@ at::Tensor level_difference_db(const at::Tensor& sound) {
 
 at::Tensor level_db(const at::Tensor& sound) { return decibel(energy(sound) + 1e-3); }
 
+at::Tensor cross_spectrum(const at::Tensor& s) { return s.select(1, 0) * s.select(1, 1).conj(); }
+
 /// How far the phase between the ears is off, loud bins first.
-at::Tensor phase_difference_error(const at::Tensor& predicted, const at::Tensor& wanted) {
-  const auto cross = [](const at::Tensor& s) { return s.select(1, 0) * s.select(1, 1).conj(); };
-  const at::Tensor ours = cross(predicted);
-  const at::Tensor theirs = cross(wanted);
+/// @param loudness  the sum of all bins' weights in the batch
+at::Tensor phase_difference_error(const at::Tensor& predicted, const at::Tensor& wanted,
+                                  double loudness) {
+  const at::Tensor ours = cross_spectrum(predicted);
+  const at::Tensor theirs = cross_spectrum(wanted);
   const at::Tensor strength = magnitude_of(theirs);
-  const at::Tensor weight = strength.sqrt();
   const at::Tensor distance = magnitude_of(ours / magnitude_of(ours) - theirs / strength);
-  return (weight * distance).sum() / weight.sum();
+  return (strength.sqrt() * distance).sum() / loudness;
 }
 
 /// How far the depth of modulation is off: of every bin, the spread of its level over the window in
@@ -75,8 +78,13 @@ at::Tensor place_error(const SpeakerPlace& speaker, const GtfTruth& truth) {
 
 }  // namespace
 
+double loudness_of(const at::Tensor& target) {
+  const at::NoGradGuard no_gradients;
+  return magnitude_of(cross_spectrum(short_time_spectrum(target))).sqrt().sum().item<double>();
+}
+
 at::Tensor gtf_loss(const GtfLossWeights& weights, const GtfOutput& output, const GtfTruth& truth,
-                    const Rt60Graph* estimator) {
+                    const BatchShare& share, const Rt60Graph* estimator) {
   const at::Tensor predicted = short_time_spectrum(output.sound);
   const at::Tensor wanted = short_time_spectrum(truth.target);
   const at::Tensor found = magnitude_of(predicted);
@@ -106,11 +114,13 @@ at::Tensor gtf_loss(const GtfLossWeights& weights, const GtfOutput& output, cons
     loss = loss +
            reverberation_error_s(*estimator, output.sound, truth.target) * weights.reverberation;
   }
-  if (weights.phase_difference > 0) {
-    loss = loss + phase_difference_error(predicted, wanted) * weights.phase_difference;
-  }
   if (weights.place > 0 && output.speaker) {
     loss = loss + place_error(*output.speaker, truth) * weights.place;
+  }
+  loss = loss * share.clips;
+  if (weights.phase_difference > 0) {
+    loss = loss +
+           phase_difference_error(predicted, wanted, share.loudness) * weights.phase_difference;
   }
   return loss;
 }

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include <ATen/Parallel.h>
+#include <dlfcn.h>
 #include <ATen/TensorOperators.h>
 #include <ATen/core/grad_mode.h>
 
@@ -159,6 +160,12 @@ ViGasLearner ViGasLearner::from_checkpoint(const SafetensorsFile& file, std::str
 void set_learner_threads(int threads) {
   EARPOINT_CHECK(threads > 0);
   at::set_num_threads(threads);
+  // OpenBLAS has threads of its own, which would compete with these. Whether it is there is known
+  // only at run time: LibTorch may use another library.
+  using SetThreads = void (*)(int);
+  const auto set_blas_threads =
+      reinterpret_cast<SetThreads>(dlsym(RTLD_DEFAULT, "openblas_set_num_threads"));
+  if (set_blas_threads != nullptr) set_blas_threads(1);
 }
 
 }  // namespace earpoint

@@ -29,4 +29,8 @@ struct TrainingBatch {
 /// Joins examples of equal shapes. @throws std::logic_error if there are none or they differ
 [[nodiscard]] TrainingBatch join(std::span<const TrainingExample> examples);
 
+/// A copy of `count` clips of a batch. @throws std::logic_error if it has not so many
+[[nodiscard]] TrainingBatch clips_of(const TrainingBatch& batch, std::int64_t first,
+                                     std::int64_t count);
+
 }  // namespace earpoint
