@@ -1,6 +1,8 @@
 #pragma once
 
+#include "filter_pass.h"
 #include "gtf_geometry.h"
+#include "hearing.h"
 
 #include <map>
 #include <optional>
@@ -26,11 +28,11 @@ struct GtfOutput {
   std::optional<SpeakerPlace> speaker;  ///< as estimated, in a network with geometry
 };
 
-/// The geometric time-frequency network as a graph of LibTorch operations over named tensors: the
-/// names are those of its weight file.
+/// The geometric time-frequency network as a graph of LibTorch operations and fused passes over named
+/// tensors: the names are those of its weight file. On the processor.
 class GtfGraph {
  public:
-  GtfGraph(const GtfWeights& weights, const at::Device& device);
+  explicit GtfGraph(const GtfWeights& weights);
 
   /// The same network with gradients of its own: it shares the memory of parameters and tables.
   [[nodiscard]] GtfGraph twin() const;
@@ -45,45 +47,29 @@ class GtfGraph {
   [[nodiscard]] const std::map<std::string, at::Tensor>& buffers() const { return buffers_; }
 
  private:
-  /// A sound in the short-time domain, and what is heard in it.
-  struct Heard {
-    at::Tensor spectrum;   ///< [clips][2][bins][frames], complex
-    at::Tensor magnitude;  ///< the same shape, real
-    at::Tensor features;   ///< [clips][frame features][frames]
-    at::Tensor summary;    ///< [clips][summary features]
-  };
   /// What the move does to the sound as a whole.
   struct Conditions {
     at::Tensor vector;  ///< [clips][conditioning width]
     MoveGeometry move;
   };
 
-  Heard hear(const at::Tensor& sound) const;
-  at::Tensor correlation_over_lags(const at::Tensor& cross) const;
   at::Tensor look(const at::Tensor& picture, const at::Tensor& box) const;
   SpeakerPlace locate(const at::Tensor& picture, const at::Tensor& box,
                       const at::Tensor& summary) const;
   Conditions condition(const GtfInputs& inputs, const Heard& heard,
                        std::optional<SpeakerPlace>& speaker) const;
-  at::Tensor trunk(const at::Tensor& features, const at::Tensor& conditions) const;
-  at::Tensor magnitudes(const Heard& heard, const at::Tensor& state,
-                        const at::Tensor& conditions) const;
-  at::Tensor phases(const Heard& heard, const Conditions& conditions) const;
+  at::Tensor trunk(const Heard& heard, const at::Tensor& conditions) const;
+  at::Tensor filter(const Heard& heard, const at::Tensor& state,
+                    const Conditions& conditions) const;
 
   at::Tensor linear(const std::string& name, const at::Tensor& x) const;
-  at::Tensor per_frame(const std::string& name, const at::Tensor& x) const;
   /// What changes with the frames and what does not: `name` of the trunk, `name.static`.
-  at::Tensor modulated(const std::string& name, const at::Tensor& state,
-                       const at::Tensor& conditions) const;
+  FrameLayer modulated(const std::string& name, const at::Tensor& conditions) const;
   const at::Tensor& parameter(const std::string& name) const { return parameters_.at(name); }
 
   GtfDescription description_;
   std::map<std::string, at::Tensor> parameters_;
   std::map<std::string, at::Tensor> buffers_;
-  at::Tensor band_of_bin_;  // [bins]
-  at::Tensor in_band_;      // [bins][bands]: 1 where a bin is in a band
-  at::Tensor lag_cosine_;   // [bins][lags]
-  at::Tensor lag_sine_;
 };
 
 }  // namespace earpoint

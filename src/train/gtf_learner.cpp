@@ -32,7 +32,7 @@ struct GtfLearner::State {
   State(const GtfWeights& weights, const GtfLearnerOptions& learner_options)
       : options(learner_options),
         estimator(frozen(learner_options)),
-        graph(weights, at::kCPU),
+        graph(weights),
         adam(graph.parameters(), {.second = learner_options.second_decay}),
         magnitude(GtfDescription::kHop, at::kCPU) {}
 
@@ -114,9 +114,11 @@ struct GtfLearner::State {
   }
 
   /// A part's loss and gradient, which stays in its graph.
-  double learn_from(const TrainingBatch& clips, const BatchShare& share, GtfGraph& twin) {
+  double learn_from(const TrainingBatch& clips, const at::Tensor& spectrum,
+                    const BatchShare& share, GtfGraph& twin) {
     forget_gradients(twin.parameters());
     GtfTruth truth{sounds(clips, clips.target),
+                   spectrum,
                    {},
                    values(clips, "speaker_m", 3),
                    values(clips, "speaker_heading", 2)};
@@ -182,18 +184,22 @@ std::vector<double> GtfLearner::errors(const TrainingBatch& batch) {
 double GtfLearner::compute_gradients(const TrainingBatch& batch) {
   State& state = *state_;
   const auto parts = static_cast<std::size_t>(State::parts_of(batch));
+  // What the targets add up to must be known before the first loss.
+  std::vector<at::Tensor> spectra(parts);
   std::vector<double> loudness(parts);
-  if (state.options.loss.phase_difference > 0) {
-    state.each_part(batch, [&](std::ptrdiff_t part, const TrainingBatch& clips, GtfGraph&) {
-      loudness[static_cast<std::size_t>(part)] = loudness_of(State::sounds(clips, clips.target));
-    });
-  }
+  state.each_part(batch, [&](std::ptrdiff_t part, const TrainingBatch& clips, GtfGraph&) {
+    const at::Tensor target = State::sounds(clips, clips.target);
+    const auto at = static_cast<std::size_t>(part);
+    spectra[at] = spectrum_planes(target);
+    loudness[at] = loudness_of(spectra[at], target.size(2));
+  });
   const double all_loudness = std::accumulate(loudness.begin(), loudness.end(), 0.0);
   std::vector<double> losses(parts);
   state.each_part(batch, [&](std::ptrdiff_t part, const TrainingBatch& clips, GtfGraph& graph) {
     const BatchShare share{static_cast<double>(clips.clips) / static_cast<double>(batch.clips),
                            all_loudness};
-    losses[static_cast<std::size_t>(part)] = state.learn_from(clips, share, graph);
+    const auto at = static_cast<std::size_t>(part);
+    losses[at] = state.learn_from(clips, spectra[at], share, graph);
   });
   const OneThread one_thread;
   state.sum_gradients(static_cast<std::int64_t>(parts));
