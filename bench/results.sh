@@ -195,6 +195,8 @@ results() {
   cp out/demo/ears-gtf.png docs/images/demo.png
   measure_simulator "$earpoint"
   simulate_data "$earpoint"
+  say "Training steps of gtf"
+  python3 bench/gtf_training.py "$earpoint-train" configs/gtf-novel.json out/data/novel out/bench
   train_methods "$earpoint"
   evaluate_methods "$earpoint" novel single
   evaluate_beyond "$earpoint"

@@ -3,7 +3,7 @@
 
 usage: bench/write_results.py MEASURED RESULTS.md [--measured-only]
 
-MEASURED holds vigas.md, gtf_bench.json, training.json, oracle_errors.md, render_speed.jsonl,
+MEASURED holds vigas.md, gtf_bench.json, training.json, training_gtf.json, oracle_errors.md, render_speed.jsonl,
 render_memory.jsonl, demo.jsonl, trace_gates.md, learning_curves-single.md, learning_curves-novel.md,
 rt60_error.json, home_reverberation.jsonl, camera_bench.jsonl, simulate_cost.jsonl, evaluate-single.json,
 evaluate-novel.json, ablations-single.json, ablations-novel.json, generalisation.json,
@@ -44,6 +44,18 @@ def training_table(text):
                     f"{run['times_faster']:.2f} | {ours['processor_s_per_clip']:.3f} | "
                     f"{peer['processor_s_per_clip']:.3f} |")
     return "\n".join(rows)
+
+
+def gtf_training_table(text):
+    run = json.loads(text)
+    rows = ["| build | --jobs | clips/s | processor-ms per clip | two busy cores could do |",
+            "|---|---|---|---|---|"]
+    for row in run["rows"]:
+        ms = 1000 * row["processor_s_per_clip"]
+        rows.append(f"| {row['build']} | {row['jobs'] or 'default'} | {row['clips_per_s']:.0f} | {ms:.1f} | "
+                    f"{2000 / ms:.0f} clips/s |")
+    return "\n".join(rows + ["", f"{run['cores']} cores; losses after the same steps differ by "
+                             f"{run['loss_difference']:.0e} of themselves."])
 
 
 def network_table(text):
@@ -251,6 +263,11 @@ SECTIONS = [
      "`bench/compare_training.py`: forward, backward and Adam on batches of one-second clips, in turns "
      "with Debian's python3-torch, which computes only the head that is heard and keeps freed memory; "
      "medians on two threads."),
+    ("Speed: training gtf", "training_gtf.json", gtf_training_table,
+     "`bench/gtf_training.py`: the whole of `earpoint train` with `configs/gtf-novel.json`, its examples made "
+     "on the way, medians of runs in turns. *before* is the build before the passes of [ADR "
+     "0015](adr/0015-training-speed.md). Wall time suffers from whatever else the machine does, processor "
+     "time hardly."),
     ("Memory: a ten-minute clip", "render_memory.jsonl", memory_table,
      "`bench/render_memory.py`: the bundled clip looped, rendered to an mp4 for one earpoint. "
      "The limit is 600 MB."),

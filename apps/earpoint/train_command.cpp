@@ -174,7 +174,8 @@ void run(const Options& options) {
   if (options.jobs < 0) throw InputError("--jobs", "expected 0 or more");
   if (options.cache_mib < 0) throw InputError("--cache", "expected 0 or more");
   const std::optional<earpoint::ProcessPlace> place = earpoint::process_place();
-  earpoint::set_learner_threads(threads_of(options, place));
+  const int threads = threads_of(options, place);
+  earpoint::set_learner_threads(threads);
   std::optional<ProcessGroup> group;
   if (place) {
     group.emplace(*place);
@@ -199,6 +200,7 @@ void run(const Options& options) {
   earpoint::TrainerOptions trainer{.folder = options.out,
                                    .plan = config.training,
                                    .config = config.text,
+                                   .workers = std::max(1, threads / 4),
                                    .processes = processes,
                                    .on_validation = {}};
   if (tells && !options.quiet) {

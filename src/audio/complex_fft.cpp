@@ -10,6 +10,7 @@
 
 #include <earpoint/audio/fft.h>
 #include <earpoint/core/error.h>
+#include <earpoint/core/vector_clones.h>
 
 namespace earpoint {
 namespace {
@@ -126,36 +127,54 @@ struct PassArrays {
   const T* sines;
 };
 
+/// One column of a pass: kRadix values `in_step` apart, turned and put `stride` apart.
+template <typename T, int Radix>
+void run_column(const Butterfly<T, Radix>& butterfly, const PassArrays<T>& a, std::ptrdiff_t in,
+                std::ptrdiff_t in_step, std::ptrdiff_t out, std::ptrdiff_t stride,
+                const std::array<Complex<T>, Radix - 1>& twiddle) {
+  std::array<Complex<T>, Radix> v;
+  for (int j = 0; j < Radix; ++j) v[j] = {a.in_re[in + j * in_step], a.in_im[in + j * in_step]};
+  butterfly(v);
+  a.out_re[out] = v[0].re;
+  a.out_im[out] = v[0].im;
+  for (int k = 1; k < Radix; ++k) {
+    const Complex<T> y = v[k] * twiddle[k - 1];
+    a.out_re[out + k * stride] = y.re;
+    a.out_im[out + k * stride] = y.im;
+  }
+}
+
 template <typename T, int Radix>
 void run_pass(std::ptrdiff_t blocks, std::ptrdiff_t stride, const PassArrays<T>& a) {
   const Butterfly<T, Radix> butterfly;
   const std::ptrdiff_t in_step = blocks * stride;
-  const auto column = [&](std::ptrdiff_t in, std::ptrdiff_t out, const auto& twiddle) {
-    std::array<Complex<T>, Radix> v;
-    for (int j = 0; j < Radix; ++j) v[j] = {a.in_re[in + j * in_step], a.in_im[in + j * in_step]};
-    butterfly(v);
-    a.out_re[out] = v[0].re;
-    a.out_im[out] = v[0].im;
-    for (int k = 1; k < Radix; ++k) {
-      const Complex<T> y = v[k] * twiddle[k - 1];
-      a.out_re[out + k * stride] = y.re;
-      a.out_im[out + k * stride] = y.im;
-    }
-  };
-  for (std::ptrdiff_t p = 0; p < blocks; ++p) {
+  const auto twiddles = [&](std::ptrdiff_t p) {
     std::array<Complex<T>, Radix - 1> twiddle;
     for (int k = 0; k + 1 < Radix; ++k) {
-      const std::ptrdiff_t at = k * blocks + p;
-      twiddle[k] = {a.cosines[at], a.sines[at]};
+      twiddle[k] = {a.cosines[k * blocks + p], a.sines[k * blocks + p]};
     }
-    const std::ptrdiff_t in = p * stride;
-    const std::ptrdiff_t out = in * Radix;
-    for (std::ptrdiff_t q = 0; q < stride; ++q) column(in + q, out + q, twiddle);
+    return twiddle;
+  };
+  if (stride == 1) {  // blocks side by side in vectors, as there are no columns
+    EARPOINT_INDEPENDENT_PASSES
+    for (std::ptrdiff_t p = 0; p < blocks; ++p) {
+      run_column<T, Radix>(butterfly, a, p, in_step, p * Radix, 1, twiddles(p));
+    }
+    return;
+  }
+  for (std::ptrdiff_t p = 0; p < blocks; ++p) {
+    const auto twiddle = twiddles(p);
+    EARPOINT_INDEPENDENT_PASSES
+    for (std::ptrdiff_t q = 0; q < stride; ++q) {
+      run_column<T, Radix>(butterfly, a, p * stride + q, in_step, p * stride * Radix + q, stride,
+                           twiddle);
+    }
   }
 }
 
 template <typename T>
-void run_pass_of_radix(int radix, int blocks, int stride, const PassArrays<T>& arrays) {
+void run_pass_of_any_radix(int radix, std::ptrdiff_t blocks, std::ptrdiff_t stride,
+                           const PassArrays<T>& arrays) {
   switch (radix) {
     case 2:
       return run_pass<T, 2>(blocks, stride, arrays);
@@ -170,9 +189,20 @@ void run_pass_of_radix(int radix, int blocks, int stride, const PassArrays<T>& a
     case 11:
       return run_pass<T, 11>(blocks, stride, arrays);
     default:
-      EARPOINT_CHECK(radix == kLargestRadix);
       return run_pass<T, kLargestRadix>(blocks, stride, arrays);
   }
+}
+
+[[gnu::flatten]] EARPOINT_VECTOR_CLONES void run_pass_of_radix(int radix, std::ptrdiff_t blocks,
+                                                               std::ptrdiff_t stride,
+                                                               const PassArrays<float>& arrays) {
+  run_pass_of_any_radix(radix, blocks, stride, arrays);
+}
+
+[[gnu::flatten]] EARPOINT_VECTOR_CLONES void run_pass_of_radix(int radix, std::ptrdiff_t blocks,
+                                                               std::ptrdiff_t stride,
+                                                               const PassArrays<double>& arrays) {
+  run_pass_of_any_radix(radix, blocks, stride, arrays);
 }
 
 /// @return the radices of the passes, or nothing if a prime factor is too large
@@ -292,9 +322,9 @@ void ComplexFft<T>::forward(T* real, T* imaginary) {
   std::pair<T*, T*> from{real, imaginary};
   std::pair<T*, T*> to{scratch_.data(), scratch_.data() + size_ + kGap<T>};
   for (const Pass& pass : passes_) {
-    run_pass_of_radix<T>(
-        pass.radix, pass.blocks, pass.stride,
-        {from.first, from.second, to.first, to.second, pass.cosines.data(), pass.sines.data()});
+    run_pass_of_radix(pass.radix, pass.blocks, pass.stride,
+                      PassArrays<T>{from.first, from.second, to.first, to.second,
+                                    pass.cosines.data(), pass.sines.data()});
     std::swap(from, to);
   }
   if (from.first != real) {

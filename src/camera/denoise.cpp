@@ -1,11 +1,11 @@
 #include "denoise.h"
 
-#include "vector_clones.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
+
+#include <earpoint/core/vector_clones.h>
 
 namespace earpoint {
 namespace {

@@ -1,6 +1,6 @@
 #include "sampling.h"
 
-#include "vector_clones.h"
+#include <earpoint/core/vector_clones.h>
 
 namespace earpoint {
 namespace {

@@ -16,6 +16,7 @@
 #include <earpoint/audio/sound_file.h>
 #include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
+#include <earpoint/core/vector_clones.h>
 #include <earpoint/dataset/pair_sample.h>
 #include <earpoint/video/image_file.h>
 
@@ -76,6 +77,20 @@ Waveform near_microphone_response(const Waveform& to_source) {
   return response;
 }
 
+/// b *= a. Written out over the floats, as std::complex's product checks for NaN and its values are
+/// no vectors to a compiler.
+EARPOINT_VECTOR_CLONES void multiply(const Spectrum& a, Spectrum& b) {
+  const auto* __restrict from = reinterpret_cast<const float*>(a.data());
+  auto* __restrict to = reinterpret_cast<float*>(b.data());
+  const std::size_t size = 2 * b.size();
+  for (std::size_t k = 0; k < size; k += 2) {
+    const float re = from[k] * to[k] - from[k + 1] * to[k + 1];
+    const float im = from[k] * to[k + 1] + from[k + 1] * to[k];
+    to[k] = re;
+    to[k + 1] = im;
+  }
+}
+
 /// The end of the convolution of `dry` with several responses, by one transform of `dry`: the
 /// samples from `lead` on, which no response reaches round the transform's end to.
 class WindowConvolver {
@@ -97,13 +112,7 @@ class WindowConvolver {
     for (int ear = 0; ear < kEars; ++ear) {
       copy_window(response, ear, 0, signal_);
       fft_.forward(signal_, spectrum_);
-      // Written out because std::complex's product checks for NaN.
-      for (std::size_t k = 0; k < spectrum_.size(); ++k) {
-        const std::complex<float> a = dry_spectrum_[k];
-        const std::complex<float> b = spectrum_[k];
-        spectrum_[k] = {a.real() * b.real() - a.imag() * b.imag(),
-                        a.real() * b.imag() + a.imag() * b.real()};
-      }
+      multiply(dry_spectrum_, spectrum_);
       fft_.inverse(spectrum_, signal_);
       std::copy_n(signal_.begin() + lead_, samples_, sound.channel(ear).begin());
     }

@@ -43,7 +43,8 @@ void weigh(const float* const* weights, const float* const* inputs, std::ptrdiff
         even = hn::MulAdd(hn::LoadU(d, weights[i] + t), hn::LoadU(d, from[i] + t), even);
         odd = hn::MulAdd(hn::LoadU(d, weights[i + 1] + t), hn::LoadU(d, from[i + 1] + t), odd);
       }
-      if (i < count) even = hn::MulAdd(hn::LoadU(d, weights[i] + t), hn::LoadU(d, from[i] + t), even);
+      if (i < count)
+        even = hn::MulAdd(hn::LoadU(d, weights[i] + t), hn::LoadU(d, from[i] + t), even);
       hn::StoreU(hn::Add(even, odd), d, sums + bin * row + t);
     }
   }
@@ -119,8 +120,8 @@ HWY_INLINE Mixed mix(const BinRows& rows, const BinTurns& turns, std::ptrdiff_t 
 
 HWY_INLINE Vector gain_of(const float* gain) {
   const Lanes d;
-  return hn::Exp(d, hn::Min(hn::Max(hn::LoadU(d, gain), hn::Set(d, kLeastGain)),
-                            hn::Set(d, kMostGain)));
+  return hn::Exp(
+      d, hn::Min(hn::Max(hn::LoadU(d, gain), hn::Set(d, kLeastGain)), hn::Set(d, kMostGain)));
 }
 
 void mix_row(const BinRows& rows, const BinTurns& turns, std::ptrdiff_t row,
@@ -145,8 +146,8 @@ HWY_INLINE float total(Vector v) {
 }
 
 void mix_row_back(const BinRows& rows, const BinTurns& turns, std::ptrdiff_t row,
-                  const float* const* by_spectrum, float* const* by_filtered,
-                  float* const* by_gain, BinSlopes& slopes) {
+                  const float* const* by_spectrum, float* const* by_filtered, float* const* by_gain,
+                  BinSlopes& slopes) {
   const Lanes d;
   Vector by_share[2] = {hn::Zero(d), hn::Zero(d)};
   Vector by_source[2] = {hn::Zero(d), hn::Zero(d)};
@@ -169,8 +170,8 @@ void mix_row_back(const BinRows& rows, const BinTurns& turns, std::ptrdiff_t row
           hn::Add(hn::IfThenElseZero(is_open, filtered), hn::Set(d, kMagnitudeFloor)), factor);
       hn::StoreU(hn::IfThenElseZero(is_open, hn::Mul(by_magnitude, factor)), d,
                  by_filtered[ear] + t);
-      const auto is_within = hn::And(hn::Ge(gain, hn::Set(d, kLeastGain)),
-                                     hn::Le(gain, hn::Set(d, kMostGain)));
+      const auto is_within =
+          hn::And(hn::Ge(gain, hn::Set(d, kLeastGain)), hn::Le(gain, hn::Set(d, kMostGain)));
       hn::StoreU(hn::IfThenElseZero(is_within, hn::Mul(by_magnitude, magnitude)), d,
                  by_gain[ear] + t);
 
@@ -178,9 +179,8 @@ void mix_row_back(const BinRows& rows, const BinTurns& turns, std::ptrdiff_t row
       const Complex across = plus(slope, scaled(phase, hn::Neg(by_magnitude)));
       const Complex by_mixed = scaled(across, hn::Mul(magnitude, near));
       const Vector half = hn::Set(d, 0.5F);
-      by_share[ear] = hn::Add(by_share[ear],
-                              hn::Sub(hn::Mul(half, inner(m.moved[ear], by_mixed)),
-                                      inner(m.source[ear], by_mixed)));
+      by_share[ear] = hn::Add(by_share[ear], hn::Sub(hn::Mul(half, inner(m.moved[ear], by_mixed)),
+                                                     inner(m.source[ear], by_mixed)));
       const Complex by_moved = scaled(by_mixed, hn::Set(d, 0.5F * turns.share[ear]));
       by_target[ear] = hn::Sub(by_target[ear], inner_turned(m.moved[ear], by_moved));
       by_voice = plus(by_voice, turned(by_moved, turns.target_cosine[ear], turns.target_sine[ear]));

@@ -93,18 +93,18 @@ void per_frame_back(const at::Tensor& weight, const float* by_outputs, const flo
   const Product product{by_outputs, row, row, turned, channels};
   train::add_products({&product, 1}, by_weight, channels, outputs, channels);
   train::add_row_sums({outputs, row}, by_outputs, row, by_still);
-  train::add_outer_products({weight.data_ptr<float>(), channels, by_outputs, row, outputs,
-                             channels, row, by_state});
+  train::add_outer_products(
+      {weight.data_ptr<float>(), channels, by_outputs, row, outputs, channels, row, by_state});
 }
 
 BinRows rows_of(const Extent& e, std::int64_t bin, const float* spectrum, const float* filtered,
                 const float* gains) {
   const std::ptrdiff_t plane = e.frames.plane();
   const std::ptrdiff_t at = bin * e.frames.row();
-  return {{spectrum + at, spectrum + plane + at, spectrum + 2 * plane + at,
-           spectrum + 3 * plane + at},
-          {filtered + at, filtered + plane + at},
-          {gains + at, gains + plane + at}};
+  return {
+      {spectrum + at, spectrum + plane + at, spectrum + 2 * plane + at, spectrum + 3 * plane + at},
+      {filtered + at, filtered + plane + at},
+      {gains + at, gains + plane + at}};
 }
 
 class FilterPass : public torch::autograd::Function<FilterPass> {
@@ -135,11 +135,11 @@ class FilterPass : public torch::autograd::Function<FilterPass> {
       for (std::int64_t bin = 0; bin < kBins; ++bin) {
         float* to = mixed.data() + bin * row;
         float* const planes[] = {to, to + plane, to + 2 * plane, to + 3 * plane};
-        train::mix_bin(rows_of(e, bin, of_clip(spectrum, clip), of_clip(filtered, clip),
-                               of_clip(gains, clip)),
-                       turns_of(e, bin, of_clip(share, clip), of_clip(source_s, clip),
-                                of_clip(target_s, clip)),
-                       row, planes);
+        train::mix_bin(
+            rows_of(e, bin, of_clip(spectrum, clip), of_clip(filtered, clip), of_clip(gains, clip)),
+            turns_of(e, bin, of_clip(share, clip), of_clip(source_s, clip),
+                     of_clip(target_s, clip)),
+            row, planes);
       }
       train::synthesise(e.frames, mixed.data(), of_clip(sound, clip));
     }
@@ -183,8 +183,7 @@ class FilterPass : public torch::autograd::Function<FilterPass> {
         add_slopes(e, bin,
                    back_through_bin(e, saved, clip, bin, by_spectrum.data(),
                                     by_filtered.data_ptr<float>(), by_gains.data_ptr<float>()),
-                   of_clip(by_share, clip), of_clip(by_source_s, clip),
-                   of_clip(by_target_s, clip));
+                   of_clip(by_share, clip), of_clip(by_source_s, clip), of_clip(by_target_s, clip));
       }
       const KernelInputs inputs(e.kernels, e.frames, of_clip(saved[7], clip));
       train::apply_kernels_back(e.kernels, inputs, row, by_filtered.data_ptr<float>(),
@@ -197,8 +196,17 @@ class FilterPass : public torch::autograd::Function<FilterPass> {
                      by_gain_weight.data_ptr<float>(), of_clip(by_gain_still, clip),
                      of_clip(by_state, clip));
     }
-    return {by_state, by_kernel_weight, by_kernel_still, by_gain_weight, by_gain_still, by_share,
-            by_source_s, by_target_s, {}, {}, {}};
+    return {by_state,
+            by_kernel_weight,
+            by_kernel_still,
+            by_gain_weight,
+            by_gain_still,
+            by_share,
+            by_source_s,
+            by_target_s,
+            {},
+            {},
+            {}};
   }
 
  private:
@@ -240,8 +248,8 @@ class FilterPass : public torch::autograd::Function<FilterPass> {
 /// Zeros behind axis `axis`, up to whole vectors.
 at::Tensor filled_up(const at::Tensor& x, std::int64_t axis) {
   const std::int64_t size = x.size(axis);
-  const std::int64_t missing = (train::kChannelStep - size % train::kChannelStep) %
-                               train::kChannelStep;
+  const std::int64_t missing =
+      (train::kChannelStep - size % train::kChannelStep) % train::kChannelStep;
   if (missing == 0) return x.contiguous();
   return axis == 1 && x.dim() == 3 ? at::constant_pad_nd(x, {0, 0, 0, missing})
                                    : at::constant_pad_nd(x, {0, missing});
@@ -255,13 +263,12 @@ at::Tensor filter_pass(const GtfDescription& description, const FilteredSound& s
                        const at::Tensor& target_delay_s) {
   const Extent extent(description, sound.samples);
   EARPOINT_CHECK(kernels.weight.size(0) == extent.kernels.rows() &&
-                 gains.weight.size(0) == kEars * kBins &&
-                 state.size(2) == extent.frames.row());
+                 gains.weight.size(0) == kEars * kBins && state.size(2) == extent.frames.row());
   return FilterPass::apply(filled_up(state, 1), filled_up(kernels.weight, 1),
                            kernels.still.contiguous(), filled_up(gains.weight, 1),
                            gains.still.contiguous(), share.contiguous(),
-                           source_delay_s.contiguous(), target_delay_s.contiguous(),
-                           sound.spectrum, sound.magnitudes, &extent);
+                           source_delay_s.contiguous(), target_delay_s.contiguous(), sound.spectrum,
+                           sound.magnitudes, &extent);
 }
 
 }  // namespace earpoint

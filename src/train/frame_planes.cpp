@@ -301,7 +301,8 @@ void analyse(const FrameExtent& extent, const float* sound, float* spectrum) {
 void synthesise(const FrameExtent& extent, const float* spectrum, float* sound) {
   to_sound(extent, spectrum, 1.0F / kSize, 1.0F, sound);
   const std::vector<float> shares = window_shares(extent);
-  for (std::ptrdiff_t i = 0; i < kEars * extent.samples; ++i) sound[i] *= shares[i % extent.samples];
+  for (std::ptrdiff_t i = 0; i < kEars * extent.samples; ++i)
+    sound[i] *= shares[i % extent.samples];
 }
 
 void analyse_back(const FrameExtent& extent, const float* by_spectrum, float* by_sound) {

@@ -30,8 +30,7 @@ constexpr double kNormEpsilon = 1e-5;
 
 }  // namespace
 
-GtfGraph::GtfGraph(const GtfWeights& weights)
-    : description_(weights.description) {
+GtfGraph::GtfGraph(const GtfWeights& weights) : description_(weights.description) {
   for (const auto& [name, tensor] : weights.tensors) {
     at::Tensor values = to_torch(tensor, at::kCPU);
     if (is_gtf_table(name)) {

@@ -28,8 +28,8 @@ struct GtfOutput {
   std::optional<SpeakerPlace> speaker;  ///< as estimated, in a network with geometry
 };
 
-/// The geometric time-frequency network as a graph of LibTorch operations and fused passes over named
-/// tensors: the names are those of its weight file. On the processor.
+/// The geometric time-frequency network as a graph of LibTorch operations and fused passes over
+/// named tensors: the names are those of its weight file. On the processor.
 class GtfGraph {
  public:
   explicit GtfGraph(const GtfWeights& weights);

@@ -114,8 +114,8 @@ struct GtfLearner::State {
   }
 
   /// A part's loss and gradient, which stays in its graph.
-  double learn_from(const TrainingBatch& clips, const at::Tensor& spectrum,
-                    const BatchShare& share, GtfGraph& twin) {
+  double learn_from(const TrainingBatch& clips, const at::Tensor& spectrum, const BatchShare& share,
+                    GtfGraph& twin) {
     forget_gradients(twin.parameters());
     GtfTruth truth{sounds(clips, clips.target),
                    spectrum,
@@ -158,27 +158,23 @@ GtfWeights GtfLearner::weights() const {
 }
 
 std::vector<float> GtfLearner::predict(const TrainingBatch& batch) {
-  return state_->without_gradients<float>(
-      batch, [](const TrainingBatch& clips, GtfGraph& graph) {
-        return numbers_of<float>(State::forward(graph, clips).sound);
-      });
+  return state_->without_gradients<float>(batch, [](const TrainingBatch& clips, GtfGraph& graph) {
+    return numbers_of<float>(State::forward(graph, clips).sound);
+  });
 }
 
 std::vector<float> GtfLearner::locate(const TrainingBatch& batch) {
   if (!description().geometry) return {};
-  return state_->without_gradients<float>(
-      batch, [](const TrainingBatch& clips, GtfGraph& graph) {
-        return numbers_of<float>(State::forward(graph, clips).speaker->position_m);
-      });
+  return state_->without_gradients<float>(batch, [](const TrainingBatch& clips, GtfGraph& graph) {
+    return numbers_of<float>(State::forward(graph, clips).speaker->position_m);
+  });
 }
 
 std::vector<double> GtfLearner::errors(const TrainingBatch& batch) {
-  return state_->without_gradients<double>(
-      batch, [&](const TrainingBatch& clips, GtfGraph& graph) {
-        return numbers_of<double>(magnitude_distance(state_->magnitude,
-                                                     State::forward(graph, clips).sound,
-                                                     State::sounds(clips, clips.target)));
-      });
+  return state_->without_gradients<double>(batch, [&](const TrainingBatch& clips, GtfGraph& graph) {
+    return numbers_of<double>(magnitude_distance(
+        state_->magnitude, State::forward(graph, clips).sound, State::sounds(clips, clips.target)));
+  });
 }
 
 double GtfLearner::compute_gradients(const TrainingBatch& batch) {

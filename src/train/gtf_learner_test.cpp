@@ -14,6 +14,7 @@
 #include <earpoint/spatial/hrtf.h>
 #include <earpoint/train/gtf_learner.h>
 #include <earpoint/train/initial_weights.h>
+#include <earpoint/train/vigas_learner.h>
 
 namespace earpoint {
 namespace {
@@ -162,9 +163,9 @@ TEST(GtfLearner, MovesTheSpeakerToTheSideThatGeometryTells) {
 }
 
 /// Central differences of the loss along a direction in which every parameter adds to the slope.
-void expect_slope(const GtfDescription& d) {
+void expect_slope(const GtfDescription& d, std::int64_t clips = 2) {
   const GtfWeights weights = stirred(d);
-  const TrainingBatch batch = batch_for(d, 2);
+  const TrainingBatch batch = batch_for(d, clips);
   GtfLearnerOptions options;
   options.loss = {.log_magnitude = 0.1,
                   .level_difference = 0.01,
@@ -203,6 +204,22 @@ void expect_slope(const GtfDescription& d) {
 }
 
 TEST(GtfLearner, GradientIsTheSlopeOfTheLoss) { expect_slope(small()); }
+
+TEST(GtfLearner, GradientIsTheSlopeOfTheLossOfABatchInParts) { expect_slope(small(), 6); }
+
+TEST(GtfLearner, LearnsTheSameWithAnyNumberOfThreads) {
+  const GtfDescription d = small();
+  const TrainingBatch batch = batch_for(d, 10);
+  const auto learned = [&](int threads) {
+    set_learner_threads(threads);
+    GtfLearner learner(stirred(d));
+    learner.compute_gradients(batch);
+    return learner.gradients();
+  };
+  const auto alone = learned(1);
+  EXPECT_TRUE(learned(3) == alone);
+  set_learner_threads(1);
+}
 
 TEST(GtfLearner, GradientIsTheSlopeOfTheLossWithoutGeometryPictureOrTails) {
   GtfDescription d = small();

@@ -139,9 +139,9 @@ Heard hear(const GtfDescription& description, const at::Tensor& sound) {
   const at::Tensor over_lags = (at::matmul(mean_cross.select(1, 0), kTables.cosine) -
                                 at::matmul(mean_cross.select(1, 1), kTables.sine)) /
                                kScale;
-  heard.summary = at::cat({(likeness * loudness.unsqueeze(1)).sum(over_time).flatten(1), between,
-                           together, over_lags},
-                          1);
+  heard.summary = at::cat(
+      {(likeness * loudness.unsqueeze(1)).sum(over_time).flatten(1), between, together, over_lags},
+      1);
   return heard;
 }
 

@@ -162,23 +162,24 @@ double phase_term(const BinPair& bin, const RowWeights& weights, std::ptrdiff_t 
       const Complex wanted = scaled(theirs, hn::Div(one, strength));
       const Complex off{hn::Sub(unit.re, wanted.re), hn::Sub(unit.im, wanted.im)};
       const Vector distance = magnitude(off);
-      const Vector weight = hn::IfThenElseZero(
-          frames_from(t, frames), hn::Mul(hn::Set(d, weights.phase_difference), hn::Sqrt(strength)));
+      const Vector weight =
+          hn::IfThenElseZero(frames_from(t, frames),
+                             hn::Mul(hn::Set(d, weights.phase_difference), hn::Sqrt(strength)));
       sum = hn::MulAdd(weight, distance, sum);
       const Complex by_unit = scaled(off, hn::Div(weight, distance));
       const Vector along = hn::MulAdd(unit.re, by_unit.re, hn::Mul(unit.im, by_unit.im));
-      const Complex by_ours = scaled({hn::NegMulAdd(unit.re, along, by_unit.re),
-                                      hn::NegMulAdd(unit.im, along, by_unit.im)},
-                                     near);
+      const Complex by_ours = scaled(
+          {hn::NegMulAdd(unit.re, along, by_unit.re), hn::NegMulAdd(unit.im, along, by_unit.im)},
+          near);
       // by left: by_ours * right; by right: conj(by_ours) * left
-      slope[0].re = hn::Add(slope[0].re, hn::NegMulAdd(by_ours.im, found[1].im,
-                                                       hn::Mul(by_ours.re, found[1].re)));
-      slope[0].im = hn::Add(slope[0].im, hn::MulAdd(by_ours.re, found[1].im,
-                                                    hn::Mul(by_ours.im, found[1].re)));
-      slope[1].re = hn::Add(slope[1].re, hn::MulAdd(by_ours.im, found[0].im,
-                                                    hn::Mul(by_ours.re, found[0].re)));
-      slope[1].im = hn::Add(slope[1].im, hn::MulSub(by_ours.re, found[0].im,
-                                                    hn::Mul(by_ours.im, found[0].re)));
+      slope[0].re = hn::Add(
+          slope[0].re, hn::NegMulAdd(by_ours.im, found[1].im, hn::Mul(by_ours.re, found[1].re)));
+      slope[0].im = hn::Add(slope[0].im,
+                            hn::MulAdd(by_ours.re, found[1].im, hn::Mul(by_ours.im, found[1].re)));
+      slope[1].re = hn::Add(slope[1].re,
+                            hn::MulAdd(by_ours.im, found[0].im, hn::Mul(by_ours.re, found[0].re)));
+      slope[1].im = hn::Add(slope[1].im,
+                            hn::MulSub(by_ours.re, found[0].im, hn::Mul(by_ours.im, found[0].re)));
     }
     for (int ear = 0; ear < 2; ++ear) {
       hn::StoreU(slope[ear].re, d, slopes[2 * ear] + t);

@@ -55,9 +55,9 @@ double clip_loss(const FrameExtent& extent, const float* found, const float* rig
   for (std::ptrdiff_t bin = 0; bin < kBins; ++bin) {
     const auto f = planes_at(extent, found, bin);
     const auto r = planes_at(extent, right, bin);
-    loss += train::loss_of_bin({{f[0], f[1], f[2], f[3]}, {r[0], r[1], r[2], r[3]}}, weights,
-                               extent.frames(), extent.row(),
-                               planes_at(extent, slopes, bin).data());
+    loss +=
+        train::loss_of_bin({{f[0], f[1], f[2], f[3]}, {r[0], r[1], r[2], r[3]}}, weights,
+                           extent.frames(), extent.row(), planes_at(extent, slopes, bin).data());
   }
   return loss;
 }

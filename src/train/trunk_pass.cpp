@@ -49,8 +49,8 @@ struct Extent {
 
 Extent extent_of(const at::Tensor& features, const at::Tensor& weights,
                  std::vector<std::int64_t> dilations) {
-  return {features.size(0), features.size(1),  weights.size(1),
-          features.size(2), weights.size(0), std::move(dilations)};
+  return {features.size(0), features.size(1), weights.size(1),
+          features.size(2), weights.size(0),  std::move(dilations)};
 }
 
 /// What a clip's passes keep.
@@ -83,21 +83,21 @@ class TrunkPass : public torch::autograd::Function<TrunkPass> {
       float* state = kept.states.data_ptr<float>() + clip * kept.states.stride(0);
       train::silu(e.rows(), input, state + e.before(), e.long_row());
       for (std::int64_t layer = 0; layer < e.layers; ++layer) {
-        float* y = kept.sums.data_ptr<float>() + clip * kept.sums.stride(0) +
-                   layer * kept.sums.stride(1);
+        float* y =
+            kept.sums.data_ptr<float>() + clip * kept.sums.stride(0) + layer * kept.sums.stride(1);
         fill(e, biases.data_ptr<float>() + layer * e.channels, y);
         std::vector<Product> taps;
         for (std::int64_t tap = 0; tap < kTaps; ++tap) {
           taps.push_back({weights.data_ptr<float>() + layer * weights.stride(0) + tap * e.channels,
-                          kTaps * e.channels, e.channels,
-                          state + e.before() - e.offset(layer, tap), e.long_row()});
+                          kTaps * e.channels, e.channels, state + e.before() - e.offset(layer, tap),
+                          e.long_row()});
         }
         train::add_products(taps, y, e.row, e.channels, e.row);
-        const float* film = films.data_ptr<float>() + clip * films.stride(0) +
-                            layer * films.stride(1);
+        const float* film =
+            films.data_ptr<float>() + clip * films.stride(0) + layer * films.stride(1);
         float* next = layer + 1 < e.layers ? state + kept.states.stride(1) : last.data_ptr<float>();
-        train::modulate(e.rows(), y, film, film + e.channels, state + e.before(),
-                        next + e.before(), e.long_row());
+        train::modulate(e.rows(), y, film, film + e.channels, state + e.before(), next + e.before(),
+                        e.long_row());
         state = next;
       }
       float* to = output.data_ptr<float>() + clip * output.stride(0);
@@ -117,8 +117,7 @@ class TrunkPass : public torch::autograd::Function<TrunkPass> {
     const at::Tensor& input_weight = saved[1];
     const at::Tensor& weights = saved[2];
     const at::Tensor& films = saved[3];
-    const Extent e =
-        extent_of(features, weights, context->saved_data["dilations"].toIntVector());
+    const Extent e = extent_of(features, weights, context->saved_data["dilations"].toIntVector());
     const at::Tensor by_output = gradients[0].contiguous();
     at::Tensor by_input_weight = at::zeros_like(input_weight);
     at::Tensor by_input_bias = at::zeros({e.channels});
@@ -152,8 +151,8 @@ class TrunkPass : public torch::autograd::Function<TrunkPass> {
           const std::int64_t offset = e.offset(layer, tap);
           const Product by_tap{by_y, e.long_row(), e.row,
                                turned + (e.before() - offset) * e.channels, e.channels};
-          train::add_products({&by_tap, 1}, by_weights.data_ptr<float>() + at,
-                              kTaps * e.channels, e.channels, e.channels);
+          train::add_products({&by_tap, 1}, by_weights.data_ptr<float>() + at, kTaps * e.channels,
+                              e.channels, e.channels);
           train::add_outer_products({weights.data_ptr<float>() + at, kTaps * e.channels,
                                      by_y + offset, e.long_row(), e.channels, e.channels, e.row,
                                      slope});
@@ -164,8 +163,8 @@ class TrunkPass : public torch::autograd::Function<TrunkPass> {
       train::transpose(features.data_ptr<float>() + clip * features.stride(0), e.row, e.features,
                        e.row, turned, e.features);
       const Product by_dense{slope, e.row, e.row, turned, e.features};
-      train::add_products({&by_dense, 1}, by_input_weight.data_ptr<float>(), e.features,
-                          e.channels, e.features);
+      train::add_products({&by_dense, 1}, by_input_weight.data_ptr<float>(), e.features, e.channels,
+                          e.features);
     }
     return {{}, by_input_weight, by_input_bias, by_weights, by_biases, by_films, {}};
   }
@@ -205,14 +204,13 @@ at::Tensor trunk_pass(const TrunkTensors& tensors, const at::Tensor& features, s
   std::vector<at::Tensor> biases;
   for (const at::Tensor& bias : tensors.biases) biases.push_back(filled_up(bias));
 
-  at::Tensor seen = at::zeros(
-      {features.size(0), whole_steps(features.size(1)), features.size(2)});
+  at::Tensor seen = at::zeros({features.size(0), whole_steps(features.size(1)), features.size(2)});
   seen.narrow(1, 0, features.size(1))
       .narrow(2, 0, frames - ahead)
       .copy_(features.narrow(2, ahead, frames - ahead));
-  return TrunkPass::apply(seen, both_filled_up(tensors.input_weight),
-                          filled_up(tensors.input_bias), at::stack(weights), at::stack(biases),
-                          at::stack(films, 1), tensors.dilations)
+  return TrunkPass::apply(seen, both_filled_up(tensors.input_weight), filled_up(tensors.input_bias),
+                          at::stack(weights), at::stack(biases), at::stack(films, 1),
+                          tensors.dilations)
       .narrow(1, 0, channels);
 }
 

@@ -8,11 +8,11 @@ namespace earpoint {
 
 /// The trunk's parameters and what modulates it.
 struct TrunkTensors {
-  at::Tensor input_weight;           ///< [channels][features]
-  at::Tensor input_bias;             ///< [channels]
-  std::vector<at::Tensor> weights;   ///< of each layer, [channels][channels][3], the last tap is now
-  std::vector<at::Tensor> biases;    ///< [channels]
-  std::vector<at::Tensor> films;     ///< [clips][2 channels]: scale less one, and shift
+  at::Tensor input_weight;          ///< [channels][features]
+  at::Tensor input_bias;            ///< [channels]
+  std::vector<at::Tensor> weights;  ///< of each layer, [channels][channels][3], the last tap is now
+  std::vector<at::Tensor> biases;   ///< [channels]
+  std::vector<at::Tensor> films;    ///< [clips][2 channels]: scale less one, and shift
   std::vector<std::int64_t> dilations;  ///< of each layer, frames
 };
 

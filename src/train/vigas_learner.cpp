@@ -8,9 +8,9 @@
 #include <utility>
 
 #include <ATen/Parallel.h>
-#include <dlfcn.h>
 #include <ATen/TensorOperators.h>
 #include <ATen/core/grad_mode.h>
+#include <dlfcn.h>
 
 #include <earpoint/core/error.h>
 #include <earpoint/train/vigas_learner.h>
