@@ -79,7 +79,7 @@ Waveform near_microphone_response(const Waveform& to_source) {
 
 /// b *= a. Written out over the floats, as std::complex's product checks for NaN and its values are
 /// no vectors to a compiler.
-EARPOINT_VECTOR_CLONES void multiply(const Spectrum& a, Spectrum& b) {
+EARPOINT_VECTOR_CLONES_OF_PAIRS void multiply(const Spectrum& a, Spectrum& b) {
   const auto* __restrict from = reinterpret_cast<const float*>(a.data());
   auto* __restrict to = reinterpret_cast<float*>(b.data());
   const std::size_t size = 2 * b.size();

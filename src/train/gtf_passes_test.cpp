@@ -1,5 +1,5 @@
-// The fused passes of gtf against the same formulas as LibTorch operations, whose gradients LibTorch
-// finds by itself.
+// The fused passes of gtf against the same formulas as LibTorch operations, whose gradients
+// LibTorch finds by itself.
 #include "filter_pass.h"
 #include "frame_planes.h"
 #include "hearing.h"
@@ -31,6 +31,7 @@
 #include <ATen/ops/zeros.h>
 #include <ATen/ops/zeros_like.h>
 #include <gtest/gtest.h>
+#include <hwy/targets.h>
 
 #include <earpoint/core/pose.h>
 #include <earpoint/core/random.h>
@@ -92,14 +93,29 @@ at::Tensor planes_of(const at::Tensor& spectrum) {
 
 at::Tensor frames_of(const at::Tensor& planes) { return planes.narrow(-1, 0, kFrames); }
 
-TEST(FramePlanes, HoldTheShortTimeSpectrum) {
+/// Has the passes compute by one instruction set of those that this processor has.
+class OnEveryInstructionSet : public testing::TestWithParam<std::int64_t> {
+ protected:
+  void SetUp() override { hwy::SetSupportedTargetsForTest(GetParam()); }
+  void TearDown() override { hwy::SetSupportedTargetsForTest(0); }
+};
+class FramePlanes : public OnEveryInstructionSet {};
+class TrunkPass : public OnEveryInstructionSet {};
+class FilterPass : public OnEveryInstructionSet {};
+class SpectralLoss : public OnEveryInstructionSet {};
+
+std::string name_of_target(const testing::TestParamInfo<std::int64_t>& info) {
+  return hwy::TargetName(info.param);
+}
+
+TEST_P(FramePlanes, HoldTheShortTimeSpectrum) {
   const at::Tensor sound = noise({kClips, 2, kSamples}, 0.1, 1);
   const at::Tensor planes = spectrum_planes(sound);
   expect_same(frames_of(planes), planes_of(torch_spectrum(sound)), "spectrum");
   EXPECT_EQ(planes.narrow(-1, kFrames, planes.size(-1) - kFrames).abs().max().item<float>(), 0.0F);
 }
 
-TEST(FramePlanes, BecomeTheSoundAgain) {
+TEST_P(FramePlanes, BecomeTheSoundAgain) {
   const at::Tensor sound = noise({1, 2, kSamples}, 0.1, 1);
   const at::Tensor planes = spectrum_planes(sound);
   at::Tensor again = at::zeros_like(sound);
@@ -107,7 +123,7 @@ TEST(FramePlanes, BecomeTheSoundAgain) {
   expect_same(again, sound, "sound");
 }
 
-TEST(FramePlanes, GradientsAreThoseOfTheTransforms) {
+TEST_P(FramePlanes, GradientsAreThoseOfTheTransforms) {
   const train::FrameExtent extent{kSamples};
   const at::Tensor sound = learned(noise({1, 2, kSamples}, 0.1, 1));
   const at::Tensor weights = noise({1, 2, 2, D::kBins, extent.row()}, 1.0, 2);
@@ -140,7 +156,7 @@ TrunkTensors trunk_tensors(std::int64_t features, std::int64_t channels) {
   return tensors;
 }
 
-TEST(TrunkPass, ValueAndGradientAreThoseOfItsConvolutions) {
+TEST_P(TrunkPass, ValueAndGradientAreThoseOfItsConvolutions) {
   constexpr std::int64_t kAhead = 2;
   const train::FrameExtent extent{kSamples};
   const at::Tensor features = noise({kClips, 10, extent.row()}, 1.0, 3);
@@ -153,9 +169,9 @@ TEST(TrunkPass, ValueAndGradientAreThoseOfItsConvolutions) {
   at::Tensor x = at::silu(at::matmul(theirs.input_weight, seen) + theirs.input_bias.unsqueeze(1));
   for (std::size_t i = 0; i < theirs.weights.size(); ++i) {
     const std::int64_t dilation = theirs.dilations[i];
-    const at::Tensor y = at::conv1d(at::constant_pad_nd(x, {2 * dilation, 0}), theirs.weights[i],
-                                    theirs.biases[i], at::IntArrayRef({1}),
-                                    at::IntArrayRef({0}), at::IntArrayRef({dilation}));
+    const at::Tensor y =
+        at::conv1d(at::constant_pad_nd(x, {2 * dilation, 0}), theirs.weights[i], theirs.biases[i],
+                   at::IntArrayRef({1}), at::IntArrayRef({0}), at::IntArrayRef({dilation}));
     const std::vector<at::Tensor> film = theirs.films[i].chunk(2, 1);
     x = x + at::silu(y * (1 + film[0].unsqueeze(2)) + film[1].unsqueeze(2));
   }
@@ -178,8 +194,8 @@ struct FilterTensors {
   at::Tensor state, kernel_weight, kernel_still, gain_weight, gain_still, share, source_s, target_s;
 
   explicit FilterTensors(const D& d, std::int64_t row)
-      : state(at::constant_pad_nd(noise({kClips, d.channels, kFrames}, 1.0, 20),
-                                  {0, row - kFrames})),
+      : state(
+            at::constant_pad_nd(noise({kClips, d.channels, kFrames}, 1.0, 20), {0, row - kFrames})),
         kernel_weight(noise({4 * d.taps() * d.bands, d.channels}, 0.05, 21)),
         kernel_still(noise({kClips, 4 * d.taps() * d.bands}, 0.3, 22)),
         // Some gains lie beyond what they are clamped to.
@@ -191,8 +207,8 @@ struct FilterTensors {
     for (at::Tensor* tensor : all()) *tensor = learned(*tensor);
   }
   std::vector<at::Tensor*> all() {
-    return {&state, &kernel_weight, &kernel_still, &gain_weight,
-            &gain_still, &share, &source_s, &target_s};
+    return {&state,      &kernel_weight, &kernel_still, &gain_weight,
+            &gain_still, &share,         &source_s,     &target_s};
   }
 };
 
@@ -232,23 +248,21 @@ at::Tensor torch_filter(const D& d, const at::Tensor& source, const FilterTensor
       at::from_blob(band_of_bin.data(), {D::kBins}, at::TensorOptions().dtype(at::kLong)).clone();
   const at::Tensor spectrum = torch_spectrum(source);
   const at::Tensor state = frames_of(x.state);
-  const at::Tensor kernels =
-      (at::matmul(x.kernel_weight, state) + x.kernel_still.unsqueeze(2))
-          .reshape({kClips, 2, 2, d.taps(), d.bands, kFrames})
-          .index_select(4, bands);
+  const at::Tensor kernels = (at::matmul(x.kernel_weight, state) + x.kernel_still.unsqueeze(2))
+                                 .reshape({kClips, 2, 2, d.taps(), d.bands, kFrames})
+                                 .index_select(4, bands);
   const at::Tensor gains = (at::matmul(x.gain_weight, state) + x.gain_still.unsqueeze(2))
                                .unflatten(1, {2, D::kBins})
                                .clamp(-3, 2);
   const at::Tensor magnitudes =
       (torch_filtered(d, magnitude_of(spectrum), kernels).relu() + 1e-3) * gains.exp();
-  const at::Tensor voice =
-      (spectrum * delaying(-x.source_s)).sum(at::IntArrayRef({1}), true);
+  const at::Tensor voice = (spectrum * delaying(-x.source_s)).sum(at::IntArrayRef({1}), true);
   const at::Tensor share = x.share.index_select(2, bands).unsqueeze(3);
   const at::Tensor mixed = voice * delaying(x.target_s) * share * 0.5 + spectrum * (1 - share);
   return torch_sound(magnitudes * mixed / magnitude_of(mixed));
 }
 
-TEST(FilterPass, ValueAndGradientAreThoseOfItsFormula) {
+TEST_P(FilterPass, ValueAndGradientAreThoseOfItsFormula) {
   D d;
   d.channels = 12;
   d.bands = 12;
@@ -259,18 +273,18 @@ TEST(FilterPass, ValueAndGradientAreThoseOfItsFormula) {
   FilterTensors ours(d, extent.row());
   FilterTensors theirs(d, extent.row());
   const Heard heard = hear(d, source);
-  const at::Tensor found = filter_pass(
-      d, {heard.spectrum, heard.magnitude, kSamples}, ours.state,
-      {ours.kernel_weight, ours.kernel_still}, {ours.gain_weight, ours.gain_still}, ours.share,
-      ours.source_s, ours.target_s);
+  const at::Tensor found =
+      filter_pass(d, {heard.spectrum, heard.magnitude, kSamples}, ours.state,
+                  {ours.kernel_weight, ours.kernel_still}, {ours.gain_weight, ours.gain_still},
+                  ours.share, ours.source_s, ours.target_s);
   const at::Tensor right = torch_filter(d, source, theirs);
   expect_same(found, right, "sound", 2e-5);
 
   const at::Tensor weights = noise({kClips, 2, kSamples}, 1.0, 31);
   (found * weights).sum().backward();
   (right * weights).sum().backward();
-  const char* const names[] = {"state", "kernel weight", "kernel still", "gain weight",
-                               "gain still", "share", "source delay", "target delay"};
+  const char* const names[] = {"state",      "kernel weight", "kernel still", "gain weight",
+                               "gain still", "share",         "source delay", "target delay"};
   for (std::size_t i = 0; i < ours.all().size(); ++i) {
     // Delays: thousands of terms of either sign, multiplied by frequencies, nearly add up to zero.
     expect_same(ours.all()[i]->grad(), theirs.all()[i]->grad(), names[i], i < 6 ? 1e-4 : 1e-3);
@@ -294,13 +308,13 @@ at::Tensor torch_loss(const GtfLossWeights& weights, const at::Tensor& sound,
   loss = loss + (spread(found) - spread(right)).abs().mean() * weights.modulation;
   const auto cross = [](const at::Tensor& s) { return s.select(1, 0) * s.select(1, 1).conj(); };
   const at::Tensor strength = magnitude_of(cross(wanted));
-  const at::Tensor distance = magnitude_of(cross(predicted) / magnitude_of(cross(predicted)) -
-                                           cross(wanted) / strength);
+  const at::Tensor distance =
+      magnitude_of(cross(predicted) / magnitude_of(cross(predicted)) - cross(wanted) / strength);
   const at::Tensor weight = strength.sqrt();
   return loss + (weight * distance).sum() / weight.sum() * weights.phase_difference;
 }
 
-TEST(SpectralLoss, SharesAddUpToTheFormulaAndItsGradient) {
+TEST_P(SpectralLoss, SharesAddUpToTheFormulaAndItsGradient) {
   const at::Tensor target = noise({kClips, 2, kSamples}, 0.05, 40);
   const at::Tensor start = noise({kClips, 2, kSamples}, 0.05, 41);
   for (const GtfLossWeights& weights :
@@ -326,6 +340,15 @@ TEST(SpectralLoss, SharesAddUpToTheFormulaAndItsGradient) {
     expect_same(ours.grad(), theirs.grad(), "by sound", 1e-3);
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(OnEveryInstructionSet, FramePlanes,
+                         testing::ValuesIn(hwy::SupportedAndGeneratedTargets()), name_of_target);
+INSTANTIATE_TEST_SUITE_P(OnEveryInstructionSet, TrunkPass,
+                         testing::ValuesIn(hwy::SupportedAndGeneratedTargets()), name_of_target);
+INSTANTIATE_TEST_SUITE_P(OnEveryInstructionSet, FilterPass,
+                         testing::ValuesIn(hwy::SupportedAndGeneratedTargets()), name_of_target);
+INSTANTIATE_TEST_SUITE_P(OnEveryInstructionSet, SpectralLoss,
+                         testing::ValuesIn(hwy::SupportedAndGeneratedTargets()), name_of_target);
 
 }  // namespace
 }  // namespace earpoint
