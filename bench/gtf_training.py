@@ -5,7 +5,7 @@ A short and a longer training in turns; what starting costs falls out of their d
 a machine that does nothing else; processor time tells what a clip costs in any case. With --before the same
 of another build, whose losses must agree. Writes FOLDER/training_gtf.json.
 
-usage: gtf_training.py EARPOINT_TRAIN CONFIG DATA FOLDER [--before EARPOINT_TRAIN] [--rounds N] [--steps N]
+usage: gtf_training.py EARPOINT CONFIG DATA FOLDER [--before EARPOINT] [--rounds N] [--steps N]
 """
 import argparse
 import json

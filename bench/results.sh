@@ -196,7 +196,7 @@ results() {
   measure_simulator "$earpoint"
   simulate_data "$earpoint"
   say "Training steps of gtf"
-  python3 bench/gtf_training.py "$earpoint-train" configs/gtf-novel.json out/data/novel out/bench
+  python3 bench/gtf_training.py "$earpoint" configs/gtf-novel.json out/data/novel out/bench
   train_methods "$earpoint"
   evaluate_methods "$earpoint" novel single
   evaluate_beyond "$earpoint"

@@ -2,6 +2,7 @@
 
 #include "train_command.h"
 
+#include <cstdlib>
 #include <filesystem>
 
 #include <CLI/CLI.hpp>
@@ -15,6 +16,10 @@ namespace fs = std::filesystem;
 
 void hand_over(char** argv) {
   const fs::path program = fs::read_symlink("/proc/self/exe").parent_path() / "earpoint-train";
+  // OpenMP reads it once, when a program starts. By default its threads wait for work by spinning,
+  // which takes the cores from the thread that makes examples, and from whatever else runs.
+  constexpr int kKeepTheUsers = 0;
+  ::setenv("OMP_WAIT_POLICY", "passive", kKeepTheUsers);
   ::execv(program.c_str(), argv);
   throw earpoint::InputError("train", "cannot start " + program.string(),
                              "keep earpoint-train in the folder of earpoint");
