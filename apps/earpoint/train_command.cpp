@@ -192,6 +192,8 @@ void run(const Options& options) {
   if (options.skip_bad) {
     task_options.on_bad = [&bad](const std::string& problem) { bad.add(problem); };
   }
+  std::optional<earpoint::RunLock> lock;  // before the checkpoint is read
+  if (!group || group->is_first()) lock.emplace(options.out);
   const Start start = started(options, config, task_options, processes);
   Learner& learner = *start.task.learner;
 
