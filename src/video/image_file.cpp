@@ -60,6 +60,50 @@ Orientation orientation_of(const AVFrame& frame) {
   return orientation_from_exif(entry == nullptr ? 1 : std::atoi(entry->value));
 }
 
+std::uint64_t number(std::span<const std::byte> bytes, bool is_little_endian) {
+  std::uint64_t value = 0;
+  for (std::size_t i = 0; i < bytes.size(); ++i) {
+    const std::byte byte = bytes[is_little_endian ? bytes.size() - 1 - i : i];
+    value = value << 8 | std::to_integer<std::uint64_t>(byte);
+  }
+  return value;
+}
+
+/// The orientation in Exif data, which are a small TIFF file: 1 to 8, or 1 if there is none.
+int exif_orientation(std::span<const std::byte> exif) {
+  constexpr std::uint64_t kTag = 0x0112;
+  constexpr std::size_t kEntry = 12;
+  if (exif.size() < 10) return 1;
+  const bool is_little = exif[0] == std::byte{'I'};
+  const auto at = [&](std::size_t position, std::size_t count) {
+    return number(exif.subspan(position, count), is_little);
+  };
+  std::size_t position = at(4, 4);
+  if (position > exif.size() - 2) return 1;
+  const std::size_t entries = at(position, 2);
+  position += 2;
+  for (std::size_t i = 0; i < entries && position + kEntry <= exif.size(); ++i, position += kEntry) {
+    if (at(position, 2) != kTag) continue;
+    const std::uint64_t value = at(position + 8, 2);
+    return value >= 1 && value <= 8 ? static_cast<int>(value) : 1;
+  }
+  return 1;
+}
+
+/// The orientation that a PNG's eXIf chunk asks for. Chunks are a length, a name, the content and a
+/// checksum.
+int png_exif_orientation(std::span<const std::byte> png) {
+  for (std::size_t position = kPngSignature.size(); position + 12 <= png.size();) {
+    const std::size_t length = number(png.subspan(position, 4), /*is_little_endian=*/false);
+    if (length > png.size() - position - 12) break;
+    if (std::memcmp(png.data() + position + 4, "eXIf", 4) == 0) {
+      return exif_orientation(png.subspan(position + 8, length));
+    }
+    position += 12 + length;
+  }
+  return 1;
+}
+
 FramePtr decode_picture(std::span<const std::byte> bytes, AVCodecID id, const std::string& where) {
   CodecContextPtr codec = make_codec_context(avcodec_find_decoder(id));
   codec->max_pixels = kMaxPixels;
@@ -124,10 +168,38 @@ std::optional<PictureFormat> picture_format(std::span<const std::byte> bytes) {
   return std::nullopt;
 }
 
+std::optional<std::string_view> other_picture(std::span<const std::byte> bytes) {
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  if (text.size() >= 12 && text.substr(4, 4) == "ftyp") {
+    const std::string_view brand = text.substr(8, 4);
+    for (const char* heif : {"heic", "heix", "heim", "heis", "hevc", "hevx", "mif1", "msf1"}) {
+      if (brand == heif) return "HEIC";
+    }
+    if (brand == "avif" || brand == "avis") return "AVIF";
+  }
+  if (text.starts_with("RIFF") && text.size() >= 12 && text.substr(8, 4) == "WEBP") return "WebP";
+  if (text.starts_with("GIF8")) return "GIF";
+  if (text.starts_with(std::string_view("II*\0", 4)) || text.starts_with(std::string_view("MM\0*", 4))) {
+    return "TIFF or raw";
+  }
+  if (text.size() >= 14 && text.starts_with("BM") && text.substr(6, 4) == std::string_view("\0\0\0\0", 4)) {
+    return "BMP";
+  }
+  return std::nullopt;
+}
+
+void refuse_other_picture(std::span<const std::byte> bytes, const std::string& name) {
+  const auto kind = other_picture(bytes);
+  if (!kind) return;
+  throw InputError(name, fmt::format("is a {} picture; PNG and JPEG are read", *kind),
+                   "convert it to one of them");
+}
+
 Image decode_image(std::span<const std::byte> bytes, std::string_view name) {
   const std::string where(name);
   if (bytes.empty()) throw InputError(where, "is empty");
   const auto format = picture_format(bytes);
+  if (!format) refuse_other_picture(bytes, where);
   if (!format) throw InputError(where, "is neither a PNG nor a JPEG picture");
 
   const bool is_jpeg = *format == PictureFormat::jpeg;
@@ -137,7 +209,9 @@ Image decode_image(std::span<const std::byte> bytes, std::string_view name) {
   const FramePtr frame =
       decode_picture(bytes, is_jpeg ? AV_CODEC_ID_MJPEG : AV_CODEC_ID_PNG, where);
   ImageMaker maker;
-  return oriented(maker.image(*frame, where), orientation_of(*frame));
+  const Orientation orientation =
+      is_jpeg ? orientation_of(*frame) : orientation_from_exif(png_exif_orientation(bytes));
+  return oriented(maker.image(*frame, where), orientation);
 }
 
 Image read_image(const std::filesystem::path& path) {

@@ -17,7 +17,9 @@ std::optional<PictureFormat> picture_format_of(const std::filesystem::path& path
   std::array<std::byte, 16> head{};
   std::ifstream file(path, std::ios::binary);
   file.read(reinterpret_cast<char*>(head.data()), head.size());
-  return picture_format(std::span(head).first(static_cast<std::size_t>(file.gcount())));
+  const auto bytes = std::span(head).first(static_cast<std::size_t>(file.gcount()));
+  refuse_other_picture(bytes, path.string());
+  return picture_format(bytes);
 }
 
 MediaInfo describe_picture_file(const std::filesystem::path& path, PictureFormat format) {
