@@ -1,5 +1,6 @@
 #include "model_command.h"
 
+#include "json_text.h"
 #include "model_run_command.h"
 
 #include <cstdint>
@@ -110,12 +111,11 @@ std::string text_of(const Json& value) {
 void print_info(const InfoOptions& options) {
   const ModelFacts facts = facts_of(options.file);
   if (options.json) {
-    fmt::print("{}\n", Json{{"file", options.file.string()},
-                            {"description", facts.description},
-                            {"tensors", facts.tensors},
-                            {"values", facts.values},
-                            {"unused_tensors", facts.unused}}
-                           .dump(2));
+    fmt::print("{}\n", earpoint::json_text(Json{{"file", options.file.string()},
+                                                {"description", facts.description},
+                                                {"tensors", facts.tensors},
+                                                {"values", facts.values},
+                                                {"unused_tensors", facts.unused}}));
     return;
   }
   fmt::print("{}\n", options.file.string());

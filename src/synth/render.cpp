@@ -66,7 +66,7 @@ std::vector<TargetStream> open_targets(std::span<const RenderTarget> targets,
                                        const std::filesystem::path& movie) {
   std::vector<TargetStream> streams;
   for (const RenderTarget& target : targets) {
-    streams.emplace_back(open_sound_sink(target.output, survey.sample_rate_hz, movie), survey,
+    streams.emplace_back(open_sound_sink(target.output, survey.sample_rate_hz, movie, survey.samples), survey,
                          shape, options.extend_band, options.gain_db);
   }
   return streams;
@@ -104,14 +104,16 @@ Observation observation_of(const RenderSource& source, const Moment& moment) {
   return observation;
 }
 
-void check_targets(std::span<const RenderTarget> targets, const RenderSource& source,
-                   double duration_s) {
+/// The file that a name stands for, whatever it is called.
+std::filesystem::path place_of(const std::filesystem::path& output) {
+  return std::filesystem::weakly_canonical(std::filesystem::absolute(output));
+}
+
+void check_outputs(std::span<const RenderTarget> targets, const RenderSource& source) {
   for (std::size_t i = 0; i < targets.size(); ++i) {
-    targets[i].path.check_covers(duration_s);
     const std::filesystem::path& output = targets[i].output;
     for (std::size_t j = 0; j < i; ++j) {
-      if (std::filesystem::weakly_canonical(output) ==
-          std::filesystem::weakly_canonical(targets[j].output)) {
+      if (place_of(output) == place_of(targets[j].output)) {
         throw InputError(output.string(), "two earpoints would write this file",
                          "give each its own");
       }
@@ -135,7 +137,7 @@ class Rendering {
         survey_(survey_sound(source.sound)),
         shape_(synthesizer.window_shape(survey_.sample_rate_hz)),
         pool_(std::min(2, options.threads)) {
-    check_targets(targets, source, survey_.duration_s());
+    for (const RenderTarget& target : targets) target.path.check_covers(survey_.duration_s());
     const std::filesystem::path movie = moving_picture(source);
     pictures_ = pictures_for(source, synthesizer);
     stream_.emplace(source.sound, survey_, shape_.sample_rate_hz,
@@ -232,6 +234,7 @@ RenderReport render(const RenderSource& source, AcousticSynthesizer& synthesizer
                     std::span<const RenderTarget> targets, const ClipRenderOptions& options,
                     ProgressSink& progress) {
   EARPOINT_CHECK(!targets.empty());
+  check_outputs(targets, source);
   return Rendering(source, synthesizer, targets, options).run(progress);
 }
 

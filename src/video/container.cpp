@@ -1,10 +1,12 @@
 #include "container.h"
 
+#include "exif.h"
 #include "frame_image.h"
 
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
 #include <new>
 #include <utility>
@@ -131,13 +133,28 @@ Orientation orientation_of(const AVStream& stream) {
   return orientation_from_display_matrix(reinterpret_cast<const std::int32_t*>(matrix));
 }
 
-void describe_picture(const AVStream& stream, StreamInfo& info) {
+/// The lens that Apple's cameras note, in the stream's or the movie's metadata; 0 if none.
+double focal_length_35mm(const AVStream& stream, const AVFormatContext& format) {
+  constexpr const char* kKey = "com.apple.quicktime.camera.focal_length.35mm_equivalent";
+  for (const AVDictionary* metadata : {stream.metadata, format.metadata}) {
+    const AVDictionaryEntry* entry = av_dict_get(metadata, kKey, nullptr, 0);
+    const double length = entry != nullptr ? std::atof(entry->value) : 0.0;
+    if (length > 1.0 && length < 10'000.0) return length;
+  }
+  return 0.0;
+}
+
+void describe_picture(const AVStream& stream, const AVFormatContext& format, StreamInfo& info) {
   const AVCodecParameters& codec = *stream.codecpar;
   const Orientation orientation = orientation_of(stream);
   info.rotation_deg = rotation_deg(orientation);
   info.width = codec.width;
   info.height = codec.height;
   if (orientation.xx == 0) std::swap(info.width, info.height);
+  const double focal_length = focal_length_35mm(stream, format);
+  if (focal_length > 0.0 && info.width > 0 && info.height > 0) {
+    info.horizontal_fov_rad = horizontal_fov_rad(focal_length, info.width, info.height);
+  }
   const AVRational rate =
       stream.avg_frame_rate.num > 0 ? stream.avg_frame_rate : stream.r_frame_rate;
   if (info.kind == StreamKind::video && rate.num > 0 && rate.den > 0) {
@@ -235,7 +252,7 @@ StreamInfo InputContainer::describe(int index) const {
   if (source.duration != AV_NOPTS_VALUE && source.duration > 0 && !may_jump()) {
     info.duration_s = static_cast<double>(source.duration) * av_q2d(source.time_base);
   }
-  if (source.codecpar->codec_type == AVMEDIA_TYPE_VIDEO) describe_picture(source, info);
+  if (source.codecpar->codec_type == AVMEDIA_TYPE_VIDEO) describe_picture(source, *format_, info);
   if (source.codecpar->codec_type == AVMEDIA_TYPE_AUDIO) describe_sound(source, info);
   return info;
 }
@@ -315,7 +332,7 @@ void InputContainer::close_jump(AVPacket& packet) {
     const bool is_known = clock.jumps < jumps_s_.size() &&
                           std::abs(jumps_s_[clock.jumps] - jump_s) < kForward_s;
     if (!is_known) {
-      warn(fmt::format("its time jumps by {:.1f} s at {:.3f} s; what follows is joined there", jump_s,
+      warn(fmt::format("its clock is set anew after {:.3f} s; what follows is joined there",
                        *clock.end_s - origin_s_));
       jumps_s_.resize(clock.jumps);
       jumps_s_.push_back(jump_s);

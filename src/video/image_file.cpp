@@ -1,3 +1,4 @@
+#include "exif.h"
 #include "ffmpeg.h"
 #include "frame_image.h"
 #include "picture.h"
@@ -14,7 +15,6 @@
 #include <earpoint/video/image_file.h>
 
 extern "C" {
-#include <libavutil/display.h>
 #include <libavutil/opt.h>
 }
 
@@ -50,60 +50,6 @@ bool ends_properly(std::span<const std::byte> jpeg) {
   return false;
 }
 
-/// The orientation that a JPEG's Exif data ask for.
-Orientation orientation_of(const AVFrame& frame) {
-  const AVFrameSideData* matrix = av_frame_get_side_data(&frame, AV_FRAME_DATA_DISPLAYMATRIX);
-  if (matrix != nullptr) {
-    return orientation_from_display_matrix(reinterpret_cast<const std::int32_t*>(matrix->data));
-  }
-  const AVDictionaryEntry* entry = av_dict_get(frame.metadata, "Orientation", nullptr, 0);
-  return orientation_from_exif(entry == nullptr ? 1 : std::atoi(entry->value));
-}
-
-std::uint64_t number(std::span<const std::byte> bytes, bool is_little_endian) {
-  std::uint64_t value = 0;
-  for (std::size_t i = 0; i < bytes.size(); ++i) {
-    const std::byte byte = bytes[is_little_endian ? bytes.size() - 1 - i : i];
-    value = value << 8 | std::to_integer<std::uint64_t>(byte);
-  }
-  return value;
-}
-
-/// The orientation in Exif data, which are a small TIFF file: 1 to 8, or 1 if there is none.
-int exif_orientation(std::span<const std::byte> exif) {
-  constexpr std::uint64_t kTag = 0x0112;
-  constexpr std::size_t kEntry = 12;
-  if (exif.size() < 10) return 1;
-  const bool is_little = exif[0] == std::byte{'I'};
-  const auto at = [&](std::size_t position, std::size_t count) {
-    return number(exif.subspan(position, count), is_little);
-  };
-  std::size_t position = at(4, 4);
-  if (position > exif.size() - 2) return 1;
-  const std::size_t entries = at(position, 2);
-  position += 2;
-  for (std::size_t i = 0; i < entries && position + kEntry <= exif.size(); ++i, position += kEntry) {
-    if (at(position, 2) != kTag) continue;
-    const std::uint64_t value = at(position + 8, 2);
-    return value >= 1 && value <= 8 ? static_cast<int>(value) : 1;
-  }
-  return 1;
-}
-
-/// The orientation that a PNG's eXIf chunk asks for. Chunks are a length, a name, the content and a
-/// checksum.
-int png_exif_orientation(std::span<const std::byte> png) {
-  for (std::size_t position = kPngSignature.size(); position + 12 <= png.size();) {
-    const std::size_t length = number(png.subspan(position, 4), /*is_little_endian=*/false);
-    if (length > png.size() - position - 12) break;
-    if (std::memcmp(png.data() + position + 4, "eXIf", 4) == 0) {
-      return exif_orientation(png.subspan(position + 8, length));
-    }
-    position += 12 + length;
-  }
-  return 1;
-}
-
 FramePtr decode_picture(std::span<const std::byte> bytes, AVCodecID id, const std::string& where) {
   CodecContextPtr codec = make_codec_context(avcodec_find_decoder(id));
   codec->max_pixels = kMaxPixels;
@@ -124,6 +70,17 @@ FramePtr decode_picture(std::span<const std::byte> bytes, AVCodecID id, const st
     check(AVERROR_INVALIDDATA, where, kProblem, kDamagedMend);
   }
   return frame;
+}
+
+/// What the extension asks for.
+AVCodecID codec_of(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (extension == ".jpg" || extension == ".jpeg") return AV_CODEC_ID_MJPEG;
+  if (extension == ".png") return AV_CODEC_ID_PNG;
+  throw InputError(path.string(),
+                   fmt::format("pictures are written as .png, .jpg or .jpeg, not '{}'", extension));
 }
 
 /// The whole picture as the bytes of a file.
@@ -209,8 +166,7 @@ Image decode_image(std::span<const std::byte> bytes, std::string_view name) {
   const FramePtr frame =
       decode_picture(bytes, is_jpeg ? AV_CODEC_ID_MJPEG : AV_CODEC_ID_PNG, where);
   ImageMaker maker;
-  const Orientation orientation =
-      is_jpeg ? orientation_of(*frame) : orientation_from_exif(png_exif_orientation(bytes));
+  const Orientation orientation = orientation_from_exif(read_exif(bytes).orientation);
   return oriented(maker.image(*frame, where), orientation);
 }
 
@@ -226,19 +182,16 @@ std::vector<std::byte> encode_png(const Image& image) {
   return {bytes.begin(), bytes.end()};
 }
 
+void check_image_path(const std::filesystem::path& path) {
+  (void)codec_of(path);
+  const AtomicFile probe(path);
+}
+
 void write_image(const std::filesystem::path& path, const Image& image) {
   EARPOINT_CHECK(!image.empty() && (image.channels() == 1 || image.channels() == 3));
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  const bool is_jpeg = extension == ".jpg" || extension == ".jpeg";
-  if (!is_jpeg && extension != ".png") {
-    throw InputError(
-        path.string(),
-        fmt::format("pictures are written as .png, .jpg or .jpeg, not '{}'", extension));
-  }
+  const AVCodecID codec = codec_of(path);
   listen_to_log();
-  const PacketPtr packet = encode_picture(image, is_jpeg ? AV_CODEC_ID_MJPEG : AV_CODEC_ID_PNG);
+  const PacketPtr packet = encode_picture(image, codec);
   write_file(path, std::as_bytes(std::span(packet->data, static_cast<std::size_t>(packet->size))));
 }
 

@@ -219,6 +219,25 @@ TEST_F(ImageFile, ExifOrientationIsApplied) {
   EXPECT_TRUE(std::ranges::equal(turned.pixels(), upright.pixels()));
 }
 
+TEST_F(ImageFile, TheLensTellsTheFieldOfView) {
+  // Big endian; one entry, which points to a second directory with the focal length of 24 mm.
+  std::string exif =
+      bytes_of({0xff, 0xe1, 0, 2 + 6 + 8 + 2 + 12 + 4 + 2 + 12 + 4, 'E', 'x', 'i', 'f', 0, 0,
+                'M', 'M', 0, 42, 0, 0, 0, 8, 0, 1, 0x87, 0x69, 0, 4, 0, 0, 0, 1, 0, 0, 0, 26,
+                0, 0, 0, 0, 0, 1, 0xA4, 0x05, 0, 3, 0, 0, 0, 1, 0, 24, 0, 0, 0, 0, 0, 0});
+  write_image(file("a.jpg"), Image(64, 48, 3));
+  std::string jpeg = read_text_file(file("a.jpg"));
+  EXPECT_FALSE(probe_media(file("a.jpg")).streams.at(0).horizontal_fov_rad);
+  write_file(file("a.jpg"), jpeg.insert(2, exif));
+  // 2 atan(43.27 / 48 x 0.8): 71.6 degrees, as a phone's main camera has.
+  EXPECT_NEAR(probe_media(file("a.jpg")).streams.at(0).horizontal_fov_rad.value(), 1.2497, 1e-3);
+
+  run_ffmpeg(
+      "-f lavfi -i testsrc2=s=64x48:r=25:d=0.2 -movflags use_metadata_tags -metadata "
+      "com.apple.quicktime.camera.focal_length.35mm_equivalent=24 a.mov");
+  EXPECT_NEAR(probe_media(file("a.mov")).streams.at(0).horizontal_fov_rad.value(), 1.2497, 1e-3);
+}
+
 TEST_F(ImageFile, CutShortOrOverwrittenFilesAreRefused) {
   const Image image = noise(80, 60, 3);
   for (const char* name : {"a.png", "a.jpg"}) {

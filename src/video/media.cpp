@@ -1,10 +1,12 @@
 #include "container.h"
+#include "exif.h"
 #include "picture.h"
 
 #include <array>
 #include <fstream>
 
 #include <earpoint/core/error.h>
+#include <earpoint/core/file.h>
 #include <earpoint/video/image_file.h>
 #include <earpoint/video/media.h>
 
@@ -23,7 +25,8 @@ std::optional<PictureFormat> picture_format_of(const std::filesystem::path& path
 }
 
 MediaInfo describe_picture_file(const std::filesystem::path& path, PictureFormat format) {
-  const Image image = read_image(path);
+  const std::vector<std::byte> bytes = read_file(path);
+  const Image image = decode_image(bytes, path.string());
   MediaInfo info;
   info.kind = MediaKind::picture;
   info.format = format == PictureFormat::png ? "png" : "jpeg";
@@ -32,6 +35,9 @@ MediaInfo describe_picture_file(const std::filesystem::path& path, PictureFormat
   stream.codec = format == PictureFormat::png ? "png" : "mjpeg";
   stream.width = image.width();
   stream.height = image.height();
+  if (const auto focal_length = read_exif(bytes).focal_length_35mm) {
+    stream.horizontal_fov_rad = horizontal_fov_rad(*focal_length, image.width(), image.height());
+  }
   return info;
 }
 

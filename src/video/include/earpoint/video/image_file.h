@@ -30,6 +30,10 @@ namespace earpoint {
 /// @return the bytes of a PNG file
 [[nodiscard]] std::vector<std::byte> encode_png(const Image& image);
 
+/// Finds out before long work whether write_image() can write there.
+/// @throws InputError as write_image
+void check_image_path(const std::filesystem::path& path);
+
 /// Writes a picture, whole or not at all. The extension chooses the format: .png is lossless;
 /// .jpg and .jpeg have full colour resolution (4:4:4) and high quality.
 ///

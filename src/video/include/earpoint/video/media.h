@@ -38,6 +38,8 @@ struct StreamInfo {
   int height = 0;
   double frame_rate_hz = 0.0;  ///< average; 0 if unknown or a still picture
   int rotation_deg = 0;        ///< clockwise turn that shows it upright: 0, 90, 180 or 270
+  /// The camera's angle of view, where the file tells its lens (Exif, QuickTime), after rotation.
+  std::optional<double> horizontal_fov_rad;
 
   // Sound.
   int channels = 0;
