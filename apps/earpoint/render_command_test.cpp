@@ -223,7 +223,7 @@ TEST_F(RenderCommand, PipesGoInAndOut) {
   EXPECT_TRUE(std::ranges::equal(there.planar(), read_sound(in).planar()));
 
   // Nothing but the sound goes to standard output.
-  outcome = run_shell("EARPOINT render " + in + " --model input --yaw 0 -o - | head -c 4");
+  outcome = run_shell("EARPOINT render " + in + " --model input --yaw 0 -o - | { head -c 4; cat > /dev/null; }");
   EXPECT_EQ(outcome.output, "RIFF");
   EXPECT_NE(outcome.errors.find("source"), std::string::npos) << outcome.errors;
 }

@@ -206,6 +206,10 @@ void AtomicFile::commit() {
   committed_ = true;
 }
 
+fs::path written_place(const fs::path& path) {
+  return path == "-" ? path : fs::weakly_canonical(fs::absolute(behind_links(path)));
+}
+
 void remove_partial_files_on_signals() {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGPIPE}) {
     struct sigaction found {};

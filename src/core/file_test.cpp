@@ -110,6 +110,9 @@ TEST_F(FileTest, ASymbolicLinkIsWrittenThrough) {
   write_file(folder_ / "link.txt", "text");
   EXPECT_TRUE(fs::is_symlink(folder_ / "link.txt"));
   EXPECT_EQ(read_text_file(folder_ / "there/x.txt"), "text");
+  fs::create_symlink("nothing.txt", folder_ / "dangling.txt");
+  EXPECT_EQ(written_place(folder_ / "dangling.txt"), written_place(folder_ / "./nothing.txt"));
+  EXPECT_NE(written_place(folder_ / "dangling.txt"), written_place(folder_ / "link.txt"));
 }
 
 TEST_F(FileTest, APipeGetsTheBytesAndADeviceStays) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <earpoint/core/error.h>
+#include <earpoint/core/file.h>
 #include <earpoint/core/parallel.h>
 #include <earpoint/synth/picture_stream.h>
 #include <earpoint/synth/render.h>
@@ -104,16 +105,11 @@ Observation observation_of(const RenderSource& source, const Moment& moment) {
   return observation;
 }
 
-/// The file that a name stands for, whatever it is called.
-std::filesystem::path place_of(const std::filesystem::path& output) {
-  return std::filesystem::weakly_canonical(std::filesystem::absolute(output));
-}
-
 void check_outputs(std::span<const RenderTarget> targets, const RenderSource& source) {
   for (std::size_t i = 0; i < targets.size(); ++i) {
     const std::filesystem::path& output = targets[i].output;
     for (std::size_t j = 0; j < i; ++j) {
-      if (place_of(output) == place_of(targets[j].output)) {
+      if (written_place(output) == written_place(targets[j].output)) {
         throw InputError(output.string(), "two earpoints would write this file",
                          "give each its own");
       }

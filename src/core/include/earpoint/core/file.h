@@ -52,6 +52,10 @@ class AtomicFile {
   bool committed_ = false;
 };
 
+/// The place that AtomicFile(path) would write to, by its one absolute name: two paths are the same
+/// file if this is the same, whether or not it is there.
+[[nodiscard]] std::filesystem::path written_place(const std::filesystem::path& path);
+
 /// From now on SIGINT, SIGTERM, SIGHUP and SIGPIPE, where they are not ignored, first remove what
 /// AtomicFile has written aside, and then end the process as they always do.
 void remove_partial_files_on_signals();
