@@ -13,8 +13,8 @@ namespace earpoint {
 /// Reads a PNG or JPEG file; its first bytes, not its name, say which.
 ///
 /// Whatever comes in (grey, palette, 1 to 16 bits, transparency, YCbCr) goes out as RGB. Samples of
-/// other depths are scaled to 0..255 and rounded; transparent pixels are composited on black; a
-/// JPEG's Exif orientation is applied. Colour profiles are not: values are taken as sRGB.
+/// other depths are scaled to 0..255 and rounded; transparent pixels are composited on black; the
+/// Exif orientation is applied. Colour profiles are not: values are taken as sRGB.
 ///
 /// @return  shape [height][width][3]
 /// @throws  InputError if the file is missing, neither PNG nor JPEG, damaged, cut short, or larger
