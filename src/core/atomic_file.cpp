@@ -1,4 +1,5 @@
 #include "errno_error.h"
+#include "lock_descriptors.h"
 
 #include <array>
 #include <atomic>
@@ -42,9 +43,12 @@ void forget(int slot) {
   if (slot >= 0) std::free(partial_files[slot].exchange(nullptr));
 }
 
-/// Only calls that are safe in a signal handler.
+/// Only calls that are safe in a signal handler. Children leave their parent's files alone.
+pid_t writer = 0;
+
 void remove_and_end(int signal) {
   for (auto& slot : partial_files) {
+    if (writer != ::getpid()) break;
     if (const char* path = slot.exchange(nullptr)) ::unlink(path);
   }
   std::signal(signal, SIG_DFL);
@@ -136,6 +140,7 @@ AtomicFile::AtomicFile(fs::path path) : path_(behind_links(std::move(path))) {
   } else {
     open_beside();
   }
+  close_in_children(descriptor_);
   slot_ = remember(temporary_path_);
 }
 
@@ -176,7 +181,7 @@ AtomicFile::~AtomicFile() {
     fs::remove(temporary_path_, ignored);
   }
   forget(slot_);
-  if (descriptor_ >= 0) ::close(descriptor_);
+  if (descriptor_ >= 0) close_lock(descriptor_);
 }
 
 void AtomicFile::send() {
@@ -211,6 +216,7 @@ fs::path written_place(const fs::path& path) {
 }
 
 void remove_partial_files_on_signals() {
+  writer = ::getpid();
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGPIPE}) {
     struct sigaction found {};
     if (::sigaction(signal, nullptr, &found) == 0 && found.sa_handler == SIG_IGN) continue;

@@ -1,3 +1,5 @@
+#include "lock_descriptors.h"
+
 #include <cerrno>
 #include <system_error>
 #include <utility>
@@ -29,9 +31,10 @@ RangeLock::RangeLock(std::filesystem::path file) : file_(std::move(file)) {
                      "cannot be opened (" + std::generic_category().message(errno) + ")",
                      "check the folder's permissions");
   }
+  close_in_children(descriptor_);
 }
 
-RangeLock::~RangeLock() { ::close(descriptor_); }
+RangeLock::~RangeLock() { close_lock(descriptor_); }
 
 bool RangeLock::try_lock(std::int64_t first, std::int64_t count) {
   EARPOINT_CHECK(first >= 0 && count > 0);

@@ -54,5 +54,29 @@ TEST_F(RangeLockTest, AKilledProcessHoldsNothing) {
   for (const int end : pipe) ::close(end);
 }
 
+TEST_F(RangeLockTest, AChildThatLivesOnHoldsNothing) {
+  std::array<int, 2> pipe{};
+  ASSERT_EQ(::pipe(pipe.data()), 0);
+  pid_t child = 0;
+  {
+    RangeLock lock(file_);
+    ASSERT_TRUE(lock.try_lock(1, 1));
+    child = ::fork();
+    if (child == 0) {
+      char end = 0;
+      (void)!::read(pipe[0], &end, 1);
+      ::_exit(0);
+    }
+  }
+  RangeLock mine(file_);
+  // The child closes what it inherited when it first runs.
+  bool is_free = false;
+  for (int i = 0; i < 1000 && !is_free; ++i, ::usleep(1000)) is_free = mine.try_lock(1, 1);
+  EXPECT_TRUE(is_free);
+  (void)!::write(pipe[1], "x", 1);
+  ::waitpid(child, nullptr, 0);
+  for (const int end : pipe) ::close(end);
+}
+
 }  // namespace
 }  // namespace earpoint

@@ -117,6 +117,20 @@ void write_pair_lists(const fs::path& root, const std::vector<WorkItem>& items, 
   }
 }
 
+/// Removes what was being written aside: ".name.partial.ext" and, for folders, ".name.partial".
+template <typename Iterator>
+void remove_partial(Iterator entries) {
+  std::vector<fs::path> left;
+  for (const fs::directory_entry& entry : entries) {
+    const std::string name = entry.path().filename().string();
+    if (name.starts_with('.') && name.find(".partial") != std::string::npos) {
+      left.push_back(entry.path());
+    }
+  }
+  std::error_code ignored;
+  for (const fs::path& path : left) fs::remove_all(path, ignored);
+}
+
 }  // namespace
 
 void begin_dataset(const GenerationOptions& options, const SceneSource& scenes,
@@ -144,7 +158,7 @@ void begin_dataset(const GenerationOptions& options, const SceneSource& scenes,
 
 void complete_dataset(const GenerationOptions& options, const SceneSource& scenes,
                       const SpeechCorpus& corpus, const std::vector<WorkItem>& items,
-                      GenerationSummary& summary) {
+                      bool others_work, GenerationSummary& summary) {
   const auto stored = stored_conversations(options.folder, scenes, items, options.write_heard);
   write_metadata(options.folder, stored);
   write_pair_lists(options.folder, items, options.seed, stored);
@@ -159,6 +173,13 @@ void complete_dataset(const GenerationOptions& options, const SceneSource& scene
     }
   }
   summary.missing = static_cast<int>(items.size()) - summary.conversations;
+  if (others_work) return;
+  remove_partial(fs::directory_iterator(options.folder));
+  for (const auto& [key, conversations] : stored) {
+    remove_partial(fs::directory_iterator(options.folder / key.first / key.second));
+  }
+  const fs::path speech_folder = options.folder / speech_folder_of(options.speech_form);
+  if (fs::exists(speech_folder)) remove_partial(fs::recursive_directory_iterator(speech_folder));
 }
 
 }  // namespace earpoint

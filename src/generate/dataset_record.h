@@ -15,10 +15,12 @@ void begin_dataset(const GenerationOptions& options, const SceneSource& scenes,
 
 /// Puts every scene's metadata together from the conversations that are there, makes sure that
 /// their speech is there, and counts them. The last of several processes leaves the metadata of all.
-/// @param items    of the whole data set
-/// @param summary  is added to
+/// Without others, what killed processes left half-written is removed.
+/// @param items        of the whole data set
+/// @param others_work  other processes make conversations of it at this moment
+/// @param summary      is added to
 void complete_dataset(const GenerationOptions& options, const SceneSource& scenes,
                       const SpeechCorpus& corpus, const std::vector<WorkItem>& items,
-                      GenerationSummary& summary);
+                      bool others_work, GenerationSummary& summary);
 
 }  // namespace earpoint

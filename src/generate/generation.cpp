@@ -191,7 +191,7 @@ GenerationSummary generate_dataset(const GenerationOptions& options, const Scene
   }
   summary.simulated = static_cast<int>(to_do.size());
   const std::lock_guard guard(lock);
-  complete_dataset(options, scenes, corpus, items, summary);
+  complete_dataset(options, scenes, corpus, items, lock.others_work(), summary);
   const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - start;
   summary.wall_s = passed.count();
   return summary;

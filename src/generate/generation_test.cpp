@@ -100,6 +100,7 @@ TEST_F(GenerationTest, WhatWasInterruptedGoesOnToTheSameBytes) {
   fs::remove(options.folder / "val/rooms-0/.0.partial/report.json");
   fs::remove_all(options.folder / "test");
   fs::remove_all(options.folder / "speech/train-clean-360");
+  write_file(options.folder / "speech/.voice.1.partial.flac", "half");
   const GenerationSummary summary = generate(options);
   EXPECT_EQ(summary.simulated, 2);
   EXPECT_EQ(contents_of(options.folder), expected);
