@@ -102,7 +102,8 @@ struct Pair {
 };
 
 Pair read_pair(const MetricsOptions& options, Report& report) {
-  Pair pair{earpoint::read_sound(earpoint::stored_input(options.reference)), earpoint::read_sound(earpoint::stored_input(options.estimate))};
+  Pair pair{earpoint::read_sound(earpoint::stored_input(options.reference)),
+            earpoint::read_sound(earpoint::stored_input(options.estimate))};
   const int rate_hz = options.variant == "rwavs" ? earpoint::kRwavsRateHz : earpoint::kMetricRateHz;
   to_rate(pair.reference, rate_hz, options.reference, report);
   to_rate(pair.estimate, rate_hz, options.estimate, report);
@@ -175,9 +176,9 @@ Json json_of(const std::vector<earpoint::ChannelDecay>& channels) {
 }
 
 Report compare_impulse_responses(const MetricsOptions& options) {
-  const earpoint::DecayComparison found =
-      earpoint::compare_decays(earpoint::read_sound(earpoint::stored_input(options.reference)), options.reference.string(),
-                               earpoint::read_sound(earpoint::stored_input(options.estimate)), options.estimate.string());
+  const earpoint::DecayComparison found = earpoint::compare_decays(
+      earpoint::read_sound(earpoint::stored_input(options.reference)), options.reference.string(),
+      earpoint::read_sound(earpoint::stored_input(options.estimate)), options.estimate.string());
   const bool t30 = found.range == earpoint::DecayRange::t30;
   Report report;
   report.rows = {{"t60_error_s", found.t60_error_s, "s"},

@@ -87,9 +87,9 @@ std::vector<EarpointPath> parse_targets(const RenderArguments& arguments) {
       !arguments.yaw_deg.empty() || !arguments.pitch_deg.empty() || !arguments.roll_deg.empty();
   // Turning the head on the spot needs no --translate.
   if (turned && translations.empty()) {
-    translations.resize(std::max({arguments.yaw_deg.size(), arguments.pitch_deg.size(),
-                                  arguments.roll_deg.size()}),
-                        "0,0,0");
+    translations.resize(
+        std::max({arguments.yaw_deg.size(), arguments.pitch_deg.size(), arguments.roll_deg.size()}),
+        "0,0,0");
   }
   for (std::size_t i = 0; i < translations.size(); ++i) {
     const auto xyz = parse_numbers(translations[i], 3, "--translate");
@@ -217,7 +217,8 @@ void run_render(RenderArguments arguments) {
     targets.push_back({paths[i], arguments.outputs[i]});
   }
 
-  const bool uses_fov = arguments.model != "input" && (arguments.model != "dsp" || source.speaker_track);
+  const bool uses_fov =
+      arguments.model != "input" && (arguments.model != "dsp" || source.speaker_track);
   SynthesizerOptions synthesizer_options;
   if (!arguments.hrtf.empty()) synthesizer_options.hrtf = arguments.hrtf;
   synthesizer_options.horizontal_fov_rad =
@@ -249,9 +250,10 @@ void run_render(RenderArguments arguments) {
 
 void add_target_options(CLI::App& command, RenderArguments& arguments) {
   command
-      .add_option("-o,--output", arguments.outputs,
-                  "Where an earpoint's sound goes: .wav .flac .ogg .mp3 .w64, or .mp4 .mov .mkv with "
-                  "the picture, or - for standard output (WAV); once per earpoint")
+      .add_option(
+          "-o,--output", arguments.outputs,
+          "Where an earpoint's sound goes: .wav .flac .ogg .mp3 .w64, or .mp4 .mov .mkv with "
+          "the picture, or - for standard output (WAV); once per earpoint")
       ->required()
       ->allow_extra_args(false);
   const char* group = "Earpoints (all relative to the source view; repeat for several)";

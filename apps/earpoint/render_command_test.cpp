@@ -216,14 +216,16 @@ ProgramOutcome run_shell(std::string line) {
 TEST_F(RenderCommand, PipesGoInAndOut) {
   const std::string in = sound();
   const std::string render = " --model input --yaw 0 --quiet";
-  ProgramOutcome outcome = run_shell("set -o pipefail; cat " + in + " | EARPOINT render -" + render +
-                                     " -o - | EARPOINT render -" + render + " -o " + at("out.wav"));
+  ProgramOutcome outcome =
+      run_shell("set -o pipefail; cat " + in + " | EARPOINT render -" + render +
+                " -o - | EARPOINT render -" + render + " -o " + at("out.wav"));
   ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
   const Waveform there = read_sound(at("out.wav"));
   EXPECT_TRUE(std::ranges::equal(there.planar(), read_sound(in).planar()));
 
   // Nothing but the sound goes to standard output.
-  outcome = run_shell("EARPOINT render " + in + " --model input --yaw 0 -o - | { head -c 4; cat > /dev/null; }");
+  outcome = run_shell("EARPOINT render " + in +
+                      " --model input --yaw 0 -o - | { head -c 4; cat > /dev/null; }");
   EXPECT_EQ(outcome.output, "RIFF");
   EXPECT_NE(outcome.errors.find("source"), std::string::npos) << outcome.errors;
 }
@@ -246,9 +248,11 @@ TEST_F(RenderCommand, ASignalLeavesNothing) {
     // It ends by the signal, after the hidden file is there and before it is whole.
     const ProgramOutcome outcome = run_shell(
         "cd " + folder_.string() +
-        "; set -m; EARPOINT render in.wav --model dsp --speaker 2,0,0 --yaw 10 --quiet -o out.wav &\n"
+        "; set -m; EARPOINT render in.wav --model dsp --speaker 2,0,0 --yaw 10 --quiet -o out.wav "
+        "&\n"
         "for i in $(seq 500); do ls .out*.partial.wav >/dev/null 2>&1 && break; sleep 0.01; done\n"
-        "ls -A | grep -q partial && echo begun; kill -" + signal + " $!; wait $!; echo $?");
+        "ls -A | grep -q partial && echo begun; kill -" +
+        signal + " $!; wait $!; echo $?");
     EXPECT_TRUE(outcome.output.starts_with("begun\n1")) << outcome.output << outcome.errors;
     EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 1) << signal;
   }
@@ -268,7 +272,8 @@ TEST_F(RenderCommand, OneFileUnderTwoNamesIsRefusedBeforeRendering) {
 }
 
 TEST_F(RenderCommand, ThePlotIsCheckedBeforeRendering) {
-  expect_refused({sound(), "--model", "input", "--yaw", "1", "--plot", at("no/ears.png")}, "folder");
+  expect_refused({sound(), "--model", "input", "--yaw", "1", "--plot", at("no/ears.png")},
+                 "folder");
   expect_refused({sound(), "--model", "input", "--yaw", "1", "--plot", at("ears.txt")}, ".png");
 }
 
@@ -293,13 +298,14 @@ TEST_F(RenderCommand, TheFieldOfViewIsTakenFromThePictureOrSaid) {
   const std::string in = sound();
   write_image(at("frame.jpg"), Image(64, 48, 3));
   const std::vector<std::string> command = {
-      "render", at("frame.jpg"), in, "--model", "dsp", "--speaker-box", "16,12,32,36", "--yaw", "1",
-      "-o",     at("out.wav")};
+      "render",      at("frame.jpg"), in,  "--model", "dsp",        "--speaker-box",
+      "16,12,32,36", "--yaw",         "1", "-o",      at("out.wav")};
   EXPECT_NE(run_earpoint(command).errors.find("field of view not known, 90 degrees assumed"),
             std::string::npos);
   // 24 mm on 35 mm film: 71.6 degrees from side to side.
   const char exif[] =
-      "\xff\xe1\0\x34" "Exif\0\0MM\0*\0\0\0\x08\0\1\x87\x69\0\4\0\0\0\1\0\0\0\x1a\0\0\0\0"
+      "\xff\xe1\0\x34"
+      "Exif\0\0MM\0*\0\0\0\x08\0\1\x87\x69\0\4\0\0\0\1\0\0\0\x1a\0\0\0\0"
       "\0\1\xa4\5\0\3\0\0\0\1\0\x18\0\0\0\0\0\0";
   std::string jpeg = read_text_file(at("frame.jpg"));
   write_file(at("frame.jpg"), jpeg.insert(2, std::string(exif, sizeof(exif) - 1)));

@@ -55,9 +55,10 @@ void add_box_options(CLI::App& command, SourceArguments& arguments) {
       ->group(kSpeakerGroup)
       ->excludes(box);
   command
-      .add_option("--fov", arguments.fov_deg,
-                  "The camera's horizontal field of view, degrees; default: what the picture's file "
-                  "tells of the lens, else 90")
+      .add_option(
+          "--fov", arguments.fov_deg,
+          "The camera's horizontal field of view, degrees; default: what the picture's file "
+          "tells of the lens, else 90")
       ->check(CLI::Range(10.0, 170.0))
       ->group(kSpeakerGroup);
 }
@@ -113,7 +114,8 @@ double fov_deg_of(const SourceArguments& arguments, const RenderSource& source, 
     const double fov_deg =
         std::clamp(degrees_from_radians(*picture->horizontal_fov_rad), 10.0, 170.0);
     if (tells) {
-      fmt::print(stderr, "earpoint: {}: field of view {:.0f} degrees, by its lens\n", name, fov_deg);
+      fmt::print(stderr, "earpoint: {}: field of view {:.0f} degrees, by its lens\n", name,
+                 fov_deg);
     }
     return fov_deg;
   }

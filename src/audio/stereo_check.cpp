@@ -150,8 +150,8 @@ void StereoCheck::end_block() {
     product += cross_[k].real() / both;
     if (k > high || power_[0][k] <= 0.0 || power_[1][k] <= 0.0) continue;
     const std::complex<double> coherence = cross_[k] / std::sqrt(power_[0][k] * power_[1][k]);
-    phases.push_back({2.0 * kPi * static_cast<double>(k) * rate_hz_ / frame_,
-                      std::abs(coherence), coherence});
+    phases.push_back(
+        {2.0 * kPi * static_cast<double>(k) * rate_hz_ / frame_, std::abs(coherence), coherence});
     levels.push_back(10.0 * std::log10(power_[0][k] / power_[1][k]));
   }
   finding.power = left_power + right_power;
@@ -190,7 +190,7 @@ StereoKind StereoCheck::kind() {
   constexpr double kSameResidual = 0.001;  // -30 dB; the driest room leaves more
   constexpr double kSameLevel_db = 0.7;
   constexpr double kPanned_db = 2.5;
-  constexpr double kNoDelay_s = 45e-6;     // 5 degrees off the middle
+  constexpr double kNoDelay_s = 45e-6;  // 5 degrees off the middle
   constexpr double kInvertedBy = 0.25;
   int blocks = 0, same = 0, panned = 0, inverted = 0, heard_delay = 0;
   for (const Finding& f : findings_) {

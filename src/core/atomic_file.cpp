@@ -149,8 +149,8 @@ void AtomicFile::open_beside() {
   if (!fs::is_directory(folder)) {
     throw InputError(path_.string(), "its folder does not exist", "make " + folder.string());
   }
-  // Finds out now, not after an hour of work, that nothing can be written here. A name that a killed
-  // process left is free again: only the living hold locks.
+  // Finds out now, not after an hour of work, that nothing can be written here. A name that a
+  // killed process left is free again: only the living hold locks.
   constexpr int kMostWriters = 1000;
   int number = 0;
   for (; number < kMostWriters && descriptor_ < 0; ++number) {
@@ -189,7 +189,8 @@ void AtomicFile::send() {
   const int to = path_ == "-" ? ::dup(STDOUT_FILENO) : ::open(path_.c_str(), O_WRONLY | O_CLOEXEC);
   const int error = from < 0 || to < 0 ? errno : copy_all(from, to);
   if (from >= 0) ::close(from);
-  if (to >= 0 && ::close(to) != 0 && error == 0) throw_errno(name_of(path_), "cannot be written", errno);
+  if (to >= 0 && ::close(to) != 0 && error == 0)
+    throw_errno(name_of(path_), "cannot be written", errno);
   if (error != 0) throw_errno(name_of(path_), "cannot be written", error);
 }
 
@@ -240,7 +241,8 @@ fs::path stored_input(const fs::path& path) {
   if (to >= 0) ::unlink(stored.c_str());
   const int error = to < 0 ? errno : copy_all(from, to);
   ::close(from);
-  if (error != 0) throw_errno(name, "cannot be stored in " + fs::temp_directory_path().string(), error);
+  if (error != 0)
+    throw_errno(name, "cannot be stored in " + fs::temp_directory_path().string(), error);
   return "/dev/fd/" + std::to_string(to);
 }
 

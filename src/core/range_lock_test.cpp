@@ -17,8 +17,7 @@ class RangeLockTest : public ::testing::Test {
  protected:
   void SetUp() override { fs::remove(file_); }
   void TearDown() override { fs::remove(file_); }
-  fs::path file_ =
-      fs::path(testing::TempDir()) / ("range_lock_test_" + std::to_string(::getpid()));
+  fs::path file_ = fs::path(testing::TempDir()) / ("range_lock_test_" + std::to_string(::getpid()));
 };
 
 TEST_F(RangeLockTest, PartsThatOverlapExcludeEachOtherAndOthersDoNot) {

@@ -8,8 +8,8 @@
 namespace earpoint {
 namespace {
 
-constexpr std::uint64_t kOpenLength = 0x7FFFF000;   // written where the length is not known yet
-constexpr std::uint64_t kMiscounted_bytes = 64;     // a header that is counted as samples is shorter
+constexpr std::uint64_t kOpenLength = 0x7FFFF000;  // written where the length is not known yet
+constexpr std::uint64_t kMiscounted_bytes = 64;    // a header that is counted as samples is shorter
 constexpr std::uint64_t kLongForm = 0xFFFFFFFF;
 
 std::uint64_t little_endian(const char* bytes, int count) {
@@ -23,8 +23,7 @@ std::uint64_t little_endian(const char* bytes, int count) {
 bool WavData::goes_to_the_end() const {
   if (claimed == 0) return present > 0;
   if (claimed <= present) return false;
-  return claimed - present <= kMiscounted_bytes ||
-         (claimed >= kOpenLength && claimed <= kLongForm);
+  return claimed - present <= kMiscounted_bytes || (claimed >= kOpenLength && claimed <= kLongForm);
 }
 
 std::optional<WavData> find_wav_data(const std::filesystem::path& path) {

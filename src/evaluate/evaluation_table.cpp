@@ -144,7 +144,7 @@ std::string json_of(const EvaluationTable& table, const EvaluationSubject& subje
   }
   json["rows"] = Json::array();
   for (const TableRow& row : table.rows) json["rows"].push_back(json_of(row));
-  return json.dump(2) + "\n";
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 std::string text_of(const EvaluationTable& table, std::span<const Metric> told) {

@@ -137,8 +137,7 @@ void write_conversation(const fs::path& root, const WorkItem& item, const std::s
       write_sound(folder.aside() / response_name(v, s), viewpoint.responses[s],
                   SampleFormat::float32);
       if (viewpoint.heard[s].empty()) continue;
-      write_sound(folder.aside() / heard_name(v, s), viewpoint.heard[s],
-                  SampleFormat::float32);
+      write_sound(folder.aside() / heard_name(v, s), viewpoint.heard[s], SampleFormat::float32);
     }
   }
   const std::string path = (fs::path(prefix) / place).generic_string() + "/";

@@ -36,7 +36,8 @@ void DatasetLock::take(const std::vector<WorkItem>& items) {
     std::size_t end = i + 1;
     while (end < numbers.size() && numbers[end] == numbers[end - 1] + 1) ++end;
     if (!ranges_.try_lock(numbers[i], static_cast<std::int64_t>(end - i))) {
-      throw InputError(folder_.string(), "another process is simulating the same part of this data set",
+      throw InputError(folder_.string(),
+                       "another process is simulating the same part of this data set",
                        "wait for it, or give each its own --shard i/n");
     }
     i = end;

@@ -64,7 +64,8 @@ using SceneKey = std::pair<std::string, std::string>;  // split, scene
 
 /// The clips that are there, by scene.
 std::map<SceneKey, std::vector<StoredConversation>> stored_conversations(
-    const fs::path& root, const SceneSource& scenes, const std::vector<WorkItem>& items, bool heard) {
+    const fs::path& root, const SceneSource& scenes, const std::vector<WorkItem>& items,
+    bool heard) {
   std::map<SceneKey, std::vector<StoredConversation>> stored;
   for (const WorkItem& item : items) {
     const std::string scene = scenes.name(item.scene);

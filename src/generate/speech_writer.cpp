@@ -26,7 +26,8 @@ void write_speech(const fs::path& path, const Waveform& speech, SpeechForm form)
   write_sound(aside, speech, SampleFormat::float32);
   fs::rename(aside, path, error);
   // Another process that writes the same may have been a moment earlier.
-  if (error && !fs::exists(path)) throw InputError(path.string(), "cannot be renamed into place: " + error.message());
+  if (error && !fs::exists(path))
+    throw InputError(path.string(), "cannot be renamed into place: " + error.message());
 }
 
 }  // namespace

@@ -9,8 +9,8 @@
 #include <earpoint/core/file.h>
 #include <earpoint/scene/import.h>
 
-/// The first byte chooses the format: OBJ, PLY, GLB or glTF. Any bytes are refused with InputError, or
-/// become a scene that passes its own check.
+/// The first byte chooses the format: OBJ, PLY, GLB or glTF. Any bytes are refused with InputError,
+/// or become a scene that passes its own check.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace earpoint;  // NOLINT(google-build-using-namespace): one function
   if (size == 0) return 0;

@@ -7,8 +7,8 @@
 #include <earpoint/core/error.h>
 #include <earpoint/spatial/sofa_file.h>
 
-/// Any bytes as a SOFA file: refused with InputError, also where the library that reads it fails in its
-/// own process, or read, and then whole and finite.
+/// Any bytes as a SOFA file: refused with InputError, also where the library that reads it fails in
+/// its own process, or read, and then whole and finite.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace earpoint;  // NOLINT(google-build-using-namespace): one function
   const FuzzFile file(data, size);

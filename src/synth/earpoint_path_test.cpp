@@ -108,7 +108,9 @@ TEST(SpeakerTrack, UnderstandsPixelsWhereThePictureIsKnown) {
                                              "boxes.csv", picture);
   EXPECT_EQ(track.at(0), (Box{0, 0, 1.0 / 640, 1.0 / 480}));
   EXPECT_EQ(track.at(2), (Box{0, 0, 0.5, 0.5}));
-  EXPECT_EQ(message([] { (void)SpeakerTrack(Box{64, 48, 320, 480}); }),
+  EXPECT_EQ(message([] {
+              (void)SpeakerTrack(Box{64, 48, 320, 480});
+            }),
             "speaker box: the box is in pixels, and there is no picture that tells their number; "
             "give fractions of its width and height, 0 to 1, or the picture");
   EXPECT_NE(message([&] {

@@ -67,8 +67,9 @@ std::vector<TargetStream> open_targets(std::span<const RenderTarget> targets,
                                        const std::filesystem::path& movie) {
   std::vector<TargetStream> streams;
   for (const RenderTarget& target : targets) {
-    streams.emplace_back(open_sound_sink(target.output, survey.sample_rate_hz, movie, survey.samples), survey,
-                         shape, options.extend_band, options.gain_db);
+    streams.emplace_back(
+        open_sound_sink(target.output, survey.sample_rate_hz, movie, survey.samples), survey, shape,
+        options.extend_band, options.gain_db);
   }
   return streams;
 }

@@ -45,9 +45,10 @@ void check_fits_wav(const std::filesystem::path& output, std::ptrdiff_t samples)
   constexpr double kLargest = 4294967295.0 - 4096.0;  // as SoundWriter
   const double bytes = kBytes * static_cast<double>(samples);
   if (bytes <= kLargest) return;
-  throw InputError(output.string(),
-                   fmt::format("would be {:.1f} GB, and a WAV file holds at most 4 GB", bytes / 1e9),
-                   "use the extension .w64 or .flac");
+  throw InputError(
+      output.string(),
+      fmt::format("would be {:.1f} GB, and a WAV file holds at most 4 GB", bytes / 1e9),
+      "use the extension .w64 or .flac");
 }
 
 }  // namespace

@@ -48,7 +48,8 @@ std::string warning_of(StereoKind kind) {
       return "both channels are the same, as of mono or of dry sound straight ahead; mono tells no "
              "direction";
     case StereoKind::panned:
-      return fmt::format("its channels differ in level and not in time, as panned sound does: {}", kEnd);
+      return fmt::format("its channels differ in level and not in time, as panned sound does: {}",
+                         kEnd);
     case StereoKind::inverted:
       return fmt::format("one channel has the opposite sign: {}", kEnd);
   }

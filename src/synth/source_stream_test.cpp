@@ -51,9 +51,9 @@ TEST(StereoOfDryBinauralSound, IsPlausibleFromAllSidesAndSameOnlyInTheMiddle) {
     for (int azimuth_deg = -180; azimuth_deg < 180; azimuth_deg += 15) {
       const double azimuth = radians_from_degrees(azimuth_deg);
       const double elevation = radians_from_degrees(elevation_deg);
-      const Hrir hrir = hrtf.interpolated({std::cos(elevation) * std::cos(azimuth),
-                                           std::cos(elevation) * std::sin(azimuth),
-                                           std::sin(elevation)});
+      const Hrir hrir =
+          hrtf.interpolated({std::cos(elevation) * std::cos(azimuth),
+                             std::cos(elevation) * std::sin(azimuth), std::sin(elevation)});
       StereoCheck check(kRate);
       check.add(two_ears(convolve(sound, hrir.taps[0]), convolve(sound, hrir.taps[1])));
       const bool is_middle = azimuth_deg == 0 || azimuth_deg == -180;
@@ -92,8 +92,10 @@ TEST(SoundSink, AWavFileThatCannotHoldTheSoundIsRefusedBeforehand) {
   } catch (const InputError& error) {
     EXPECT_NE(std::string(error.what()).find("would be 4.3 GB"), std::string::npos) << error.what();
   }
-  EXPECT_NO_THROW((void)open_sound_sink(folder / "long.w64", 48000, {}, std::ptrdiff_t{540'000'000}));
-  EXPECT_NO_THROW((void)open_sound_sink(folder / "long.wav", 48000, {}, std::ptrdiff_t{530'000'000}));
+  EXPECT_NO_THROW(
+      (void)open_sound_sink(folder / "long.w64", 48000, {}, std::ptrdiff_t{540'000'000}));
+  EXPECT_NO_THROW(
+      (void)open_sound_sink(folder / "long.wav", 48000, {}, std::ptrdiff_t{530'000'000}));
 }
 
 }  // namespace

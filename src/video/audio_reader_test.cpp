@@ -99,8 +99,8 @@ TEST_F(AudioReaderTest, WaveFilesGoToTheirTrueEndWhateverTheirHeaderSays) {
 TEST_F(AudioReaderTest, JumpsOfATransportStreamsClockAreClosedAndTold) {
   // Back to where the first began; back to zero, which FFmpeg takes for a clock that has run over;
   // and forward.
-  const std::string movie = fmt::format("-f lavfi -i testsrc2=s=64x48:r=25:d=1 {} -c:a mp2 -b:a 192k",
-                                        clicks(48000));
+  const std::string movie =
+      fmt::format("-f lavfi -i testsrc2=s=64x48:r=25:d=1 {} -c:a mp2 -b:a 192k", clicks(48000));
   for (const auto& [first_s, second_s] : {std::pair{0, 0}, {500, 0}, {0, 500}}) {
     run_ffmpeg(fmt::format("{} -output_ts_offset {} a.ts", movie, first_s));
     run_ffmpeg(fmt::format("{} -output_ts_offset {} b.ts", movie, second_s));
@@ -110,7 +110,8 @@ TEST_F(AudioReaderTest, JumpsOfATransportStreamsClockAreClosedAndTold) {
     // MP2 frames of 24 ms; the picture's second lasts as long, the sound's a frame more.
     EXPECT_NEAR(static_cast<double>(ears.left.size()), 2.0 * 48000, 0.1 * 48000);
     ASSERT_EQ(reader.warnings().size(), 1U) << first_s << " " << second_s;
-    EXPECT_TRUE(mentions(reader.warnings()[0], "its clock is set anew after")) << reader.warnings()[0];
+    EXPECT_TRUE(mentions(reader.warnings()[0], "its clock is set anew after"))
+        << reader.warnings()[0];
 
     // Picture and sound go on together: the second's first frame comes with its first sample.
     FrameReader frames(file("c.ts"));
@@ -144,8 +145,8 @@ TEST_F(AudioReaderTest, ATrackThatCannotBeDecodedIsPassedOver) {
   ASSERT_EQ(reader.warnings().size(), 1U);
   EXPECT_TRUE(mentions(reader.warnings()[0], "audio stream 0 cannot be decoded"))
       << reader.warnings()[0];
-  EXPECT_TRUE(mentions(
-      input_error([&] { AudioReader(file("a.mp4"), std::nullopt, 0); }), "no decoder"));
+  EXPECT_TRUE(
+      mentions(input_error([&] { AudioReader(file("a.mp4"), std::nullopt, 0); }), "no decoder"));
 }
 
 TEST_F(AudioReaderTest, ReadsEverySampleFormat) {

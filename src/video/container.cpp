@@ -269,7 +269,8 @@ MediaInfo InputContainer::describe() const {
     const double end_s = stream.start_s + *stream.duration_s;
     info.duration_s = std::max(info.duration_s.value_or(0.0), end_s);
   }
-  if (!info.duration_s && !may_jump() && format_->duration != AV_NOPTS_VALUE && format_->duration > 0) {
+  if (!info.duration_s && !may_jump() && format_->duration != AV_NOPTS_VALUE &&
+      format_->duration > 0) {
     info.duration_s = static_cast<double>(format_->duration) / AV_TIME_BASE;
   }
   return info;
@@ -314,8 +315,8 @@ bool InputContainer::may_jump() const {
 
 /// Lets a packet follow the one before it where the container's clock was set anew.
 void InputContainer::close_jump(AVPacket& packet) {
-  constexpr double kForward_s = 10.0;   // a pause of the recording may be that long
-  constexpr double kBackward_s = 0.5;   // times of decoding do not go back at all
+  constexpr double kForward_s = 10.0;  // a pause of the recording may be that long
+  constexpr double kBackward_s = 0.5;  // times of decoding do not go back at all
   const AVStream& source = stream(packet.stream_index);
   const double tick_s = av_q2d(source.time_base);
   const std::int64_t stamp = packet.dts != AV_NOPTS_VALUE ? packet.dts : packet.pts;
@@ -329,8 +330,8 @@ void InputContainer::close_jump(AVPacket& packet) {
   const double jump_s = clock.end_s ? start_s + clock.offset_s - *clock.end_s : 0.0;
   if (jump_s > kForward_s || jump_s < -kBackward_s) {
     // The stream that comes to a jump first tells its length; the others stay in time with it.
-    const bool is_known = clock.jumps < jumps_s_.size() &&
-                          std::abs(jumps_s_[clock.jumps] - jump_s) < kForward_s;
+    const bool is_known =
+        clock.jumps < jumps_s_.size() && std::abs(jumps_s_[clock.jumps] - jump_s) < kForward_s;
     if (!is_known) {
       warn(fmt::format("its clock is set anew after {:.3f} s; what follows is joined there",
                        *clock.end_s - origin_s_));

@@ -93,10 +93,10 @@ class InputContainer {
   std::unique_ptr<AVFormatContext, InputFormatDeleter> format_;
   double origin_s_ = 0.0;
   int selected_ = -1;
-  std::optional<int> suspect_;         // packets until one is damaged, unless time jumps before
-  bool has_no_length_ = false;         // written to a pipe: its header leaves the length open
-  std::vector<StreamClock> clocks_;    // of containers whose times may jump
-  std::vector<double> jumps_s_;        // found so far, the same for all streams
+  std::optional<int> suspect_;       // packets until one is damaged, unless time jumps before
+  bool has_no_length_ = false;       // written to a pipe: its header leaves the length open
+  std::vector<StreamClock> clocks_;  // of containers whose times may jump
+  std::vector<double> jumps_s_;      // found so far, the same for all streams
   std::vector<std::string> warnings_;
   std::optional<double> last_time_s_;  // of the packet read last, for messages
 };

@@ -136,10 +136,12 @@ std::optional<std::string_view> other_picture(std::span<const std::byte> bytes) 
   }
   if (text.starts_with("RIFF") && text.size() >= 12 && text.substr(8, 4) == "WEBP") return "WebP";
   if (text.starts_with("GIF8")) return "GIF";
-  if (text.starts_with(std::string_view("II*\0", 4)) || text.starts_with(std::string_view("MM\0*", 4))) {
+  if (text.starts_with(std::string_view("II*\0", 4)) ||
+      text.starts_with(std::string_view("MM\0*", 4))) {
     return "TIFF or raw";
   }
-  if (text.size() >= 14 && text.starts_with("BM") && text.substr(6, 4) == std::string_view("\0\0\0\0", 4)) {
+  if (text.size() >= 14 && text.starts_with("BM") &&
+      text.substr(6, 4) == std::string_view("\0\0\0\0", 4)) {
     return "BMP";
   }
   return std::nullopt;

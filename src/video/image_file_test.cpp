@@ -177,8 +177,8 @@ std::string big_endian(std::uint32_t value) {
 
 /// Puts an eXIf chunk with an orientation behind a PNG file's header.
 void add_exif_chunk(const std::filesystem::path& path, int orientation) {
-  const std::string exif = bytes_of({'M', 'M', 0, 42, 0, 0, 0, 8, 0, 1, 0x01, 0x12, 0, 3, 0,
-                                     0, 0, 1, 0, orientation, 0, 0, 0, 0, 0, 0});
+  const std::string exif = bytes_of({'M', 'M', 0, 42, 0, 0, 0,           8, 0, 1, 0x01, 0x12, 0,
+                                     3,   0,   0, 0,  1, 0, orientation, 0, 0, 0, 0,    0,    0});
   const std::string chunk = "eXIf" + exif;
   std::uint32_t crc = 0xffffffff;
   for (const char c : chunk) {
@@ -221,10 +221,20 @@ TEST_F(ImageFile, ExifOrientationIsApplied) {
 
 TEST_F(ImageFile, TheLensTellsTheFieldOfView) {
   // Big endian; one entry, which points to a second directory with the focal length of 24 mm.
-  std::string exif =
-      bytes_of({0xff, 0xe1, 0, 2 + 6 + 8 + 2 + 12 + 4 + 2 + 12 + 4, 'E', 'x', 'i', 'f', 0, 0,
-                'M', 'M', 0, 42, 0, 0, 0, 8, 0, 1, 0x87, 0x69, 0, 4, 0, 0, 0, 1, 0, 0, 0, 26,
-                0, 0, 0, 0, 0, 1, 0xA4, 0x05, 0, 3, 0, 0, 0, 1, 0, 24, 0, 0, 0, 0, 0, 0});
+  std::string exif = bytes_of({0xff, 0xe1, 0,    2 + 6 + 8 + 2 + 12 + 4 + 2 + 12 + 4,
+                               'E',  'x',  'i',  'f',
+                               0,    0,    'M',  'M',
+                               0,    42,   0,    0,
+                               0,    8,    0,    1,
+                               0x87, 0x69, 0,    4,
+                               0,    0,    0,    1,
+                               0,    0,    0,    26,
+                               0,    0,    0,    0,
+                               0,    1,    0xA4, 0x05,
+                               0,    3,    0,    0,
+                               0,    1,    0,    24,
+                               0,    0,    0,    0,
+                               0,    0});
   write_image(file("a.jpg"), Image(64, 48, 3));
   std::string jpeg = read_text_file(file("a.jpg"));
   EXPECT_FALSE(probe_media(file("a.jpg")).streams.at(0).horizontal_fov_rad);
@@ -284,11 +294,13 @@ TEST_F(ImageFile, HugeDimensionsAreRefusedBeforeMemoryIsTaken) {
 TEST_F(ImageFile, OtherFilesAreRefusedByName) {
   write_file(file("a.png"), "this is no picture");
   write_file(file("b.png"), "");
-  for (const auto& [bytes, kind] :
-       {std::pair{std::string("\0\0\0\x1c" "ftypheic\0\0\0\0", 16), "HEIC"},
-        {std::string("RIFF\x10\0\0\0WEBPVP8 ", 16), "WebP"},
-        {std::string("GIF89a\1\0\1\0", 10), "GIF"},
-        {std::string("II*\0\x08\0\0\0", 8), "TIFF"}}) {
+  for (const auto& [bytes, kind] : {std::pair{std::string("\0\0\0\x1c"
+                                                          "ftypheic\0\0\0\0",
+                                                          16),
+                                              "HEIC"},
+                                    {std::string("RIFF\x10\0\0\0WEBPVP8 ", 16), "WebP"},
+                                    {std::string("GIF89a\1\0\1\0", 10), "GIF"},
+                                    {std::string("II*\0\x08\0\0\0", 8), "TIFF"}}) {
     write_file(file("q"), bytes);
     for (const std::string& message : {input_error([&] { (void)read_image(file("q")); }),
                                        input_error([&] { (void)probe_media(file("q")); })}) {

@@ -22,8 +22,8 @@ void attempt(const std::function<void()>& read) {
 
 }  // namespace
 
-/// Any bytes as a movie, a sound or a picture: refused with InputError, or probed and its beginning read,
-/// as sound and as pictures of the size that was stated.
+/// Any bytes as a movie, a sound or a picture: refused with InputError, or probed and its beginning
+/// read, as sound and as pictures of the size that was stated.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace earpoint;  // NOLINT(google-build-using-namespace): one function
   const FuzzFile file(data, size);
@@ -37,7 +37,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   attempt([&] {
     FrameReader reader(file.path());
     for (const double time_s : {0.0, 0.1, 3.0, 0.05}) {
-      if (reader.frame_nearest(time_s).empty() || !std::isfinite(reader.frame_time_s())) std::abort();
+      if (reader.frame_nearest(time_s).empty() || !std::isfinite(reader.frame_time_s()))
+        std::abort();
     }
   });
   return 0;

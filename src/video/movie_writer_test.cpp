@@ -229,7 +229,8 @@ TEST_F(MovieWriterTest, TheContainerFollowsTheExtension) {
 
 TEST_F(MovieWriterTest, PicturesFromBeforeTimeZeroOfAMatroskaFileAreKept) {
   run_ffmpeg(
-      "-f lavfi -i testsrc2=s=64x48:r=25:d=2 -f lavfi -i sine=d=2 -ac 2 -c:v libx264 -bf 0 -c:a aac "
+      "-f lavfi -i testsrc2=s=64x48:r=25:d=2 -f lavfi -i sine=d=2 -ac 2 -c:v libx264 -bf 0 -c:a "
+      "aac "
       "-output_ts_offset -1 -avoid_negative_ts disabled a.mkv");
   MovieWriter writer(file("b.mp4"), file("a.mkv"), 44100);
   writer.write_sound(Waveform(2, 88200, 44100));

@@ -49,8 +49,8 @@ class CopiedPictures : public PictureSource {
     const AVStream& input = source_->stream(index_);
     AVStream& stream = output_.add_stream(*input.codecpar, input.time_base);
     // The name by which every player knows HEVC with its parameters kept aside, as they are here.
-    const bool is_hevc = input.codecpar->codec_id == AV_CODEC_ID_HEVC &&
-                         output_.format_name() != "matroska";
+    const bool is_hevc =
+        input.codecpar->codec_id == AV_CODEC_ID_HEVC && output_.format_name() != "matroska";
     stream.codecpar->codec_tag = is_hevc ? MKTAG('h', 'v', 'c', '1') : 0;
     stream.sample_aspect_ratio = input.sample_aspect_ratio;
     stream.avg_frame_rate = input.avg_frame_rate;
@@ -152,7 +152,8 @@ bool is_copyable(const AVInputFormat& container, AVCodecID codec) {
   }
 }
 
-/// Matroska drops times before zero: what was recorded then has to be counted, which needs decoding.
+/// Matroska drops times before zero: what was recorded then has to be counted, which needs
+/// decoding.
 bool begins_with_a_time(const std::filesystem::path& source, int index) {
   InputContainer container(source);
   container.select(index);

@@ -17,9 +17,9 @@ namespace earpoint {
 enum class StereoKind {
   plausible,    ///< nothing speaks against two ears
   one_channel,  ///< one of them is silent or nearly so
-  same,         ///< both hold the same sound: mono, or a dry source exactly in a symmetric head's middle
-  panned,       ///< the level differs alike at all frequencies, without a delay
-  inverted,     ///< one has the opposite sign
+  same,    ///< both hold the same sound: mono, or a dry source exactly in a symmetric head's middle
+  panned,  ///< the level differs alike at all frequencies, without a delay
+  inverted,  ///< one has the opposite sign
 };
 
 /// "dual_mono", "panned" ...; for programs.
@@ -27,11 +27,11 @@ enum class StereoKind {
 
 /// Tells recordings by two ears from other stereo.
 ///
-/// By half seconds: at an ear away from the source sound is both later, by up to 0.9 ms, and weaker, the
-/// more the higher the frequency. A mixing desk changes the level alone and all frequencies alike; a
-/// swapped lead turns the sign, which no delay does at low frequencies. Speech of a few seconds or any
-/// sound between 100 Hz and 1.5 kHz is enough. Spaced microphones are not told from ears.
-/// Memory: 100 bytes for each half second.
+/// By half seconds: at an ear away from the source sound is both later, by up to 0.9 ms, and
+/// weaker, the more the higher the frequency. A mixing desk changes the level alone and all
+/// frequencies alike; a swapped lead turns the sign, which no delay does at low frequencies. Speech
+/// of a few seconds or any sound between 100 Hz and 1.5 kHz is enough. Spaced microphones are not
+/// told from ears. Memory: 100 bytes for each half second.
 class StereoCheck {
  public:
   /// @param sample_rate_hz  >= 8000
@@ -40,18 +40,20 @@ class StereoCheck {
   /// The next samples. @param block  shape [2][any], finite
   void add(const Waveform& block);
 
-  /// What the sound so far is; the rest of a half second does not count, unless there is nothing else.
+  /// What the sound so far is; the rest of a half second does not count, unless there is nothing
+  /// else.
   [[nodiscard]] StereoKind kind();
 
   /// What half a second says of itself.
   struct Finding {
-    double power = 0.0;        ///< of both channels
-    double left_share = 0.0;   ///< of the power, 0 to 1
-    double residual = 1.0;     ///< of a channel that is no scaled copy of the other, share of its power
-    double copy_gain = 0.0;    ///< of that copy, right over left; negative: inverted
-    double level_db = 0.0;     ///< left over right, median over 100 Hz to 1.5 kHz
-    double delay_s = 0.0;      ///< of the right channel, by phase
-    double agreement = 0.0;    ///< of the phases with a delay of at most 0.9 ms, -1 to 1
+    double power = 0.0;       ///< of both channels
+    double left_share = 0.0;  ///< of the power, 0 to 1
+    double residual =
+        1.0;  ///< of a channel that is no scaled copy of the other, share of its power
+    double copy_gain = 0.0;           ///< of that copy, right over left; negative: inverted
+    double level_db = 0.0;            ///< left over right, median over 100 Hz to 1.5 kHz
+    double delay_s = 0.0;             ///< of the right channel, by phase
+    double agreement = 0.0;           ///< of the phases with a delay of at most 0.9 ms, -1 to 1
     double inverted_agreement = 0.0;  ///< the same with one sign turned
   };
   [[nodiscard]] const std::vector<Finding>& findings() const { return findings_; }

@@ -24,7 +24,8 @@ char csv_separator(std::string_view header);
 
 /// Parses CSV text whose first line is exactly `columns`. Empty lines and lines that start with #
 /// are skipped; blanks around cells, CRLF line ends and a byte order mark are allowed. Cells are
-/// separated by commas, semicolons or tabs; where it is not commas, numbers may have a decimal comma.
+/// separated by commas, semicolons or tabs; where it is not commas, numbers may have a decimal
+/// comma.
 ///
 /// @param name     stands for the file in messages
 /// @param columns  the expected header

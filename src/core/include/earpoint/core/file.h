@@ -31,8 +31,8 @@ class AtomicFile {
   AtomicFile(const AtomicFile&) = delete;
   AtomicFile& operator=(const AtomicFile&) = delete;
 
-  /// In the same folder if it is to be renamed, with the same extension (encoders choose their format
-  /// by it).
+  /// In the same folder if it is to be renamed, with the same extension (encoders choose their
+  /// format by it).
   [[nodiscard]] const std::filesystem::path& temporary_path() const { return temporary_path_; }
 
   /// Flushes the written file to disk and renames it into place.
@@ -46,9 +46,9 @@ class AtomicFile {
 
   std::filesystem::path path_;
   std::filesystem::path temporary_path_;
-  int descriptor_ = -1;    ///< holds the lock that tells others that the temporary file is in use
-  int slot_ = -1;          ///< among the files that a signal removes; -1 if there was no room
-  bool is_stream_ = false; ///< the bytes are sent there, nothing is renamed
+  int descriptor_ = -1;     ///< holds the lock that tells others that the temporary file is in use
+  int slot_ = -1;           ///< among the files that a signal removes; -1 if there was no room
+  bool is_stream_ = false;  ///< the bytes are sent there, nothing is renamed
   bool committed_ = false;
 };
 
@@ -60,7 +60,8 @@ class AtomicFile {
 /// AtomicFile has written aside, and then end the process as they always do.
 void remove_partial_files_on_signals();
 
-/// What comes from a pipe or from standard input ("-"), stored so that it can be read more than once.
+/// What comes from a pipe or from standard input ("-"), stored so that it can be read more than
+/// once.
 /// @return  the path itself if it is no such thing; else one by which this process reads the stored
 ///          bytes, which vanish when it ends
 /// @throws InputError if it cannot be read or stored

@@ -5,11 +5,13 @@
 
 namespace earpoint {
 
-/// Locks between processes that work in one folder: on numbered parts, kept as byte ranges of a lock
-/// file. The kernel releases them when the process ends, however it ends, and the empty file stays.
+/// Locks between processes that work in one folder: on numbered parts, kept as byte ranges of a
+/// lock file. The kernel releases them when the process ends, however it ends, and the empty file
+/// stays.
 ///
-/// Locks belong to this object: two of them in one process exclude each other too. Over NFS they work
-/// as far as the server keeps byte-range locks; on a file system without locks every request succeeds.
+/// Locks belong to this object: two of them in one process exclude each other too. Over NFS they
+/// work as far as the server keeps byte-range locks; on a file system without locks every request
+/// succeeds.
 class RangeLock {
  public:
   /// Opens the lock file; makes it if it is not there.

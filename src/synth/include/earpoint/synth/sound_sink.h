@@ -24,7 +24,8 @@ class SoundSink {
 ///
 /// @param movie    the source movie; empty if the source has no moving picture
 /// @param samples  that will be written, per ear
-/// @throws InputError if the extension is not known, the file cannot be written, a movie is asked for
+/// @throws InputError if the extension is not known, the file cannot be written, a movie is asked
+/// for
 ///         without one, or a WAV file cannot hold so many samples
 std::unique_ptr<SoundSink> open_sound_sink(const std::filesystem::path& output, int sample_rate_hz,
                                            const std::filesystem::path& movie,

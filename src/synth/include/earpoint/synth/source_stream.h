@@ -22,7 +22,7 @@ namespace earpoint {
 struct SoundSource {
   std::filesystem::path path;                           ///< a sound file or a movie
   std::optional<std::array<int, 2>> binaural_channels;  ///< left, right; needed beyond two channels
-  std::optional<int> audio_stream;                      ///< StreamInfo::index; by default the preferred
+  std::optional<int> audio_stream;  ///< StreamInfo::index; by default the preferred
 };
 
 /// What a first reading of the whole recording finds.

@@ -22,8 +22,8 @@ class SpeakerTrack {
   /// @throws InputError if the box is empty or leaves the picture
   explicit SpeakerTrack(const Box& box, const PictureSize& picture = std::nullopt);
 
-  /// Reads `time_s,x0,y0,x1,y1` (that header first; times grow). All boxes are in pixels if one has a
-  /// number beyond 2, else normalised.
+  /// Reads `time_s,x0,y0,x1,y1` (that header first; times grow). All boxes are in pixels if one has
+  /// a number beyond 2, else normalised.
   /// @throws InputError naming the line
   static SpeakerTrack from_csv(const std::filesystem::path& path,
                                const PictureSize& picture = std::nullopt);

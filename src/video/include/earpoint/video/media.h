@@ -103,10 +103,11 @@ class FrameReader {
 /// The two ears' sound of a movie or sound file, from beginning to end.
 ///
 /// Sample k is at time k / rate: a stream that starts after the container does begins with silence,
-/// encoder priming is dropped, and a gap between timestamps is filled with silence. Where the clock of
-/// a transport stream (mpegts, mpeg) was set anew, back by more than half a second or forward by more
-/// than ten, what follows is joined. Samples come as they are stored: values beyond [-1, 1], NaN and silence are the caller's to judge.
-/// Memory: one block. Not for use from two threads at once.
+/// encoder priming is dropped, and a gap between timestamps is filled with silence. Where the clock
+/// of a transport stream (mpegts, mpeg) was set anew, back by more than half a second or forward by
+/// more than ten, what follows is joined. Samples come as they are stored: values beyond [-1, 1],
+/// NaN and silence are the caller's to judge. Memory: one block. Not for use from two threads at
+/// once.
 class AudioReader {
  public:
   /// @param path              movie or sound file
