@@ -174,6 +174,12 @@ measure_simulator() {
   build/release/bench/trace_gates >out/bench/trace_gates.md || true
   say "Speed of the path tracer"
   build/release/bench/trace_bench --plot docs/images/trace-cost.png >out/bench/trace_bench.json
+  if python3 -c 'import pyroomacoustics' 2>/dev/null; then
+    say "The path tracer beside pyroomacoustics"
+    python3 bench/compare_tracers.py "$earpoint" >out/bench/compare_tracers.json
+  else
+    say "Not compared with pyroomacoustics, which this python3 does not have (pip install pyroomacoustics)"
+  fi
   say "Pictures per second"
   build/release/bench/camera_bench >out/bench/camera_bench.jsonl
   say "Reverberation of 120 homes"
