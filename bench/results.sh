@@ -189,6 +189,13 @@ measure_simulator() {
   python3 bench/simulate_cost.py "$earpoint" "$speech_folder" >out/bench/simulate_cost.jsonl
 }
 
+# Whether anything is lost or left where a command is killed.
+measure_kills() {
+  [ -f "$speech_folder/speech.csv" ] || gather_speech "$speech_folder"
+  say "Killing commands at random moments"
+  python3 bench/kill_anywhere.py "$1" "$speech_folder" examples/clip.mp4 out/kills >out/bench/kills.json
+}
+
 # Everything that docs/results.md shows. The exactness table needs the reference outputs.
 results() {
   bench
@@ -200,6 +207,7 @@ results() {
   measure_demo "$earpoint" >out/bench/demo.jsonl
   cp out/demo/ears-gtf.png docs/images/demo.png
   measure_simulator "$earpoint"
+  measure_kills "$earpoint"
   simulate_data "$earpoint"
   train_methods "$earpoint"
   evaluate_methods "$earpoint" novel single

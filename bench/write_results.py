@@ -5,8 +5,8 @@ usage: bench/write_results.py MEASURED RESULTS.md [--measured-only]
 
 MEASURED holds vigas.md, gtf_bench.json, training.json, oracle_errors.md, render_speed.jsonl,
 render_memory.jsonl, demo.jsonl, trace_gates.md, learning_curves-single.md, learning_curves-novel.md,
-rt60_error.json, home_reverberation.jsonl, compare_tracers.json, camera_bench.jsonl, simulate_cost.jsonl, evaluate-single.json,
-evaluate-novel.json, ablations-single.json, ablations-novel.json, generalisation.json,
+rt60_error.json, home_reverberation.jsonl, compare_tracers.json, kills.json,
+camera_bench.jsonl, simulate_cost.jsonl, evaluate-single.json, evaluate-novel.json, ablations-single.json, ablations-novel.json, generalisation.json,
 generalisation_heads.json, ambient-single.json, ambient-novel.json and enhance-novel.json; a section
 whose file is missing stays as it is in RESULTS.md, or says so where it is new; with --measured-only it
 is left out.
@@ -175,6 +175,14 @@ def tracer_comparison(text):
                              f"reverberation {run['level_db']:.1f} dB over the direct sound."])
 
 
+def kill_table(text):
+    rows = ["| command | killed | files | lost, left over or different | undisturbed |", "|---|---|---|---|---|"]
+    for run in json.loads(text):
+        rows.append(f"| {run['command']} | {run['kills']} times | {run['files']} | {len(run['faults'])} | "
+                    f"{run['undisturbed_s']:.1f} s |")
+    return "\n".join(rows)
+
+
 def camera_table(text):
     rows = ["| homes | triangles | light of a home | with two people | views/s | views/s, light included |",
             "|---|---|---|---|---|---|"]
@@ -289,6 +297,10 @@ SECTIONS = [
      "`camera_bench`: 256 x 256 pixels, 4 rays per pixel, smoothed; seconds of processor time of one "
      "thread. The light of a home is solved once for its 10 conversations, that of two people once "
      "for the 4 views of a conversation; the last column counts both."),
+    ("Killed at random moments", "kills.json", kill_table,
+     "`bench/kill_anywhere.py`: each command is killed (SIGKILL) after a random part of its time and started "
+     "again until it ends by itself. All files must then equal those of an undisturbed run, byte for byte (of weight "
+     "files the tensors), with no file beside them."),
     ("Cost of simulated data", "simulate_cost.jsonl", simulation_table,
      "`bench/simulate_cost.py`: processor time of `earpoint simulate` in two homes, six conversations "
      "each; two speakers and four viewpoints a conversation, 5000 rays from each mouth, 256 x 256 "
