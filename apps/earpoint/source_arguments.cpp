@@ -59,7 +59,7 @@ void add_box_options(CLI::App& command, SourceArguments& arguments) {
           "--fov", arguments.fov_deg,
           "The camera's horizontal field of view, degrees; default: what the picture's file "
           "tells of the lens, else 90")
-      ->check(CLI::Range(10.0, 170.0))
+      ->check(within(10.0, 170.0))
       ->group(kSpeakerGroup);
 }
 
@@ -89,8 +89,7 @@ RenderSource parse_source(const SourceArguments& arguments) {
     source.sound.binaural_channels = {static_cast<int>(channels[0]), static_cast<int>(channels[1])};
   }
   if (!arguments.speaker.empty()) {
-    const auto xyz = parse_numbers(arguments.speaker, 3, "--speaker");
-    source.speaker_m = Vector3{xyz[0], xyz[1], xyz[2]};
+    source.speaker_m = parse_place(arguments.speaker, "--speaker");
   }
   if (!arguments.speaker_box.empty()) {
     const auto box = parse_numbers(arguments.speaker_box, 4, "--speaker-box");
@@ -128,7 +127,7 @@ double fov_deg_of(const SourceArguments& arguments, const RenderSource& source, 
 
 void print_warnings(const SourceArguments& arguments, const SoundSurvey& survey) {
   for (const std::string& warning : survey.warnings) {
-    fmt::print(stderr, "earpoint: {}: {}\n", arguments.inputs.back(), warning);
+    fmt::print(stderr, "earpoint: warning: {}: {}\n", arguments.inputs.back(), warning);
   }
 }
 

@@ -43,6 +43,8 @@ struct PairOptions {
   std::ptrdiff_t samples = 16000;  ///< of a training window; validation takes a second
   bool any_speech = false;         ///< whoever speaks says what anyone of the split said
   bool mirror = true;              ///< half of the training examples are mirrored, left to right
+  double spoilt_pictures = 0.0;    ///< share of training examples whose picture tells nothing
+  double hidden_boxes = 0.0;       ///< share of training examples without the speaker's box
   PairTarget target = PairTarget::viewpoint;   ///< in validation too
   Alignment alignment = Alignment::responses;  ///< in training; validation pairs are aligned
   /// Level of room noise in both sounds, dB re full scale; near microphones hear none.
