@@ -12,9 +12,9 @@ namespace {
 constexpr double kBlock_s = 0.5;
 constexpr double kFrame_s = 0.04;
 // Where the delay between the ears can be told by phase.
-constexpr double kDelayBand_low_hz = 100.0;
-constexpr double kDelayBand_high_hz = 1500.0;
-constexpr double kCopyBand_high_hz = 7000.0;
+constexpr double kDelayBandLow_hz = 100.0;
+constexpr double kDelayBandHigh_hz = 1500.0;
+constexpr double kCopyBandHigh_hz = 7000.0;
 constexpr double kLargestDelay_s = 0.9e-3;  // the widest head, sound from the side
 constexpr double kDelayStep_s = 10e-6;
 
@@ -128,9 +128,9 @@ void StereoCheck::end_block() {
     const double bin = std::min(hz, 0.45 * rate_hz_) * frame_ / rate_hz_;
     return static_cast<std::size_t>(std::lround(bin));
   };
-  const std::size_t low = bin_of(kDelayBand_low_hz);
-  const std::size_t high = bin_of(kDelayBand_high_hz);
-  const std::size_t top = bin_of(kCopyBand_high_hz);
+  const std::size_t low = bin_of(kDelayBandLow_hz);
+  const std::size_t high = bin_of(kDelayBandHigh_hz);
+  const std::size_t top = bin_of(kCopyBandHigh_hz);
   double loudest = 0.0;
   for (std::size_t k = low; k <= top; ++k) loudest = std::max(loudest, power_[0][k] + power_[1][k]);
 
@@ -197,16 +197,16 @@ StereoKind StereoCheck::kind() {
     if (f.power < kQuiet * loudest) continue;
     ++blocks;
     const double copy_db = 20.0 * std::log10(std::abs(f.copy_gain) + 1e-9);
+    const bool is_copy = f.residual < kCopyResidual && std::abs(copy_db) >= kSameLevel_db;
+    const bool has_delay = std::abs(f.delay_s) > kNoDelay_s;
     if (f.inverted_agreement > f.agreement + kInvertedBy) {
       ++inverted;
     } else if (f.residual < kSameResidual && std::abs(copy_db) < kSameLevel_db) {
       ++same;
-    } else if (f.residual < kCopyResidual && std::abs(copy_db) >= kSameLevel_db) {
+    } else if (is_copy || (!has_delay && std::abs(f.level_db) > kPanned_db)) {
       ++panned;
-    } else if (std::abs(f.delay_s) > kNoDelay_s) {
+    } else if (has_delay) {
       ++heard_delay;
-    } else if (std::abs(f.level_db) > kPanned_db) {
-      ++panned;
     }
   }
   if (2 * inverted > blocks) return StereoKind::inverted;

@@ -100,8 +100,8 @@ Exif read_exif(Bytes picture) {
 }
 
 double horizontal_fov_rad(double focal_length_35mm, int width, int height) {
-  constexpr double kFilmDiagonal_mm = 43.27;
-  const double half_diagonal = kFilmDiagonal_mm / (2.0 * focal_length_35mm);
+  constexpr double kFilmDiagonalMm = 43.27;
+  const double half_diagonal = kFilmDiagonalMm / (2.0 * focal_length_35mm);
   return 2.0 * std::atan(half_diagonal * width / std::hypot(width, height));
 }
 
