@@ -384,13 +384,13 @@ bool InputContainer::read(AVPacket& packet) {
 
 void InputContainer::check_packet(AVPacket& packet) {
   // Where two transport streams are joined, whole packets on either side count as damaged.
-  constexpr int kNearJump_packets = 4;
-  const bool is_near_jump = may_jump() && clocks_[selected_].since_jump < kNearJump_packets;
+  constexpr int kNearJumpPackets = 4;
+  const bool is_near_jump = may_jump() && clocks_[selected_].since_jump < kNearJumpPackets;
   if (is_near_jump) suspect_.reset();
   // The last block of a file without a length is as long as it happens to be.
   if ((packet.flags & AV_PKT_FLAG_CORRUPT) && !has_no_length_ && !is_near_jump) {
     if (!may_jump()) throw_damaged(AVERROR_INVALIDDATA);
-    if (!suspect_) suspect_ = kNearJump_packets;
+    if (!suspect_) suspect_ = kNearJumpPackets;
   }
   if (may_jump()) packet.flags &= ~AV_PKT_FLAG_CORRUPT;
   if (suspect_ && (*suspect_)-- == 0) throw_damaged(AVERROR_INVALIDDATA);
