@@ -12,6 +12,7 @@
 #include <earpoint/core/pose.h>
 #include <earpoint/spatial/direction_mesh.h>
 #include <earpoint/spatial/hrtf.h>
+#include <earpoint/spatial/rigid_sphere.h>
 
 namespace earpoint {
 namespace {
@@ -19,7 +20,6 @@ namespace {
 using Complex = std::complex<float>;
 
 constexpr double kSpeedOfSound_m_per_s = 343.2;
-constexpr double kHeadRadius_m = 0.0875;
 constexpr double kPoleGap_rad = radians_from_degrees(20.0);
 // Bins lower than this below a response's largest count as this: the logarithm of nothing.
 constexpr float kFloor = 1e-6F;
@@ -207,9 +207,38 @@ Hrir HrtfSet::measured(std::size_t measurement) const {
   return hrir;
 }
 
+double HrtfSet::distance_m() const { return state_->set.distance_m; }
+
+struct HrtfSet::NearField {
+  std::array<std::vector<Complex>, 2> spectra;
+  std::array<double, 2> later_samples{};
+};
+
+HrtfSet::NearField HrtfSet::near_field_of(const Vector3& direction, double distance_m) const {
+  const double towards_left = direction.y / norm(direction);
+  NearField field;
+  for (std::vector<Complex>& spectrum : field.spectra) spectrum.resize(state_->spectra.bins);
+  near_field_spectra(distance_m, this->distance_m(), towards_left, sample_rate_hz() / 2.0,
+                     {field.spectra[0], field.spectra[1]});
+  const auto here = rigid_sphere_delays_s(distance_m, towards_left);
+  const auto there = rigid_sphere_delays_s(this->distance_m(), towards_left);
+  for (int ear = 0; ear < 2; ++ear) {
+    field.later_samples[ear] = (here[ear] - there[ear]) * sample_rate_hz();
+  }
+  return field;
+}
+
 Hrir HrtfSet::interpolated(const Vector3& direction) const {
+  return interpolated(direction, distance_m());
+}
+
+Hrir HrtfSet::interpolated(const Vector3& direction, double distance_m) const {
+  EARPOINT_CHECK(distance_m > 0.0);
   const Spectra& spectra = state_->spectra;
   const DirectionMesh::Place place = state_->mesh.locate(direction);
+  const bool near = distance_m < this->distance_m();
+  NearField near_field;
+  if (near) near_field = near_field_of(direction, distance_m);
   RealFft<float> fft(spectra.fft_size);
   std::vector<Complex> spectrum(spectra.bins);
   std::vector<float> padded(spectra.fft_size);
@@ -234,6 +263,10 @@ Hrir HrtfSet::interpolated(const Vector3& direction) const {
       phase = length > 0.0F ? phase / length : Complex(1.0F);
       spectrum[bin] = std::exp(log_magnitude) * phase * Complex(ramp);
       ramp *= step;
+    }
+    if (near) {
+      for (int bin = 0; bin < spectra.bins; ++bin) spectrum[bin] *= near_field.spectra[ear][bin];
+      hrir.onset_samples[ear] += near_field.later_samples[ear];
     }
     fft.inverse(spectrum, padded);
     hrir.taps[ear].assign(padded.begin(), padded.begin() + state_->set.taps);

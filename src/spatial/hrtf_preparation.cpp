@@ -123,6 +123,7 @@ HrtfResponses farthest_shell(const SofaFile& file) {
 
   HrtfResponses set;
   set.sample_rate_hz = file.sample_rate_hz;
+  set.distance_m = farthest_m;
   const double delay = largest_delay(file);
   set.taps = file.taps + static_cast<int>(std::ceil(delay));
   RealFft<double> fft(fast_fft_size(2 * set.taps));
@@ -187,7 +188,7 @@ void equalize_diffuse_field(HrtfResponses& set) {
   const std::vector<Complex> filter = minimum_phase(filter_nepers, fft);
 
   // Filter, and fade the last eighth out: the low end would ring on.
-  HrtfResponses equalized{set.sample_rate_hz, taps, set.directions, {}, set.onsets};
+  HrtfResponses equalized{set.sample_rate_hz, taps, set.distance_m, set.directions, {}, set.onsets};
   equalized.responses.resize(set.directions.size() * 2 * taps);
   const int fade = taps / 8;
   std::vector<double> padded(fft.size());
@@ -225,7 +226,7 @@ void change_rate(HrtfResponses& set, int sample_rate_hz) {
   RealFft<double> fft_out(sample_rate_hz / divisor * repeats);
   const int bins = std::min(fft_in.bins(), fft_out.bins());
 
-  HrtfResponses resampled{sample_rate_hz, 0, set.directions, {}, set.onsets};
+  HrtfResponses resampled{sample_rate_hz, 0, set.distance_m, set.directions, {}, set.onsets};
   const double ratio = static_cast<double>(sample_rate_hz) / set.sample_rate_hz;
   for (auto& onsets : resampled.onsets) {
     for (double& onset : onsets) onset = (onset + lead_in) * ratio;

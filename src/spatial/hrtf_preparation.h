@@ -13,6 +13,7 @@ namespace earpoint {
 struct HrtfResponses {
   int sample_rate_hz = 0;
   int taps = 0;
+  double distance_m = 0.0;          // of the sources
   std::vector<Vector3> directions;  // unit
   std::vector<float> responses;     // [direction][ear][tap]
   // [direction][ear], samples; found in the response as measured, where it rises most steeply.
