@@ -4,6 +4,7 @@
 #include "sector_heads.h"
 
 #include <algorithm>
+#include <cmath>
 #include <complex>
 
 #include <earpoint/core/random.h>
@@ -24,6 +25,19 @@ std::vector<BandArray> powers(const EnergyHistogram& late, int sector, double bi
   return result;
 }
 
+// A pulse that filled the spectrum up to its edge would ring through the whole response and round
+// its end. Over the top 8 % it falls to nothing, so that it is 100 dB down within 20 ms.
+std::vector<float> spectrum_edge(int bins) {
+  constexpr double kFallFrom = 0.92;
+  std::vector<float> edge(bins);
+  for (int bin = 0; bin < bins; ++bin) {
+    const double place = static_cast<double>(bin) / (bins - 1);
+    const double fall = std::max(0.0, (place - kFallFrom) / (1.0 - kFallFrom));
+    edge[bin] = static_cast<float>(0.5 * (1.0 + std::cos(kPi * fall)));
+  }
+  return edge;
+}
+
 void add(std::span<const float> from, std::span<float> to) {
   for (std::size_t i = 0; i < to.size(); ++i) to[i] += from[i];
 }
@@ -33,6 +47,7 @@ void add(std::span<const float> from, std::span<float> to) {
 LateField::LateField(const ResponseShape& shape, std::uint64_t seed)
     : shape_(shape),
       bank_(shape.sample_rate_hz, shape.fft_size),
+      edge_(spectrum_edge(bank_.bins())),
       overlap_(bank_),
       pool_(shape.sample_rate_hz, RandomStream(seed, {kPoolKey}).next()),
       seed_(seed) {}
@@ -76,6 +91,7 @@ void LateField::add_pulses(std::span<const Arrival> arrivals, std::span<const fl
   }
   std::vector<std::complex<float>> sum(fft.bins());
   train.add_spectrum(bank_, sum);
+  for (std::size_t bin = 0; bin < sum.size(); ++bin) sum[bin] *= edge_[bin];
   std::vector<float> pulses(shape_.fft_size);
   fft.inverse(sum, pulses);
   add(std::span(pulses).first(signal.size()), signal);

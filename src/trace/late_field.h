@@ -58,6 +58,7 @@ class LateField {
 
   ResponseShape shape_;
   OctaveBank bank_;
+  std::vector<float> edge_;  // [bin]: the fall of pulses towards the Nyquist frequency
   BandOverlap overlap_;
   NoisePool pool_;
   std::uint64_t seed_;
