@@ -30,6 +30,11 @@ TEST(TraceGates, DiffuseBoxDecaysAsParticlesDo) {
   expect_passed(gates::reverberation_gate(pool));
 }
 
+TEST(TraceGates, RoomsThatDecayByFewRaysDecayRight) {
+  ThreadPool pool(available_cores());
+  expect_passed(gates::uneven_gate(pool, gates::Effort::quick));
+}
+
 TEST(TraceGates, SourceAndListenerMayBeSwapped) {
   ThreadPool pool(available_cores());
   expect_passed(gates::reciprocity_gate(pool));

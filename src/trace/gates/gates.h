@@ -34,6 +34,9 @@ enum class Effort { quick, thorough };
 /// Mean and spread over the number of rays.
 std::vector<GateRow> ray_count_gate(ThreadPool& pool, Effort effort);
 
+/// Rooms whose late sound is that of a few rays: uneven absorption, a smooth corridor.
+std::vector<GateRow> uneven_gate(ThreadPool& pool, Effort effort);
+
 /// The default HRTF: left and right, front and back, above and below, turns of the head.
 std::vector<GateRow> ear_gate();
 

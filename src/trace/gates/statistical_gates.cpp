@@ -61,9 +61,10 @@ std::vector<std::vector<double>> particle_decays(const Box& box, double absorpti
   const int bins = static_cast<int>(duration_s / kBin_s);
   std::vector<std::vector<double>> decays;
   decays.reserve(listeners.size());
+  BoxWalls walls;
+  walls.absorption.fill(absorption);
   for (const Vector3& listener : listeners) {
-    decays.push_back(
-        lambert_box_energies(box, absorption, source, listener, bins, kBin_s, kParticles));
+    decays.push_back(particle_box_energies(box, walls, source, listener, bins, kBin_s, kParticles));
   }
   return decays;
 }
