@@ -1,10 +1,13 @@
 #include "trace_command.h"
 
+#include "flag_checks.h"
 #include "scene_argument.h"
 #include "trace_arguments.h"
 #include "trace_report.h"
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -16,7 +19,9 @@
 
 #include <earpoint/audio/sound_file.h>
 #include <earpoint/core/error.h>
+#include <earpoint/spatial/air_absorption.h>
 #include <earpoint/spatial/hrtf.h>
+#include <earpoint/trace/response_end.h>
 #include <earpoint/trace/response_renderer.h>
 #include <earpoint/trace/tracer.h>
 
@@ -24,6 +29,8 @@ namespace {
 
 namespace fs = std::filesystem;
 using earpoint::InputError;
+
+constexpr double kLongest_s = 30.0;
 
 struct Options {
   SceneArgument scene;
@@ -45,14 +52,16 @@ void check(const Options& options) {
     if (value >= least) return;
     throw InputError(flag, fmt::format("expected {:g} or more, found {:g}", least, value));
   };
-  at_least("--rays", options.trace.rays, 1);
+  const auto within = [](const char* flag, double value, double least, double most) {
+    if (value >= least && value <= most) return;
+    throw InputError(flag,
+                     fmt::format("expected {:.10g} to {:.10g}, found {:.10g}", least, most, value));
+  };
+  within("--rays", options.trace.rays, 1, 100e6);
   at_least("--bounces", options.trace.max_bounces, 1);
-  at_least("--rate", options.rate_hz, 8000);
+  within("--rate", options.rate_hz, 8000, 192000);
   at_least("--jobs", options.jobs, 0);
-  if (!(options.trace.duration_s > 0.0 && options.trace.duration_s <= 30.0)) {
-    throw InputError("--duration", fmt::format("expected more than 0 and at most 30 s, found {:g}",
-                                               options.trace.duration_s));
-  }
+  within("--duration", options.trace.duration_s, 0.01, kLongest_s);
   if (options.ambisonics) {
     if (*options.ambisonics < 1 || *options.ambisonics > 7) {
       throw InputError("--ambisonics",
@@ -69,18 +78,39 @@ void check(const Options& options) {
 }
 
 // A place outside of the model hears nothing, whatever the mesh.
-void check_place(const char* flag, const earpoint::Vector3& place, const earpoint::Scene& scene) {
-  const earpoint::Bounds box = bounds(scene.mesh);
+// @param place  in the user's coordinates
+void check_place(const char* flag, const earpoint::Vector3& place, const NamedScene& named) {
+  earpoint::Bounds box = bounds(named.scene.mesh);
+  box = {box.low + named.origin_m, box.high + named.origin_m};
   const bool inside = place.x > box.low.x && place.x < box.high.x && place.y > box.low.y &&
                       place.y < box.high.y && place.z > box.low.z && place.z < box.high.z;
   if (inside) return;
   throw InputError(
       flag,
-      fmt::format("({:g}, {:g}, {:g}) is outside of the scene, which spans x {:.4g} to {:.4g}, y "
-                  "{:.4g} to {:.4g}, z {:.4g} to {:.4g} m",
+      fmt::format("({:.10g}, {:.10g}, {:.10g}) is outside of the scene, which spans x {:.9g} to "
+                  "{:.9g}, y {:.9g} to {:.9g}, z {:.9g} to {:.9g} m",
                   place.x, place.y, place.z, box.low.x, box.high.x, box.low.y, box.high.y,
                   box.low.z, box.high.z),
       "place it inside");
+}
+
+// Sound takes its time: a response that ends before holds none.
+void check_long_enough(const Options& options, double distance_m) {
+  const double first_s = distance_m / earpoint::speed_of_sound_m_per_s(options.trace.air);
+  if (options.trace.duration_s > first_s) return;
+  throw InputError("--duration",
+                   fmt::format("ends after {:g} s, before the sound arrives after {:.3f} s",
+                               options.trace.duration_s, first_s),
+                   fmt::format("use --duration {:.1f} or more", first_s + 0.1));
+}
+
+void warn_of_early_end(const earpoint::PointResponse& response, double duration_s) {
+  const earpoint::ResponseEnd end = earpoint::response_end(response, duration_s);
+  if (end.level_db <= -60.0 || duration_s >= kLongest_s) return;
+  const double wanted_s = std::min(kLongest_s, std::ceil(10.0 * end.needed_s) / 10.0);
+  fmt::print(stderr, "earpoint: warning: the response ends at {:.0f} dB; use {}\n", end.level_db,
+             std::isfinite(end.needed_s) ? fmt::format("--duration {:g}", wanted_s)
+                                         : "a longer --duration");
 }
 
 bool is_silent(const earpoint::PointResponse& response) {
@@ -93,17 +123,22 @@ bool is_silent(const earpoint::PointResponse& response) {
   return true;
 }
 
+// The ears, where there are any: read before anything is traced.
+std::optional<earpoint::HrtfSet> load_ears(const Options& options) {
+  if (options.mono || options.ambisonics) return std::nullopt;
+  return options.hrtf ? earpoint::HrtfSet::load(*options.hrtf, options.rate_hz)
+                      : earpoint::HrtfSet::load(options.rate_hz);
+}
+
 earpoint::Waveform render(const Options& options, const earpoint::ResponseRenderer& renderer,
                           const earpoint::PointResponse& response,
-                          const earpoint::Quaternion& world_from_listener) {
-  if (options.mono) return renderer.mono(response, 0);
+                          const earpoint::Quaternion& world_from_listener,
+                          const std::optional<earpoint::HrtfSet>& ears) {
   if (options.ambisonics) {
     return renderer.ambisonic(response, world_from_listener, *options.ambisonics, 0);
   }
-  const earpoint::HrtfSet hrtf = options.hrtf
-                                     ? earpoint::HrtfSet::load(*options.hrtf, options.rate_hz)
-                                     : earpoint::HrtfSet::load(options.rate_hz);
-  return renderer.binaural(response, world_from_listener, hrtf, 0);
+  return ears ? renderer.binaural(response, world_from_listener, *ears, 0)
+              : renderer.mono(response, 0);
 }
 
 void run(const Options& options) {
@@ -111,16 +146,22 @@ void run(const Options& options) {
   const auto start = std::chrono::steady_clock::now();
   earpoint::Source source{.world_from_source = parse_pose("--source", options.source)};
   if (options.directivity == "speech") source.directivity = earpoint::speech_directivity();
-  const earpoint::Pose listener = parse_pose("--listener", options.listener);
-  if (norm(listener.position_m - source.world_from_source.position_m) < 1e-3) {
+  earpoint::Pose listener = parse_pose("--listener", options.listener);
+  earpoint::Vector3& source_m = source.world_from_source.position_m;
+  const double distance_m = norm(listener.position_m - source_m);
+  if (distance_m < 1e-3) {
     throw InputError("--listener", "stands where the source is", "move one of them");
   }
+  const std::optional<earpoint::HrtfSet> ears = load_ears(options);
   const NamedScene named = read_scene(options.scene);
   for (const std::string& warning : named.warnings) {
     fmt::print(stderr, "earpoint: {}: {}\n", options.scene.file.string(), warning);
   }
-  check_place("--source", source.world_from_source.position_m, named.scene);
-  check_place("--listener", listener.position_m, named.scene);
+  check_place("--source", source_m, named);
+  check_place("--listener", listener.position_m, named);
+  check_long_enough(options, distance_m);
+  source_m = source_m - named.origin_m;
+  listener.position_m = listener.position_m - named.origin_m;
   const earpoint::AcousticScene scene(named.scene);
 
   const int jobs = options.jobs > 0 ? options.jobs : earpoint::available_cores();
@@ -134,8 +175,10 @@ void run(const Options& options) {
   const earpoint::ResponseRenderer renderer({.sample_rate_hz = options.rate_hz,
                                              .duration_s = options.trace.duration_s,
                                              .seed = options.trace.seed});
-  earpoint::write_sound(options.output, render(options, renderer, response, listener.orientation),
+  earpoint::write_sound(options.output,
+                        render(options, renderer, response, listener.orientation, ears),
                         earpoint::SampleFormat::float32);
+  warn_of_early_end(response, options.trace.duration_s);
   const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - start;
   if (options.report) {
     const earpoint::Waveform mono = renderer.mono(response, 0);
@@ -151,7 +194,7 @@ void add_physics(CLI::App& command, Options& options) {
   command.add_option("--duration", trace.duration_s, "Length of the response, seconds")
       ->capture_default_str();
   command.add_option("--seed", trace.seed, "The same seed gives the same response")
-      ->check(CLI::NonNegativeNumber)
+      ->check(whole_number())
       ->capture_default_str();
   command.add_option("--temperature", trace.air.temperature_celsius, "Of the air, degrees Celsius")
       ->capture_default_str();

@@ -112,13 +112,89 @@ TEST_F(TraceCommand, SameSeedGivesTheSameBytesForAnyNumberOfJobs) {
 }
 
 TEST_F(TraceCommand, RefusesBadArgumentsInOneLine) {
-  EXPECT_EQ(refusal("500", "0"), "earpoint: --rays: expected 1 or more, found 0\n");
-  EXPECT_EQ(refusal("0.4", "-1"),
-            "earpoint: --duration: expected more than 0 and at most 30 s, found -1\n");
+  EXPECT_EQ(refusal("500", "0"), "earpoint: --rays: expected 1 to 100000000, found 0\n");
+  for (const char* duration : {"-1", "1e-9", "0.005", "31", "nan"}) {
+    EXPECT_NE(refusal("0.4", duration).find("--duration: expected 0.01 to 30, found "),
+              std::string::npos)
+        << duration;
+  }
+  EXPECT_EQ(refusal(arguments({"--rate", "2000000000"})),
+            "earpoint: --rate: expected 8000 to 192000, found 2000000000\n");
+  EXPECT_EQ(refusal(arguments({"--seed", "-1"})),
+            "earpoint: --seed: expected a whole number of 0 or more, found '-1'; --help tells "
+            "more\n");
   EXPECT_NE(refusal(arguments({"--temperature", "400"})).find("temperature"), std::string::npos);
   EXPECT_EQ(refusal(arguments({"--mono", "--hrtf", "head.sofa"})),
             "earpoint: --mono: a single microphone has no HRTF; leave out --mono or --hrtf\n");
   EXPECT_NE(refusal(arguments({"--hrtf", "nothing.sofa"})).find("nothing.sofa"), std::string::npos);
+}
+
+TEST_F(TraceCommand, RefusesAResponseThatEndsBeforeTheSoundComes) {
+  // 50 m take 146 ms.
+  EXPECT_EQ(refusal({"trace", "--shoebox", "60,5,3", "--source", "1,1,1", "--listener", "51,1,1",
+                     "--duration", "0.1", "-o", output_}),
+            "earpoint: --duration: ends after 0.1 s, before the sound arrives after 0.146 s; use "
+            "--duration 0.2 or more\n");
+}
+
+TEST_F(TraceCommand, WarnsWhereTheResponseIsCutOff) {
+  const auto warning = [&](const std::string& room) {
+    std::vector<std::string> all = arguments({"--mono"});
+    std::replace(all.begin(), all.end(), std::string("6,5,3,absorption=0.3,scattering=0.4"), room);
+    const ProgramOutcome outcome = run_earpoint(all);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
+    return outcome.errors;
+  };
+  EXPECT_EQ(warning("6,5,3,absorption=0.9,scattering=0.4"), "");
+  const std::string line = warning("6,5,3,absorption=0.1,scattering=0.4");
+  EXPECT_EQ(line.find("earpoint: warning: the response ends at -"), 0U) << line;
+  const std::string flag = "use --duration ";
+  ASSERT_NE(line.find(flag), std::string::npos) << line;
+  // Eyring's time is 1 s; -60 dB under the loudest is a little earlier or later.
+  EXPECT_NEAR(std::stod(line.substr(line.find(flag) + flag.size())), 1.1, 0.35) << line;
+}
+
+TEST_F(TraceCommand, SaysThatASourceIsOutsideOfTheWallsOrInOne) {
+  // A room of 5 x 4 x 3 m with a garden wall 10 m away.
+  const std::string model = (folder_ / "garden.obj").string();
+  earpoint::write_file(model, std::string_view("v 0 0 0\nv 5 0 0\nv 5 4 0\nv 0 4 0\nv 0 0 3\n"
+                                               "v 5 0 3\nv 5 4 3\nv 0 4 3\nv 15 0 0\nv 15 4 0\n"
+                                               "v 15 4 3\ng brick\nf 1 2 3 4\nf 5 6 7 8\n"
+                                               "f 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n"
+                                               "f 9 10 11\n"));
+  const auto with_source = [&](const std::string& source) {
+    return refusal({"trace", model, "--up", "z", "--source", source, "--listener", "2,2,1.5",
+                    "--rays", "500", "-o", output_});
+  };
+  EXPECT_NE(with_source("10,2,1.5").find("the source: is outside of the walls"), std::string::npos);
+  EXPECT_NE(with_source("5,2,1.5").find("the source: lies on a surface"), std::string::npos);
+}
+
+TEST_F(TraceCommand, TracesAModelInTheCoordinatesOfALandSurvey) {
+  // A room of 5 x 4 x 3 m whose corner lies far from the origin.
+  std::string text;
+  for (const int z : {100, 103}) {
+    for (const auto& [x, y] : {std::pair{0, 0}, {5, 0}, {5, 4}, {0, 4}}) {
+      text += fmt::format("v {} {} {}\n", 500000 + x, 5800000 + y, z);
+    }
+  }
+  const std::string model = (folder_ / "survey.obj").string();
+  earpoint::write_file(model, text +
+                                  "g brick\nf 1 2 3 4\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\n"
+                                  "f 3 4 8 7\nf 4 1 5 8\n");
+  const ProgramOutcome outcome = run_earpoint(
+      {"trace", model, "--up", "z", "--source", "500001,5800002,101.5", "--listener",
+       "500003,5800002,101.5", "--duration", "0.1", "--rays", "200", "--report", "-o", output_});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
+  EXPECT_NE(outcome.output.find("distance 2.000 m"), std::string::npos) << outcome.output;
+  EXPECT_NE(outcome.errors.find("only good to 0.5 m"), std::string::npos) << outcome.errors;
+  const ProgramOutcome outside =
+      run_earpoint({"trace", model, "--up", "z", "--source", "1,2,1.5", "--listener",
+                    "500003,5800002,101.5", "--duration", "30", "-o", output_});
+  EXPECT_EQ(outside.exit_code, 2);
+  EXPECT_NE(outside.errors.find("which spans x 500000 to 500005, y 5800000 to 5800004"),
+            std::string::npos)
+      << outside.errors;
 }
 
 TEST_F(TraceCommand, TracesAModelFileWithItsOptions) {
