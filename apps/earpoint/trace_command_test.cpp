@@ -334,4 +334,88 @@ TEST_F(TraceCommand, RefusesPlacesThatMakeNoSense) {
             std::string::npos);
 }
 
+class TraceMotionCommand : public TraceCommand {
+ protected:
+  void SetUp() override {
+    TraceCommand::SetUp();
+    path_ = (folder_ / "walk.csv").string();
+    earpoint::write_file(path_, std::string_view("time_s,x,y,z,yaw_deg,pitch_deg,roll_deg\n"
+                                                 "0,5,2.5,1.5,0,0,0\n"
+                                                 "0.5,1,2.5,1.5,90,0,0\n"));
+  }
+
+  [[nodiscard]] static std::vector<std::string> with(std::vector<std::string> more) {
+    std::vector<std::string> all = {
+        "trace",  "--shoebox", "6,5,3,absorption=0.9,scattering=0.4", "--duration", "0.2",
+        "--rays", "200"};
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+  }
+
+  std::string path_;
+};
+
+TEST_F(TraceMotionCommand, WritesAFolderOfResponsesAlongAPath) {
+  const std::string folder = (folder_ / "responses").string();
+  const std::vector<std::string> all = with(
+      {"--source", "3,4,1.5", "--listener-path", path_, "--step", "0.25", "--mono", "-o", folder});
+  const ProgramOutcome outcome = run_earpoint(all);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
+  EXPECT_EQ(earpoint::read_text_file(fs::path(folder) / "index.csv"),
+            "file,time_s,source_x,source_y,source_z,source_yaw_deg,source_pitch_deg,"
+            "source_roll_deg,listener_x,listener_y,listener_z,listener_yaw_deg,listener_pitch_deg,"
+            "listener_roll_deg\n"
+            "00000.wav,0,3,4,1.5,0,0,0,5,2.5,1.5,0,0,0\n"
+            "00001.wav,0.25,3,4,1.5,0,0,0,3,2.5,1.5,45,0,0\n"
+            "00002.wav,0.5,3,4,1.5,0,0,0,1,2.5,1.5,90,0,0\n");
+  // 2.5, 1.5 and 2.5 m at 343.2 m/s.
+  const double distances_m[] = {2.5, 1.5, 2.5};
+  for (int i = 0; i < 3; ++i) {
+    const earpoint::Waveform response =
+        earpoint::read_sound(fs::path(folder) / fmt::format("{:05}.wav", i));
+    EXPECT_EQ(response.samples(), 3200);
+    const std::span<const float> samples = response.channel(0);
+    const auto peak = std::max_element(samples.begin(), samples.end()) - samples.begin();
+    EXPECT_NEAR(static_cast<double>(peak), distances_m[i] / 343.2 * 16000, 1.0);
+  }
+  // A second time the folder stays as it is.
+  const ProgramOutcome again = run_earpoint(all);
+  EXPECT_EQ(again.exit_code, 2);
+  EXPECT_NE(again.errors.find("is there already"), std::string::npos) << again.errors;
+}
+
+TEST_F(TraceMotionCommand, PlaysASoundToAListenerWhoWalks) {
+  const std::string sound = (folder_ / "dry.wav").string();
+  earpoint::Waveform dry(1, 8820, 22050);
+  for (std::ptrdiff_t i = 0; i < dry.samples(); ++i) {
+    dry.channel(0)[i] = 0.3F * std::sin(0.2F * static_cast<float>(i));
+  }
+  earpoint::write_sound(sound, dry, earpoint::SampleFormat::float32);
+  const ProgramOutcome outcome = run_earpoint(
+      with({"--source", "3,4,1.5", "--listener-path", path_, "--sound", sound, "-o", output_}));
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
+  const earpoint::Waveform heard = earpoint::read_sound(output_);
+  EXPECT_EQ(heard.channels(), 2);
+  EXPECT_EQ(heard.sample_rate_hz(), 22050);
+  EXPECT_EQ(heard.samples(), 8820 + 4410);
+  EXPECT_GT(energy(heard.channel(0)), 0.0);
+}
+
+TEST_F(TraceMotionCommand, RefusesPathsThatLeaveTheSceneOrAreNotAlone) {
+  const auto line = [&](const std::vector<std::string>& more) { return refusal(with(more)); };
+  EXPECT_EQ(line({"--listener-path", path_, "-o", output_}),
+            "earpoint: --source: is missing; give it or --source-path\n");
+  EXPECT_EQ(
+      line({"--source", "3,4,1.5", "--listener", "1,1,1", "--listener-path", path_, "-o", output_}),
+      "earpoint: --listener-path: stands beside --listener; give one of the two\n");
+  earpoint::write_file(path_, std::string_view("time_s,x,y,z,yaw_deg,pitch_deg,roll_deg\n"
+                                               "0,5,2.5,1.5,0,0,0\n1,5,6.5,1.5,0,0,0\n"));
+  EXPECT_NE(line({"--source", "3,4,1.5", "--listener-path", path_, "-o", output_})
+                .find("--listener-path: at 0.7 s: (5, 5.3, 1.5) is outside"),
+            std::string::npos);
+  EXPECT_NE(line({"--source", "3,4,1.5", "--listener-path", "none.csv", "-o", output_})
+                .find("none.csv: no such file"),
+            std::string::npos);
+}
+
 }  // namespace
