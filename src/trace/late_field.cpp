@@ -49,8 +49,23 @@ LateField::LateField(const ResponseShape& shape, std::uint64_t seed)
       bank_(shape.sample_rate_hz, shape.fft_size),
       edge_(spectrum_edge(bank_.bins())),
       overlap_(bank_),
-      pool_(shape.sample_rate_hz, RandomStream(seed, {kPoolKey}).next()),
+      pool_(shape.sample_rate_hz, shape.samples, RandomStream(seed, {kPoolKey}).next()),
       seed_(seed) {}
+
+// Sectors read the pool so far apart that the ear does not join what two of them have in common
+// (a fifth of a stride, 50 ms at 16 kHz, or more), and at uneven distances, so that no echo adds up.
+LateField::SectorOffsets LateField::sector_offsets(std::uint64_t stream) const {
+  constexpr double kUneven = 0.8;
+  RandomStream random(seed_, {kOffsetKey, stream});
+  const auto start = static_cast<double>(random.index(pool_.size()));
+  const double stride = static_cast<double>(pool_.size()) / kSectors;
+  SectorOffsets offsets;
+  for (int sector = 0; sector < kSectors; ++sector) {
+    const double place = start + stride * (sector + kUneven * random.uniform());
+    offsets[sector] = static_cast<std::ptrdiff_t>(place) % pool_.size();
+  }
+  return offsets;
+}
 
 void LateField::add_noise(const EnergyHistogram& late, int sector, std::ptrdiff_t offset,
                           std::span<float> signal) const {
@@ -103,9 +118,7 @@ void LateField::add_binaural(const EnergyHistogram& late, const Quaternion& worl
   const double bin_samples = late.bin_s() * shape_.sample_rate_hz;
   const SectorHeads heads(shape_.sample_rate_hz, world_from_listener, hrtf);
   SectorMix mix(heads, shape_.samples);
-  // Every sector has its own stretch of the pool, so that the sectors' noises are independent.
-  RandomStream random(seed_, {kOffsetKey, stream});
-  const auto start = static_cast<std::ptrdiff_t>(random.index(pool_.size()));
+  const SectorOffsets offsets = sector_offsets(stream);
   std::vector<BandArray> expected(late.bins());
   std::vector<float> signal(shape_.samples);
   for (int sector = 0; sector < kSectors; ++sector) {
@@ -117,7 +130,7 @@ void LateField::add_binaural(const EnergyHistogram& late, const Quaternion& worl
       }
     }
     std::fill(signal.begin(), signal.end(), 0.0F);
-    add_noise(late, sector, (start + sector * (pool_.size() / kSectors)) % pool_.size(), signal);
+    add_noise(late, sector, offsets[sector], signal);
     mix.add(sector, signal);
   }
   std::vector<std::vector<float>> noise = mix.ears();
@@ -131,14 +144,13 @@ void LateField::add_ambisonic(const EnergyHistogram& late, std::span<const Arriv
                               std::uint64_t stream, std::span<std::vector<float>> channels) const {
   const Quaternion listener_from_world = conjugate(world_from_listener);
   const double bin_samples = late.bin_s() * shape_.sample_rate_hz;
-  RandomStream random(seed_, {kOffsetKey, stream});
-  const auto start = static_cast<std::ptrdiff_t>(random.index(pool_.size()));
+  const SectorOffsets offsets = sector_offsets(stream);
   std::vector<std::vector<float>> noise(channels.size(), std::vector<float>(shape_.samples));
   std::vector<float> signal(shape_.samples);
   std::vector<float> gains(channels.size());
   for (int sector = 0; sector < kSectors; ++sector) {
     std::fill(signal.begin(), signal.end(), 0.0F);
-    add_noise(late, sector, (start + sector * (pool_.size() / kSectors)) % pool_.size(), signal);
+    add_noise(late, sector, offsets[sector], signal);
     encode_ambisonics(rotate(listener_from_world, sector_direction(sector)), order, gains);
     for (std::size_t c = 0; c < channels.size(); ++c) {
       for (int i = 0; i < shape_.samples; ++i) noise[c][i] += gains[c] * signal[i];

@@ -147,7 +147,9 @@ TraceResult trace(const AcousticScene& scene, std::span<const Source> sources,
   ArrivalFinder finder(geometry, listeners, options, setup.mirrors);
   for (std::size_t i = 0; i < sources.size(); ++i) {
     WalkTally& tally = tallies[i];
-    result.escape_fraction.push_back(tally.emitted > 0.0 ? tally.escaped / tally.emitted : 0.0);
+    // Rays that were thinned out stand for others too: a few of them may add up to a little more.
+    result.escape_fraction.push_back(
+        tally.emitted > 0.0 ? std::min(1.0, tally.escaped / tally.emitted) : 0.0);
     check_escape(geometry, sources[i].world_from_source.position_m, result.escape_fraction.back(),
                  options.max_escape_fraction);
     result.rays_cast += tally.rays_cast;
