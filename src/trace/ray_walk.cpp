@@ -56,6 +56,8 @@ struct Lane {
   Float3 origin{};
   Float3 direction{};
   LayerMask mask = kAllLayers;
+  const BounceFacet* entered = nullptr;  // the face through which it came into a wall
+  bool passing = false;                  // it has just met that wall's other side
   BandArray energy{};
   RandomStream random{0};
 };
@@ -116,6 +118,7 @@ class Walk {
   void note_alive(const Lane& lane, float distance_m);
   [[nodiscard]] float weight(const Lane& lane) const;
   void branch(int index);
+  void go_through(Lane& lane, int index);
   void turn(Lane& lane, int index);
   void mirror(Lane& lane, int index);
   void deposit(std::size_t listener, float distance_m, const Float3& towards,
@@ -255,6 +258,10 @@ void Walk::advance(int index) {
     lane.origin[axis] += distance_m * lane.direction[axis];
   }
   lane.alive = lane.travelled_m < max_distance_m_;
+  const float across_m = distance_m * std::abs(dot(lane.direction, facet.normal));
+  lane.passing = lane.entered != nullptr &&
+                 SceneGeometry::is_other_side(*lane.entered, facet, static_cast<double>(across_m));
+  lane.entered = nullptr;
 }
 
 // Counts a ray that came off a mirror where it passes through the sphere around a listener: the
@@ -294,7 +301,7 @@ void Walk::send_diffuse(std::size_t listener) {
   for (int i = 0; i < kPacketSize; ++i) {
     packet_.valid[i] = 0;
     const Lane& lane = lanes_[i];
-    if (!lane.alive) continue;
+    if (!lane.alive || lane.passing) continue;
     for (int axis = 0; axis < 3; ++axis) towards[i][axis] = lane.origin[axis] - ear.position[axis];
     const float squared = dot(towards[i], towards[i]);
     distances_m[i] = std::sqrt(squared);
@@ -367,6 +374,10 @@ float Walk::weight(const Lane& lane) const {
 // After a bounce the ray goes on, alone, in several parts, or not at all.
 void Walk::branch(int index) {
   Lane& lane = lanes_[index];
+  if (lane.passing) {
+    go_through(lane, index);
+    return;
+  }
   int parts = 1;
   if (task_.expected != nullptr) {
     const float before = weight(lane);
@@ -380,6 +391,10 @@ void Walk::branch(int index) {
     if (copy.alive) waiting_.push_back(copy);
   }
   turn(lane, index);
+}
+
+void Walk::go_through(Lane& lane, int index) {
+  for (int axis = 0; axis < 3; ++axis) lane.origin[axis] -= offset_m_ * normals_[index][axis];
 }
 
 // Draws how the ray goes on, and weighs it so that each band keeps its energy on average.
@@ -413,7 +428,8 @@ void Walk::turn(Lane& lane, int index) {
     mirror(lane, index);
   } else {
     weigh(lane, surface.transmitted, all / transmitted);
-    for (int axis = 0; axis < 3; ++axis) lane.origin[axis] -= offset_m_ * normals_[index][axis];
+    go_through(lane, index);
+    lane.entered = &facet;
     lane.chain.leave();
     if (lane.leg == Leg::mirrored) lane.leg = Leg::specular;
   }
