@@ -47,6 +47,11 @@ TEST(TraceGates, EnergyDoesNotDependOnTheNumberOfRays) {
 
 TEST(TraceGates, LeftIsLeftFrontIsFrontAndAboveIsAbove) { expect_passed(gates::ear_gate()); }
 
+TEST(TraceGates, SoundsNearByAndOnTheMoveAreRight) {
+  ThreadPool pool(available_cores());
+  expect_passed(gates::motion_gate(pool));
+}
+
 TEST(TraceGates, SoundBendsRoundADoor) {
   ThreadPool pool(available_cores());
   expect_passed(gates::diffraction_gate(pool));

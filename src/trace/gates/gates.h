@@ -40,6 +40,9 @@ std::vector<GateRow> uneven_gate(ThreadPool& pool, Effort effort);
 /// The default HRTF: left and right, front and back, above and below, turns of the head.
 std::vector<GateRow> ear_gate();
 
+/// A lone arrival's ringing, a source near the head, a source that moves.
+std::vector<GateRow> motion_gate(ThreadPool& pool);
+
 /// A wall with an open door, a closed one, and none; the level behind it against the uniform theory
 /// of diffraction.
 std::vector<GateRow> diffraction_gate(ThreadPool& pool);
