@@ -65,7 +65,7 @@ void run_still(const TraceSetup& options) {
   }
 }
 
-void run(TraceSetup options, bool rate_given) {
+void run(const TraceSetup& options, bool rate_given) {
   check_trace_setup(options);
   const bool moves = !options.source_path.empty() || !options.listener_path.empty();
   if (moves || !options.sound.empty()) {

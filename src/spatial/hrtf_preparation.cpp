@@ -229,8 +229,8 @@ void equalize_diffuse_field(HrtfResponses& set) {
 
   // Filter, and fade the last eighth out: the low end would ring on. Only the filter's first `taps`
   // samples reach what is kept.
-  HrtfResponses equalized{
-      set.sample_rate_hz, taps, set.distance_m, set.directions, {}, set.onsets, set.shares};
+  HrtfResponses equalized{set.sample_rate_hz, taps,      set.distance_m, set.directions, {},
+                          set.onsets,         set.shares};
   equalized.responses.resize(set.directions.size() * 2 * taps);
   std::vector<double> impulse(fft.size());
   fft.inverse(filter, impulse);
@@ -276,8 +276,8 @@ void change_rate(HrtfResponses& set, int sample_rate_hz) {
   RealFft<double> fft_out(sample_rate_hz / divisor * repeats);
   const int bins = std::min(fft_in.bins(), fft_out.bins());
 
-  HrtfResponses resampled{sample_rate_hz, 0, set.distance_m, set.directions, {}, set.onsets,
-                          set.shares};
+  HrtfResponses resampled{sample_rate_hz, 0,         set.distance_m, set.directions, {},
+                          set.onsets,     set.shares};
   const double ratio = static_cast<double>(sample_rate_hz) / set.sample_rate_hz;
   for (auto& onsets : resampled.onsets) {
     for (double& onset : onsets) onset = (onset + lead_in) * ratio;

@@ -27,7 +27,8 @@ DelayedReader::DelayedReader() {
   kernel_.reserve(static_cast<std::size_t>(kPhases + 1) * kTaps);
   for (int phase = 0; phase <= kPhases; ++phase) {
     for (int tap = 0; tap < kTaps; ++tap) {
-      const double x = tap - (kTaps / 2 - 1) - static_cast<double>(phase) / kPhases;
+      const int away = tap - (kTaps / 2 - 1);
+      const double x = away - static_cast<double>(phase) / kPhases;
       kernel_.push_back(static_cast<float>(kernel(x)));
     }
   }

@@ -53,7 +53,8 @@ LateField::LateField(const ResponseShape& shape, std::uint64_t seed)
       seed_(seed) {}
 
 // Sectors read the pool so far apart that the ear does not join what two of them have in common
-// (a fifth of a stride, 50 ms at 16 kHz, or more), and at uneven distances, so that no echo adds up.
+// (a fifth of a stride, 50 ms at 16 kHz, or more), and at uneven distances, so that no echo adds
+// up.
 LateField::SectorOffsets LateField::sector_offsets(std::uint64_t stream) const {
   constexpr double kUneven = 0.8;
   RandomStream random(seed_, {kOffsetKey, stream});

@@ -114,8 +114,8 @@ TEST(Tracer, WallsPassWhatTheyTransmitAndNoMore) {
 }
 
 TEST(Tracer, TransmittedSoundIsScatteredBehindTheWallToo) {
-  // Behind a wall that passes a quarter, a diffuse floor sends a quarter of what it sends without the
-  // wall, whose two faces count once.
+  // Behind a wall that passes a quarter, a diffuse floor sends a quarter of what it sends without
+  // the wall, whose two faces count once.
   Scene open = open_air();
   add_block(open, {1, -20, -2}, {20, 20, -1}, material(0.0F, 1.0F));
   Scene walled = open;

@@ -133,10 +133,12 @@ std::vector<GateRow> reverberation_gate(ThreadPool& pool) {
     const Source from = omni(source);
     const TraceResult traced = trace(scene, {&from, 1}, listeners, options, pool);
     const ResponseRenderer renderer({.sample_rate_hz = kRate_hz, .duration_s = options.duration_s});
+    // A fast decay holds few periods of a low band: more draws of its noise.
+    const std::uint64_t draws = absorption < 0.3F ? 4 : 24;
     std::vector<Waveform> responses;
     for (std::size_t i = 0; i < listeners.size(); ++i) {
-      for (std::uint64_t draw = 0; draw < 4; ++draw) {
-        responses.push_back(renderer.mono(traced.responses[0][i], 4 * i + draw));
+      for (std::uint64_t draw = 0; draw < draws; ++draw) {
+        responses.push_back(renderer.mono(traced.responses[0][i], draws * i + draw));
       }
     }
     const auto decays = particle_decays(box, static_cast<double>(absorption), source, listeners,
