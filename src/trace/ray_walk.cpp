@@ -1,5 +1,6 @@
 #include "ray_walk.h"
 
+#include "ray_lane.h"
 #include "sphere_points.h"
 
 #include <algorithm>
@@ -12,8 +13,6 @@
 
 namespace earpoint {
 namespace {
-
-using Float3 = std::array<float, 3>;
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
@@ -30,70 +29,12 @@ constexpr float kWindow = 2.0F;
 constexpr float kLeastGoingOn = 0.01F;  // of rays with too little, this share at least
 constexpr int kMostParts = 16;          // of one ray, at one bounce
 
-float dot(const Float3& a, const Float3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-float sum(const BandArray& bands) {
-  float total = 0.0F;
-  for (const float band : bands) total += band;
-  return total;
-}
-
-// What has happened to a ray so far: decides who counts its energy at a listener.
-enum class Leg {
-  direct,    // straight from the source: an arrival
-  mirrored,  // off mirrors only: an arrival, within the limits of `MirrorLimits`
-  specular,  // off a mirror last: counted at the sphere
-  diffuse,   // off a diffuse reflection last: already sent to the listeners
-};
-
-struct Lane {
-  bool alive = false;
-  Leg leg = Leg::direct;
-  int bounces = 0;
-  MirrorChain chain;
-  float travelled_m = 0.0F;  // to `origin`
-  float turned_m = 0.0F;     // to the last diffuse reflection, or 0
-  float first_energy = 0.0F;
-  Float3 origin{};
-  Float3 direction{};
-  LayerMask mask = kAllLayers;
-  const BounceFacet* entered = nullptr;  // the face through which it came into a wall
-  bool passing = false;                  // it has just met that wall's other side
-  BandArray energy{};
-  RandomStream random{0};
-};
-
 // A listener's sphere, for what comes off mirrors.
 struct Ear {
   Float3 position{};
   float radius_m = 0.0F;
   float per_volume = 0.0F;
 };
-
-// A point drawn evenly from the unit sphere's surface (Marsaglia, 1972).
-Float3 random_direction(RandomStream& random) {
-  for (;;) {
-    const auto x = static_cast<float>(random.uniform(-1.0, 1.0));
-    const auto y = static_cast<float>(random.uniform(-1.0, 1.0));
-    const float squared = x * x + y * y;
-    if (squared >= 1.0F) continue;
-    const float scale = 2.0F * std::sqrt(1.0F - squared);
-    return {x * scale, y * scale, 1.0F - 2.0F * squared};
-  }
-}
-
-// Lambert's law about a normal: a point of the unit sphere that touches the surface from above.
-Float3 diffuse_direction(const Float3& normal, RandomStream& random) {
-  const Float3 point = random_direction(random);
-  Float3 direction = {normal[0] + point[0], normal[1] + point[1], normal[2] + point[2]};
-  const float length = std::sqrt(dot(direction, direction));
-  if (length < 1e-4F) return normal;
-  for (float& component : direction) component /= length;
-  return direction;
-}
-
-void weigh(Lane& lane, const BandArray& shares, float scale) {
-  for (int band = 0; band < kOctaveBands; ++band) lane.energy[band] *= shares[band] * scale;
-}
 
 // Russian roulette: the energy stays the same on average. The ray counts as fresh afterwards.
 void thin_out(Lane& lane) {
