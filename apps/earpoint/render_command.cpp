@@ -204,6 +204,9 @@ std::string resolve_model(const std::string& word) {
 void run_render(RenderArguments arguments) {
   const bool takes_default = arguments.model.empty();
   arguments.model = resolve_model(arguments.model);
+  if (!arguments.hrtf.empty() && arguments.model != "dsp") {
+    throw InputError("--hrtf", "only --model dsp takes head filters", "leave it out");
+  }
   const std::vector<EarpointPath> paths = parse_targets(arguments);
   const RenderSource source = parse_source(arguments.source);
   std::vector<RenderTarget> targets;

@@ -54,6 +54,13 @@ class SceneGeometry {
   /// @return whether anything arrives
   bool transmit(const Vector3& from, const Vector3& to, LayerMask mask, BandArray& energy) const;
 
+  /// Walls that let sound through are modelled by one face or by two. Of two faces of one material,
+  /// parallel and at most 0.4 m apart, the first one that sound meets takes the whole wall's loss.
+  /// @param across_m  from the face that was passed to the next one, along their normal
+  /// @return whether the next one is the same wall's other side
+  [[nodiscard]] static bool is_other_side(const BounceFacet& passed, const BounceFacet& next,
+                                          double across_m);
+
   /// @return the layers of everything but people
   [[nodiscard]] static LayerMask still_layers() { return kOpaqueLayer | kTransmissiveLayer; }
 

@@ -34,8 +34,14 @@ enum class Effort { quick, thorough };
 /// Mean and spread over the number of rays.
 std::vector<GateRow> ray_count_gate(ThreadPool& pool, Effort effort);
 
+/// Rooms whose late sound is that of a few rays: uneven absorption, a smooth corridor.
+std::vector<GateRow> uneven_gate(ThreadPool& pool, Effort effort);
+
 /// The default HRTF: left and right, front and back, above and below, turns of the head.
 std::vector<GateRow> ear_gate();
+
+/// A lone arrival's ringing, a source near the head, a source that moves.
+std::vector<GateRow> motion_gate(ThreadPool& pool);
 
 /// A wall with an open door, a closed one, and none; the level behind it against the uniform theory
 /// of diffraction.
