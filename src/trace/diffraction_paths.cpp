@@ -1,5 +1,7 @@
 #include "diffraction_paths.h"
 
+#include "wave_sum.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -21,94 +23,204 @@ std::size_t stretch_count(const DiffractionEdge& edge) {
 }
 
 bool is_in_air(const DiffractionEdge& edge, const EdgePoint& point) {
-  constexpr double kGrazing_rad = 1e-6;
-  return point.radius_m > kClearance_m && point.angle_rad > kGrazing_rad &&
-         point.angle_rad < edge.wedge.open_angle_rad - kGrazing_rad;
+  return point.radius_m > kClearance_m &&
+         point.angle_rad < edge.wedge.open_angle_rad + kOnBoundary_rad;
 }
 
-// The same sound with the source's directivity and the air's losses.
-std::optional<Arrival> finish(const Source& source, const Vector3& listener,
-                              const Vector3& leaves_to, const Vector3& comes_from,
-                              double distance_m, const BandArray& gain,
-                              const Propagation& propagation) {
-  Arrival arrival{.delay_s = distance_m / propagation.speed_m_per_s,
-                  .direction = normalized(comes_from - listener),
-                  .departure = normalized(leaves_to - source.world_from_source.position_m)};
-  const BandArray sent = sent_energy(source, arrival.departure);
-  const BandArray air = air_gain(propagation.absorption_db_per_m, distance_m);
-  float loudest = 0.0F;
-  for (int band = 0; band < kOctaveBands; ++band) {
-    arrival.gain[band] = gain[band] * std::sqrt(sent[band]) * air[band];
-    loudest = std::max(loudest, std::abs(arrival.gain[band]));
-  }
-  if (loudest < kFaint) return std::nullopt;
-  return arrival;
-}
+// One way round edges.
+struct Way {
+  double distance_m = 0.0;
+  Vector3 leaves_to;
+  Vector3 comes_from;
+  DiffractionSpectrum spectrum{};  // its phase is relative to that of a way of `distance_m`
+};
 
-std::optional<Arrival> round_one_edge(const DiffractionEdge& edge, const Source& source,
-                                      const EdgeView& from, const EdgeView& to,
-                                      const std::vector<EdgeInterval>& intervals, double longest_m,
-                                      const Propagation& propagation) {
-  const EdgePoint here = edge_point(edge, from.place());
-  const EdgePoint there = edge_point(edge, to.place());
-  if (!is_in_air(edge, here) || !is_in_air(edge, there)) return std::nullopt;
-  if (std::hypot(here.radius_m + there.radius_m, here.z_m - there.z_m) > longest_m) {
-    return std::nullopt;
-  }
+std::optional<Way> round_one_edge(const DiffractionEdge& edge, const Vector3& source,
+                                  const Vector3& listener,
+                                  const std::vector<EdgeInterval>& intervals,
+                                  bool straight_is_free, double speed_m_per_s) {
+  if (intervals.empty()) return std::nullopt;
   const DiffractedSound sound =
-      diffract(edge.wedge, here, there, intervals, propagation.speed_m_per_s);
-  if (sound.distance_m > longest_m) return std::nullopt;
+      diffract(edge.wedge, edge_point(edge, source), edge_point(edge, listener), intervals,
+               straight_is_free, speed_m_per_s);
   const Vector3 apex = point_on_edge(edge, sound.apex_z_m, 0.0);
-  return finish(source, to.place(), apex, apex, sound.distance_m, sound.gain, propagation);
+  return Way{sound.distance_m, apex, apex, sound.spectrum};
 }
 
-// Over the end of a wall that is as thick as `pair.width_m`: the first edge's sound runs along the
-// face between the edges and is the second edge's source. On a face the incident and the reflected
-// wave are one, and each edge counts both: half the product.
-std::optional<Arrival> round_two_edges(const SceneGeometry& scene, const EdgePair& pair,
-                                       const Source& source, const EdgeView& from,
-                                       const EdgeView& to, const Propagation& propagation) {
-  const DiffractionEdge& first = scene.edges()[pair.first];
-  const DiffractionEdge& second = scene.edges()[pair.second];
-  const EdgePoint here = edge_point(first, from.place());
-  const EdgePoint there = edge_point(second, to.place());
-  if (!is_in_air(first, here) || !is_in_air(second, there)) return std::nullopt;
+// A place as a pair of edges has it.
+struct PairPlace {
+  std::array<FacePoint, 2> points;
+  std::array<double, 2> z_m{};          // along either edge
+  std::vector<EdgeInterval> intervals;  // in sight, of the nearer edge, along the first one
+};
 
-  // Both edges' z run the same way from different origins; unfolded, the way is straight.
-  const double there_z = pair.first_from_second_z(there.z_m);
-  const double across_m = here.radius_m + pair.width_m + there.radius_m;
-  const double slope = (there_z - here.z_m) / across_m;
-  const double first_z = here.z_m + slope * here.radius_m;
-  const double second_z_in_first = here.z_m + slope * (here.radius_m + pair.width_m);
-  const double second_z = pair.second_from_first_z(second_z_in_first);
-  if (first_z < 0.0 || first_z > first.length_m) return std::nullopt;
-  if (second_z < 0.0 || second_z > second.length_m) return std::nullopt;
-  // Where one edge is enough, one edge has been counted.
-  if (!from.sees(pair.first, first_z) || from.sees(pair.second, second_z)) return std::nullopt;
-  if (!to.sees(pair.second, second_z) || to.sees(pair.first, first_z)) return std::nullopt;
-  if (scene.rays().occluded(point_on_edge(first, first_z, kClearance_m),
-                            point_on_edge(second, second_z, kClearance_m), scene.still_layers())) {
-    return std::nullopt;
+std::optional<PairPlace> place_at(const SceneGeometry& scene, const EdgePair& pair,
+                                  const EdgeView& view) {
+  PairPlace place;
+  int nearest = -1;
+  for (int which = 0; which < 2; ++which) {
+    const DiffractionEdge& edge = scene.edges()[pair.edges[which]];
+    const EdgePoint point = edge_point(edge, view.place());
+    place.z_m[which] = point.z_m;
+    if (!view.sees(pair.edges[which])) continue;
+    place.points[which] = {.in_sight = true,
+                           .radius_m = point.radius_m,
+                           .angle_rad = std::abs(point.angle_rad - pair.face_angle_rad[which])};
+    if (nearest < 0 || point.radius_m < place.points[nearest].radius_m) nearest = which;
   }
+  if (nearest < 0) return std::nullopt;
+  for (const EdgeInterval& interval : view.intervals(pair.edges[nearest])) {
+    const double a = pair.first_z(nearest, interval.begin_m);
+    const double b = pair.first_z(nearest, interval.end_m);
+    place.intervals.push_back({std::min(a, b), std::max(a, b)});
+  }
+  if (nearest == 1 && pair.z_sign < 0.0) {
+    std::reverse(place.intervals.begin(), place.intervals.end());
+  }
+  return place;
+}
 
-  const double speed = propagation.speed_m_per_s;
-  const std::vector<EdgeInterval> first_in_sight = from.intervals(pair.first);
-  const std::vector<EdgeInterval> second_in_sight = to.intervals(pair.second);
-  const DiffractedSound onto =
-      diffract(first.wedge, here, {pair.width_m, pair.first_angle_rad, second_z_in_first},
-               first_in_sight, speed);
-  const double source_m = here.radius_m + pair.width_m;
-  const double source_z = pair.second_from_first_z(here.z_m);
-  const DiffractedSound off = diffract(second.wedge, {source_m, pair.second_angle_rad, source_z},
-                                       there, second_in_sight, speed);
-  const auto incident_m = static_cast<float>(std::hypot(source_m, second_z_in_first - here.z_m));
-  BandArray gain;
-  for (int band = 0; band < kOctaveBands; ++band) {
-    gain[band] = 0.5F * onto.gain[band] * off.gain[band] * incident_m;
+std::vector<EdgeInterval> overlap(const std::vector<EdgeInterval>& a,
+                                  const std::vector<EdgeInterval>& b) {
+  std::vector<EdgeInterval> both;
+  for (const EdgeInterval& x : a) {
+    for (const EdgeInterval& y : b) {
+      const EdgeInterval shared{std::max(x.begin_m, y.begin_m), std::min(x.end_m, y.end_m)};
+      if (shared.begin_m < shared.end_m) both.push_back(shared);
+    }
   }
-  return finish(source, to.place(), point_on_edge(first, first_z, 0.0),
-                point_on_edge(second, second_z, 0.0), std::hypot(across_m, there_z - here.z_m),
-                gain, propagation);
+  return both;
+}
+
+std::optional<Way> over_face(const SceneGeometry& scene, const EdgePair& pair, const EdgeView& from,
+                             const EdgeView& to, double speed_m_per_s) {
+  const std::optional<PairPlace> here = place_at(scene, pair, from);
+  if (!here) return std::nullopt;
+  const std::optional<PairPlace> there = place_at(scene, pair, to);
+  if (!there) return std::nullopt;
+  const std::vector<EdgeInterval> intervals = overlap(here->intervals, there->intervals);
+  if (intervals.empty()) return std::nullopt;
+
+  // The shortest way: in by one edge, out by the other; round one and back where no other is seen.
+  Way way;
+  way.distance_m = 1e9;
+  for (int in = 0; in < 2; ++in) {
+    for (int out = 0; out < 2; ++out) {
+      if (!here->points[in].in_sight || !there->points[out].in_sight) continue;
+      const double in_m = here->points[in].radius_m;
+      const double across_m =
+          in_m + there->points[out].radius_m + pair.face.width_m * (in == out ? 2.0 : 1.0);
+      const double along_m = there->z_m[0] - here->z_m[0];
+      const double distance_m = std::hypot(across_m, along_m);
+      if (distance_m >= way.distance_m) continue;
+      way.distance_m = distance_m;
+      const double slope = along_m / across_m;
+      const auto point = [&](int which, double first_z) {
+        const double z =
+            which == 0 ? first_z : pair.z_sign * (first_z - pair.z_offset_m);
+        return point_on_edge(scene.edges()[pair.edges[which]], z, 0.0);
+      };
+      way.leaves_to = point(in, here->z_m[0] + slope * in_m);
+      way.comes_from = point(out, there->z_m[0] - slope * there->points[out].radius_m);
+    }
+  }
+  way.spectrum = diffract_over_face(
+      pair.face, here->points, there->points,
+      {.source_z_m = here->z_m[0], .receiver_z_m = there->z_m[0], .intervals = intervals},
+      way.distance_m, speed_m_per_s);
+  return way;
+}
+
+// All ways round the edges of a group, as one wave by the shortest.
+std::optional<Way> round_group(const SceneGeometry& scene, const EdgeGroup& group,
+                               const EdgeView& from, const EdgeView& to, bool straight_is_free,
+                               double speed_m_per_s) {
+  std::vector<Way> ways;
+  for (const std::size_t edge : group.edges) {
+    const std::optional<Way> way =
+        round_one_edge(scene.edges()[edge], from.place(), to.place(),
+                       EdgeView::in_sight_of_both(from, to, edge), straight_is_free,
+                       speed_m_per_s);
+    if (way) ways.push_back(*way);
+  }
+  for (const std::size_t pair : group.pairs) {
+    const std::optional<Way> way =
+        over_face(scene, scene.edge_pairs()[pair], from, to, speed_m_per_s);
+    if (way) ways.push_back(*way);
+  }
+  if (ways.empty()) return std::nullopt;
+  Way sum = *std::min_element(ways.begin(), ways.end(), [](const Way& a, const Way& b) {
+    return a.distance_m < b.distance_m;
+  });
+  sum.spectrum = {};
+  for (const Way& way : ways) {
+    for (int i = 0; i < kDiffractionFrequencies; ++i) {
+      const double wave_number = 2.0 * kPi * diffraction_frequency_hz(i) / speed_m_per_s;
+      sum.spectrum[i] +=
+          way.spectrum[i] * std::polar(1.0, -wave_number * (way.distance_m - sum.distance_m));
+    }
+  }
+  return sum;
+}
+
+// An arrival without its gain.
+Arrival arrival_along(const Source& source, const Vector3& listener, const Way& way,
+                      double speed_m_per_s) {
+  return {.delay_s = way.distance_m / speed_m_per_s,
+          .direction = normalized(way.comes_from - listener),
+          .departure = normalized(way.leaves_to - source.world_from_source.position_m),
+          .gain = {}};
+}
+
+// What the source's directivity and the air leave of the pressure.
+BandArray weight_along(const Source& source, const Vector3& departure, double distance_m,
+                       const Propagation& propagation) {
+  BandArray weight = air_gain(propagation.absorption_db_per_m, distance_m);
+  const BandArray sent = sent_energy(source, departure);
+  for (int band = 0; band < kOctaveBands; ++band) weight[band] *= std::sqrt(sent[band]);
+  return weight;
+}
+
+bool is_faint(const Arrival& arrival) {
+  return std::all_of(arrival.gain.begin(), arrival.gain.end(),
+                     [](float gain) { return std::abs(gain) < kFaint; });
+}
+
+bool is_free(const SceneGeometry& scene, const Source& source, const Vector3& listener) {
+  return !scene.rays().occluded(source.world_from_source.position_m, listener,
+                                scene.mask_without(source.body));
+}
+
+// The rays' floats are this rough, seen from an edge.
+constexpr double kRounding_rad = 1e-5;
+
+// Within rounding of a shadow boundary.
+bool touches_edge(const SceneGeometry& scene, const EdgeView& from, const EdgeView& to) {
+  for (std::size_t i = 0; i < scene.edges().size(); ++i) {
+    if (!from.sees(i) || !to.sees(i)) continue;
+    const DiffractionEdge& edge = scene.edges()[i];
+    const double turn_rad = std::abs(edge_point(edge, from.place()).angle_rad -
+                                     edge_point(edge, to.place()).angle_rad);
+    if (std::abs(turn_rad - kPi) < kRounding_rad) return true;
+  }
+  return false;
+}
+
+// Where rays along a face are blocked, the listener is heard from just behind the boundary.
+std::optional<EdgeView> behind_boundary(const SceneGeometry& scene, const Source& source,
+                                        const EdgeView& from, const EdgeView& to) {
+  constexpr double kAside_m = 2e-4;
+  if (!touches_edge(scene, from, to)) return std::nullopt;
+  for (const Vector3& aside : {Vector3{1, 0, 0}, Vector3{0, 1, 0}, Vector3{0, 0, 1}}) {
+    for (const double distance_m : {kAside_m, -kAside_m}) {
+      const Vector3 place = to.place() + aside * distance_m;
+      if (is_free(scene, source, place)) continue;
+      std::int64_t rays_cast = 0;
+      EdgeView view(scene, place, kAllLayers, rays_cast);
+      if (!touches_edge(scene, from, view)) return view;
+    }
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -127,13 +239,33 @@ EdgeView::EdgeView(const SceneGeometry& scene, const Vector3& place, LayerMask m
       stretches[i] = !scene.rays().occluded(place, point_on_edge(edge, z_m, kClearance_m), mask);
     }
   }
+  for (const EdgePair& pair : scene.edge_pairs()) {
+    hide_behind(pair, 0);
+    hide_behind(pair, 1);
+  }
 }
 
-bool EdgeView::sees(std::size_t edge, double z_m) const {
+// The rays end a little off the edge, and see it from a little behind the face that hides it.
+void EdgeView::hide_behind(const EdgePair& pair, int nearer) {
+  const DiffractionEdge& hiding = scene_->edges()[pair.edges[nearer]];
+  const EdgePoint point = edge_point(hiding, place_);
+  if (!is_in_air(hiding, point)) return;
+  const double from_face_rad = std::abs(point.angle_rad - pair.face_angle_rad[nearer]);
+  if (from_face_rad <= kPi + kOnBoundary_rad) return;
+  const std::size_t edge = pair.edges[1 - nearer];
+  std::vector<bool>& stretches = in_sight_[edge];
+  const double step_m = scene_->edges()[edge].length_m / static_cast<double>(stretches.size());
+  const double a = pair.first_z(nearer, 0.0);
+  const double b = pair.first_z(nearer, hiding.length_m);
+  for (std::size_t i = 0; i < stretches.size(); ++i) {
+    const double z = pair.first_z(1 - nearer, (static_cast<double>(i) + 0.5) * step_m);
+    if (z > std::min(a, b) && z < std::max(a, b)) stretches[i] = false;
+  }
+}
+
+bool EdgeView::sees(std::size_t edge) const {
   const std::vector<bool>& stretches = in_sight_[edge];
-  const double place = z_m / scene_->edges()[edge].length_m * static_cast<double>(stretches.size());
-  if (place < 0.0) return false;
-  return stretches[std::min(stretches.size() - 1, static_cast<std::size_t>(place))];
+  return std::find(stretches.begin(), stretches.end(), true) != stretches.end();
 }
 
 std::vector<EdgeInterval> EdgeView::join(std::size_t edge,
@@ -165,24 +297,27 @@ std::vector<EdgeInterval> EdgeView::in_sight_of_both(const EdgeView& a, const Ed
 
 std::vector<Arrival> diffracted_arrivals(const SceneGeometry& scene, const Source& source,
                                          const EdgeView& from, const EdgeView& to,
+                                         std::span<const Arrival> others,
                                          const Propagation& propagation) {
-  const bool direct =
-      !scene.rays().occluded(from.place(), to.place(), scene.mask_without(source.body));
+  const bool direct = is_free(scene, source, to.place());
+  std::optional<EdgeView> moved;
+  if (!direct) moved = behind_boundary(scene, source, from, to);
+  const EdgeView& listener = moved ? *moved : to;
   const double straight_m = norm(to.place() - from.place());
   const double longest_m = direct ? straight_m + kShortDetour_m : 1e9;
   std::vector<Arrival> arrivals;
-  const auto keep = [&](const std::optional<Arrival>& arrival) {
-    if (arrival) arrivals.push_back(*arrival);
-  };
-  for (std::size_t edge = 0; edge < scene.edges().size(); ++edge) {
-    const std::vector<EdgeInterval> intervals = EdgeView::in_sight_of_both(from, to, edge);
-    if (intervals.empty()) continue;
-    keep(round_one_edge(scene.edges()[edge], source, from, to, intervals, longest_m, propagation));
+  std::vector<BentWave> waves;
+  for (const EdgeGroup& group : scene.edge_groups()) {
+    const std::optional<Way> way =
+        round_group(scene, group, from, listener, direct, propagation.speed_m_per_s);
+    if (!way || way->distance_m > longest_m) continue;
+    arrivals.push_back(arrival_along(source, to.place(), *way, propagation.speed_m_per_s));
+    waves.push_back({way->distance_m, way->spectrum,
+                     weight_along(source, arrivals.back().departure, way->distance_m, propagation)});
   }
-  if (direct) return arrivals;
-  for (const EdgePair& pair : scene.edge_pairs()) {
-    keep(round_two_edges(scene, pair, source, from, to, propagation));
-  }
+  const std::vector<BandArray> gains = arrival_gains(waves, others, propagation.speed_m_per_s);
+  for (std::size_t i = 0; i < arrivals.size(); ++i) arrivals[i].gain = gains[i];
+  std::erase_if(arrivals, is_faint);
   return arrivals;
 }
 

@@ -4,6 +4,7 @@
 #include "scene_geometry.h"
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include <earpoint/trace/tracer.h>
@@ -20,8 +21,8 @@ class EdgeView {
 
   [[nodiscard]] const Vector3& place() const { return place_; }
 
-  /// @return whether the stretch of an edge that holds z is in sight
-  [[nodiscard]] bool sees(std::size_t edge, double z_m) const;
+  /// @return whether any stretch of an edge is in sight
+  [[nodiscard]] bool sees(std::size_t edge) const;
 
   /// @return the stretches in sight, in ascending order; neighbours joined
   [[nodiscard]] std::vector<EdgeInterval> intervals(std::size_t edge) const;
@@ -31,6 +32,7 @@ class EdgeView {
                                                     std::size_t edge);
 
  private:
+  void hide_behind(const EdgePair& pair, int nearer);
   std::vector<EdgeInterval> join(std::size_t edge, const std::vector<bool>& in_sight) const;
 
   const SceneGeometry* scene_;
@@ -40,9 +42,11 @@ class EdgeView {
 
 /// Sound that bends round one edge on its way, or round the two edges of a thick wall's end.
 /// Where nothing is in the straight way, only edges close to it matter.
+/// @param others  what arrives straight or off mirrors: diffracted sound adds to it by phase
 /// @return  arrivals, directions in the world's frame
 std::vector<Arrival> diffracted_arrivals(const SceneGeometry& scene, const Source& source,
                                          const EdgeView& from, const EdgeView& to,
+                                         std::span<const Arrival> others,
                                          const Propagation& propagation);
 
 }  // namespace earpoint
