@@ -1,6 +1,6 @@
 #include "diffraction_paths.h"
 
-#include "wave_sum.h"
+#include "band_pulses.h"
 
 #include <algorithm>
 #include <cmath>
@@ -35,14 +35,36 @@ struct Way {
   DiffractionSpectrum spectrum{};  // its phase is relative to that of a way of `distance_m`
 };
 
-std::optional<Way> round_one_edge(const DiffractionEdge& edge, const Vector3& source,
-                                  const Vector3& listener,
-                                  const std::vector<EdgeInterval>& intervals,
-                                  bool straight_is_free, double speed_m_per_s) {
+// Sound of one source at one listener.
+struct Connection {
+  const SceneGeometry& scene;
+  const EdgeView& from;
+  const EdgeView& to;
+  bool straight_is_free = false;
+  std::span<const Arrival> others;
+  double speed_m_per_s = 0.0;
+};
+
+bool is_mirrored(const Connection& connection, double distance_m) {
+  constexpr double kSameWay_m = 1e-3;
+  return std::any_of(connection.others.begin(), connection.others.end(), [&](const Arrival& other) {
+    return other.order > 0 &&
+           std::abs(other.delay_s * connection.speed_m_per_s - distance_m) < kSameWay_m;
+  });
+}
+
+std::optional<Way> round_one_edge(const Connection& connection, std::size_t index) {
+  const std::vector<EdgeInterval> intervals =
+      EdgeView::in_sight_of_both(connection.from, connection.to, index);
   if (intervals.empty()) return std::nullopt;
+  const DiffractionEdge& edge = connection.scene.edges()[index];
+  const EdgePoint here = edge_point(edge, connection.from.place());
+  const EdgePoint there = edge_point(edge, connection.to.place());
+  const double distance_m = std::hypot(here.radius_m + there.radius_m, here.z_m - there.z_m);
+  const UnbentSound unbent{.straight = connection.straight_is_free,
+                           .mirrored = is_mirrored(connection, distance_m)};
   const DiffractedSound sound =
-      diffract(edge.wedge, edge_point(edge, source), edge_point(edge, listener), intervals,
-               straight_is_free, speed_m_per_s);
+      diffract(edge.wedge, here, there, intervals, unbent, connection.speed_m_per_s);
   const Vector3 apex = point_on_edge(edge, sound.apex_z_m, 0.0);
   return Way{sound.distance_m, apex, apex, sound.spectrum};
 }
@@ -92,11 +114,11 @@ std::vector<EdgeInterval> overlap(const std::vector<EdgeInterval>& a,
   return both;
 }
 
-std::optional<Way> over_face(const SceneGeometry& scene, const EdgePair& pair, const EdgeView& from,
-                             const EdgeView& to, double speed_m_per_s) {
-  const std::optional<PairPlace> here = place_at(scene, pair, from);
+std::optional<Way> over_face(const Connection& connection, const EdgePair& pair) {
+  const SceneGeometry& scene = connection.scene;
+  const std::optional<PairPlace> here = place_at(scene, pair, connection.from);
   if (!here) return std::nullopt;
-  const std::optional<PairPlace> there = place_at(scene, pair, to);
+  const std::optional<PairPlace> there = place_at(scene, pair, connection.to);
   if (!there) return std::nullopt;
   const std::vector<EdgeInterval> intervals = overlap(here->intervals, there->intervals);
   if (intervals.empty()) return std::nullopt;
@@ -127,26 +149,20 @@ std::optional<Way> over_face(const SceneGeometry& scene, const EdgePair& pair, c
   way.spectrum = diffract_over_face(
       pair.face, here->points, there->points,
       {.source_z_m = here->z_m[0], .receiver_z_m = there->z_m[0], .intervals = intervals},
-      way.distance_m, speed_m_per_s);
+      way.distance_m, connection.speed_m_per_s);
   return way;
 }
 
 // All ways round the edges of a group, as one wave by the shortest.
-std::optional<Way> round_group(const SceneGeometry& scene, const EdgeGroup& group,
-                               const EdgeView& from, const EdgeView& to, bool straight_is_free,
-                               double speed_m_per_s) {
+std::optional<Way> round_group(const Connection& connection, const EdgeGroup& group) {
   std::vector<Way> ways;
   for (const std::size_t edge : group.edges) {
-    const std::optional<Way> way =
-        round_one_edge(scene.edges()[edge], from.place(), to.place(),
-                       EdgeView::in_sight_of_both(from, to, edge), straight_is_free,
-                       speed_m_per_s);
-    if (way) ways.push_back(*way);
+    if (const auto way = round_one_edge(connection, edge)) ways.push_back(*way);
   }
   for (const std::size_t pair : group.pairs) {
-    const std::optional<Way> way =
-        over_face(scene, scene.edge_pairs()[pair], from, to, speed_m_per_s);
-    if (way) ways.push_back(*way);
+    if (const auto way = over_face(connection, connection.scene.edge_pairs()[pair])) {
+      ways.push_back(*way);
+    }
   }
   if (ways.empty()) return std::nullopt;
   Way sum = *std::min_element(ways.begin(), ways.end(), [](const Way& a, const Way& b) {
@@ -155,7 +171,7 @@ std::optional<Way> round_group(const SceneGeometry& scene, const EdgeGroup& grou
   sum.spectrum = {};
   for (const Way& way : ways) {
     for (int i = 0; i < kDiffractionFrequencies; ++i) {
-      const double wave_number = 2.0 * kPi * diffraction_frequency_hz(i) / speed_m_per_s;
+      const double wave_number = 2.0 * kPi * diffraction_frequency_hz(i) / connection.speed_m_per_s;
       sum.spectrum[i] +=
           way.spectrum[i] * std::polar(1.0, -wave_number * (way.distance_m - sum.distance_m));
     }
@@ -163,27 +179,23 @@ std::optional<Way> round_group(const SceneGeometry& scene, const EdgeGroup& grou
   return sum;
 }
 
-// An arrival without its gain.
-Arrival arrival_along(const Source& source, const Vector3& listener, const Way& way,
-                      double speed_m_per_s) {
-  return {.delay_s = way.distance_m / speed_m_per_s,
-          .direction = normalized(way.comes_from - listener),
-          .departure = normalized(way.leaves_to - source.world_from_source.position_m),
-          .gain = {}};
-}
-
-// What the source's directivity and the air leave of the pressure.
-BandArray weight_along(const Source& source, const Vector3& departure, double distance_m,
-                       const Propagation& propagation) {
-  BandArray weight = air_gain(propagation.absorption_db_per_m, distance_m);
-  const BandArray sent = sent_energy(source, departure);
-  for (int band = 0; band < kOctaveBands; ++band) weight[band] *= std::sqrt(sent[band]);
-  return weight;
-}
-
-bool is_faint(const Arrival& arrival) {
-  return std::all_of(arrival.gain.begin(), arrival.gain.end(),
-                     [](float gain) { return std::abs(gain) < kFaint; });
+// The same sound with the source's directivity and the air's losses.
+void add_arrivals(const Source& source, const Vector3& listener, const Way& way,
+                  const Propagation& propagation, std::vector<Arrival>& arrivals) {
+  Arrival arrival{.direction = normalized(way.comes_from - listener),
+                  .departure = normalized(way.leaves_to - source.world_from_source.position_m),
+                  .gain = {}};
+  const BandArray sent = sent_energy(source, arrival.departure);
+  const BandArray air = air_gain(propagation.absorption_db_per_m, way.distance_m);
+  for (const BandPulse& pulse : band_pulses(way.spectrum)) {
+    arrival.delay_s = way.distance_m / propagation.speed_m_per_s + pulse.later_s;
+    float loudest = 0.0F;
+    for (int band = 0; band < kOctaveBands; ++band) {
+      arrival.gain[band] = pulse.gain[band] * std::sqrt(sent[band]) * air[band];
+      loudest = std::max(loudest, std::abs(arrival.gain[band]));
+    }
+    if (loudest >= kFaint) arrivals.push_back(arrival);
+  }
 }
 
 bool is_free(const SceneGeometry& scene, const Source& source, const Vector3& listener) {
@@ -306,18 +318,17 @@ std::vector<Arrival> diffracted_arrivals(const SceneGeometry& scene, const Sourc
   const double straight_m = norm(to.place() - from.place());
   const double longest_m = direct ? straight_m + kShortDetour_m : 1e9;
   std::vector<Arrival> arrivals;
-  std::vector<BentWave> waves;
+  const Connection connection{.scene = scene,
+                              .from = from,
+                              .to = listener,
+                              .straight_is_free = direct,
+                              .others = others,
+                              .speed_m_per_s = propagation.speed_m_per_s};
   for (const EdgeGroup& group : scene.edge_groups()) {
-    const std::optional<Way> way =
-        round_group(scene, group, from, listener, direct, propagation.speed_m_per_s);
+    const std::optional<Way> way = round_group(connection, group);
     if (!way || way->distance_m > longest_m) continue;
-    arrivals.push_back(arrival_along(source, to.place(), *way, propagation.speed_m_per_s));
-    waves.push_back({way->distance_m, way->spectrum,
-                     weight_along(source, arrivals.back().departure, way->distance_m, propagation)});
+    add_arrivals(source, to.place(), *way, propagation, arrivals);
   }
-  const std::vector<BandArray> gains = arrival_gains(waves, others, propagation.speed_m_per_s);
-  for (std::size_t i = 0; i < arrivals.size(); ++i) arrivals[i].gain = gains[i];
-  std::erase_if(arrivals, is_faint);
   return arrivals;
 }
 

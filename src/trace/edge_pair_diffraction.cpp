@@ -20,6 +20,7 @@ constexpr double kSlope = 0.3;
 constexpr double kCoarsestStep = 0.35;
 constexpr double kFarthest = 7.0;  // along the line; wedges answer with exp(-2/3 of the angle)
 constexpr double kSilent = 9.0;    // exp(-9) is taken as nothing
+constexpr double kSharp = 8.0;     // the rule misses less than exp(-8) of poles further away
 
 // Each pass of the face leaves at most a third (270 degrees, a face far below a wave).
 constexpr int kPasses = 4;
@@ -98,7 +99,7 @@ std::vector<Complex> couple(const Corner& corner, const FacePoint& place, const 
   // the line than the rule's steps. Their share of its error is known.
   const double near_rad = std::abs(behind_rad);
   const Complex decay = 2.0 * kPi * near_rad / line.step();
-  const bool is_near = decay.real() < 25.0;
+  const bool is_near = decay.real() < kSharp;
 
   const double phase = wave_number * place.radius_m;
   const std::vector<Complex> waves = line.waves(phase, is_near ? points : 0);
@@ -197,12 +198,30 @@ Complex share_in_sight(const AlongFace& along, double source_m, double receiver_
                        double wave_number) {
   const double apex_z = along.source_z_m + (along.receiver_z_m - along.source_z_m) * source_m /
                                                (source_m + receiver_m);
-  const double shortest_m =
-      std::hypot(source_m + receiver_m, along.source_z_m - along.receiver_z_m);
+  struct Ways {
+    double length_m;
+    double product_m2;
+    double slope;
+    double bend_per_m;
+  };
+  const auto ways = [&](double z) {
+    const double in_m = std::hypot(source_m, z - along.source_z_m);
+    const double out_m = std::hypot(receiver_m, z - along.receiver_z_m);
+    return Ways{in_m + out_m, in_m * out_m,
+                (z - along.source_z_m) / in_m + (z - along.receiver_z_m) / out_m,
+                source_m * source_m / std::pow(in_m, 3) +
+                    receiver_m * receiver_m / std::pow(out_m, 3)};
+  };
+  const Ways shortest = ways(apex_z);
   const auto beyond = [&](double z) {
-    const double path_m =
-        std::hypot(source_m, z - along.source_z_m) + std::hypot(receiver_m, z - along.receiver_z_m);
-    const Complex share = fresnel_share(wave_number * std::max(0.0, path_m - shortest_m));
+    const Ways there = ways(z);
+    const double longer_m = std::max(1e-12, there.length_m - shortest.length_m);
+    // Fresnel's ways grow with the square of z and spread alike; far from the apex those here grow
+    // otherwise and spread more.
+    const double weaker =
+        shortest.product_m2 / there.product_m2 *
+        std::min(2.0, std::sqrt(2.0 * longer_m * shortest.bend_per_m) / std::abs(there.slope));
+    const Complex share = fresnel_share(wave_number * longer_m) * (longer_m > 1e-9 ? weaker : 1.0);
     return z < apex_z ? 1.0 - share : share;
   };
   Complex share = 0.0;

@@ -29,14 +29,14 @@ constexpr double kCoarsestStep_m = 0.01;
 class Integrand {
  public:
   Integrand(const Wedge& wedge, const EdgePoint& source, const EdgePoint& receiver,
-            bool straight_is_free)
+            const UnbentSound& unbent)
       : source_(source), receiver_(receiver), index_(kPi / wedge.open_angle_rad) {
+    const double difference = std::abs(source.angle_rad - receiver.angle_rad);
     const double sum = source.angle_rad + receiver.angle_rad;
-    double difference = std::abs(source.angle_rad - receiver.angle_rad);
-    if (std::abs(kPi - difference) < kOnBoundary_rad) {
-      difference = kPi + (straight_is_free ? -kOnBoundary_rad : kOnBoundary_rad);
-    }
-    angles_ = {kPi + sum, kPi + difference, kPi - difference, kPi - sum};
+    const double other_sum = 2.0 * wedge.open_angle_rad - sum;
+    angles_ = {kPi - off_boundary(other_sum, unbent.mirrored) + 2.0 * wedge.open_angle_rad,
+               kPi + difference, kPi - off_boundary(difference, unbent.straight),
+               kPi - off_boundary(sum, unbent.mirrored)};
     for (int i = 0; i < 4; ++i) {
       sines_[i] = std::sin(index_ * angles_[i]);
       cosines_[i] = std::cos(index_ * angles_[i]);
@@ -78,6 +78,12 @@ class Integrand {
   }
 
  private:
+  // Moves a turn of half a circle, where sound starts to pass, to the side where it does.
+  [[nodiscard]] static double off_boundary(double turn_rad, bool passes) {
+    if (std::abs(turn_rad - kPi) > kOnBoundary_rad) return turn_rad;
+    return passes ? kPi - kOnBoundary_rad : kPi + kOnBoundary_rad;
+  }
+
   // Of the imaginary angle between source and receiver, as a point of the edge has it.
   [[nodiscard]] double cosh_angle(double z) const {
     const double in_m = std::hypot(source_.radius_m, z - source_.z_m);
@@ -208,11 +214,11 @@ BandArray band_gains(const DiffractionSpectrum& spectrum) {
 }
 
 DiffractedSound diffract(const Wedge& wedge, const EdgePoint& source, const EdgePoint& receiver,
-                         std::span<const EdgeInterval> intervals, bool straight_is_free,
+                         std::span<const EdgeInterval> intervals, const UnbentSound& unbent,
                          double speed_m_per_s) {
   EARPOINT_CHECK(!intervals.empty() && wedge.open_angle_rad > 0.0);
   EARPOINT_CHECK(source.radius_m > 0.0 && receiver.radius_m > 0.0);
-  const Integrand integrand(wedge, source, receiver, straight_is_free);
+  const Integrand integrand(wedge, source, receiver, unbent);
   const double apex = unbounded_apex_z(source, receiver);
   const double first_step = kFirstStep * std::min(source.radius_m, receiver.radius_m);
   DiffractedSound sound;

@@ -26,6 +26,13 @@ struct EdgePoint {
 /// Angles this close to a shadow boundary lie on it.
 constexpr double kOnBoundary_rad = 2e-6;
 
+/// Which sound that does not bend passes between two points. Decides where it touches an edge,
+/// within rounding.
+struct UnbentSound {
+  bool straight = false;
+  bool mirrored = false;  ///< off a face of the edge
+};
+
 /// A stretch of the edge that both points see.
 struct EdgeInterval {
   double begin_m = 0.0;
@@ -56,10 +63,9 @@ struct DiffractedSound {
 /// Medwin: every point of the edge is a secondary source (Svensson, Fred and Vanderkooy, JASA 106,
 /// 1999, equations 2 to 5). For faces that are not rigid, the two terms that belong to a reflection are weighed
 /// by the face's reflection, as Luebbers (IEEE Trans. Antennas Propag. 32, 1984) does.
-/// @param intervals         in ascending order, not empty
-/// @param straight_is_free  decides where the straight way touches the edge, within rounding
+/// @param intervals  in ascending order, not empty
 DiffractedSound diffract(const Wedge& wedge, const EdgePoint& source, const EdgePoint& receiver,
-                         std::span<const EdgeInterval> intervals, bool straight_is_free,
+                         std::span<const EdgeInterval> intervals, const UnbentSound& unbent,
                          double speed_m_per_s);
 
 }  // namespace earpoint

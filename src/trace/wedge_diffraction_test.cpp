@@ -32,7 +32,7 @@ TEST(WedgeDiffraction, IsHalfTheDirectSoundOnTheShadowBoundary) {
   const Wedge wedge{.open_angle_rad = 2.0 * kPi};
   const EdgePoint source{2.0, kPi / 3.0, 0.0};
   const EdgePoint receiver{3.0, kPi / 3.0 + kPi + 1e-3, 0.0};
-  const DiffractedSound sound = diffract(wedge, source, receiver, kLong, true, kSpeed);
+  const DiffractedSound sound = diffract(wedge, source, receiver, kLong, {.straight = true}, kSpeed);
   EXPECT_NEAR(sound.distance_m, 5.0, 1e-9);
   for (int band = 2; band < kOctaveBands; ++band) {
     // The reflection's term adds 8 % at 250 Hz and falls with the root of the frequency; the step
@@ -41,7 +41,7 @@ TEST(WedgeDiffraction, IsHalfTheDirectSoundOnTheShadowBoundary) {
   }
   // In front of the boundary it takes half away.
   const EdgePoint lit{3.0, kPi / 3.0 + kPi - 1e-3, 0.0};
-  EXPECT_NEAR(band_gains(diffract(wedge, source, lit, kLong, true, kSpeed).spectrum)[5] * 5.0F, -0.5F, 0.05F);
+  EXPECT_NEAR(band_gains(diffract(wedge, source, lit, kLong, {.straight = true}, kSpeed).spectrum)[5] * 5.0F, -0.5F, 0.05F);
 }
 
 TEST(WedgeDiffraction, FollowsTheUniformTheoryBehindWedges) {
@@ -52,7 +52,7 @@ TEST(WedgeDiffraction, FollowsTheUniformTheoryBehindWedges) {
         if (receiver_angle >= open_angle) continue;
         const DiffractedSound sound =
             diffract({.open_angle_rad = open_angle}, {2.5, source_angle, 0.0},
-                     {1.8, receiver_angle, 0.0}, kLong, true, kSpeed);
+                     {1.8, receiver_angle, 0.0}, kLong, {.straight = true}, kSpeed);
         for (int band = 3; band < kOctaveBands; ++band) {
           const double level_db = 20.0 * std::log10(static_cast<double>(band_gains(sound.spectrum)[band]));
           // The uniform theory is asymptotic: 500 Hz is a wave of 0.7 m, on ways of 2 m.
@@ -67,7 +67,7 @@ TEST(WedgeDiffraction, FollowsTheUniformTheoryBehindWedges) {
 
 TEST(WedgeDiffraction, FlatWallDoesNotDiffract) {
   const DiffractedSound sound =
-      diffract({.open_angle_rad = kPi}, {1.0, 0.6, 0.0}, {2.0, 2.0, 0.5}, kLong, true, kSpeed);
+      diffract({.open_angle_rad = kPi}, {1.0, 0.6, 0.0}, {2.0, 2.0, 0.5}, kLong, {.straight = true}, kSpeed);
   for (const float gain : band_gains(sound.spectrum)) EXPECT_NEAR(gain, 0.0F, 1e-9F);
 }
 
@@ -76,8 +76,8 @@ TEST(WedgeDiffraction, IsReciprocal) {
   const EdgePoint here{2.0, 0.4, 0.3};
   const EdgePoint there{1.2, 4.4, -0.5};
   const EdgeInterval door[] = {{-1.0, 1.0}};
-  const BandArray a = band_gains(diffract(wedge, here, there, door, true, kSpeed).spectrum);
-  const BandArray b = band_gains(diffract(wedge, there, here, door, true, kSpeed).spectrum);
+  const BandArray a = band_gains(diffract(wedge, here, there, door, {.straight = true}, kSpeed).spectrum);
+  const BandArray b = band_gains(diffract(wedge, there, here, door, {.straight = true}, kSpeed).spectrum);
   for (int band = 0; band < kOctaveBands; ++band) EXPECT_NEAR(a[band], b[band], 1e-7F);
 }
 
@@ -87,8 +87,8 @@ TEST(WedgeDiffraction, IntervalsThatTouchAreOneEdge) {
   const EdgePoint there{1.2, 4.4, -0.5};
   const EdgeInterval whole[] = {{-1.0, 1.0}};
   const EdgeInterval parts[] = {{-1.0, 0.1}, {0.1, 1.0}};
-  const BandArray a = band_gains(diffract(wedge, here, there, whole, true, kSpeed).spectrum);
-  const BandArray b = band_gains(diffract(wedge, here, there, parts, true, kSpeed).spectrum);
+  const BandArray a = band_gains(diffract(wedge, here, there, whole, {.straight = true}, kSpeed).spectrum);
+  const BandArray b = band_gains(diffract(wedge, here, there, parts, {.straight = true}, kSpeed).spectrum);
   // The steps of the integration differ.
   for (int band = 0; band < kOctaveBands; ++band) {
     EXPECT_NEAR(a[band] / b[band], 1.0F, 0.02F) << band;
@@ -100,7 +100,7 @@ TEST(WedgeDiffraction, DeeperShadowAndHigherSoundAreQuieter) {
   double last = 1.0;
   for (const double behind : {0.1, 0.3, 0.6, 1.0, 1.5}) {
     const DiffractedSound sound =
-        diffract(wedge, {2.0, 1.0, 0.0}, {2.0, 1.0 + kPi + behind, 0.0}, kLong, true, kSpeed);
+        diffract(wedge, {2.0, 1.0, 0.0}, {2.0, 1.0 + kPi + behind, 0.0}, kLong, {.straight = true}, kSpeed);
     EXPECT_LT(band_gains(sound.spectrum)[4], last);
     for (int band = 1; band < kOctaveBands; ++band) {
       EXPECT_LT(band_gains(sound.spectrum)[band], band_gains(sound.spectrum)[band - 1]);
