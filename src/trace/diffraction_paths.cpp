@@ -42,6 +42,7 @@ struct Connection {
   const EdgeView& to;
   bool straight_is_free = false;
   std::span<const Arrival> others;
+  double longest_m = 0.0;  // of a way that matters
   double speed_m_per_s = 0.0;
 };
 
@@ -61,6 +62,7 @@ std::optional<Way> round_one_edge(const Connection& connection, std::size_t inde
   const EdgePoint here = edge_point(edge, connection.from.place());
   const EdgePoint there = edge_point(edge, connection.to.place());
   const double distance_m = std::hypot(here.radius_m + there.radius_m, here.z_m - there.z_m);
+  if (distance_m > connection.longest_m) return std::nullopt;
   const UnbentSound unbent{.straight = connection.straight_is_free,
                            .mirrored = is_mirrored(connection, distance_m)};
   const DiffractedSound sound =
@@ -146,6 +148,7 @@ std::optional<Way> over_face(const Connection& connection, const EdgePair& pair)
       way.comes_from = point(out, there->z_m[0] - slope * there->points[out].radius_m);
     }
   }
+  if (way.distance_m > connection.longest_m) return std::nullopt;
   way.spectrum = diffract_over_face(
       pair.face, here->points, there->points,
       {.source_z_m = here->z_m[0], .receiver_z_m = there->z_m[0], .intervals = intervals},
@@ -316,17 +319,17 @@ std::vector<Arrival> diffracted_arrivals(const SceneGeometry& scene, const Sourc
   if (!direct) moved = behind_boundary(scene, source, from, to);
   const EdgeView& listener = moved ? *moved : to;
   const double straight_m = norm(to.place() - from.place());
-  const double longest_m = direct ? straight_m + kShortDetour_m : 1e9;
   std::vector<Arrival> arrivals;
   const Connection connection{.scene = scene,
                               .from = from,
                               .to = listener,
                               .straight_is_free = direct,
                               .others = others,
+                              .longest_m = direct ? straight_m + kShortDetour_m : 1e9,
                               .speed_m_per_s = propagation.speed_m_per_s};
   for (const EdgeGroup& group : scene.edge_groups()) {
     const std::optional<Way> way = round_group(connection, group);
-    if (!way || way->distance_m > longest_m) continue;
+    if (!way || way->distance_m > connection.longest_m) continue;
     add_arrivals(source, to.place(), *way, propagation, arrivals);
   }
   return arrivals;
