@@ -45,6 +45,8 @@ struct EdgePair {
   [[nodiscard]] double first_z(int which, double z) const {
     return which == 0 ? z : z_offset_m + z_sign * z;
   }
+  /// @return the place on the second edge opposite a place on the first
+  [[nodiscard]] double second_z(double first_z) const { return z_sign * (first_z - z_offset_m); }
 };
 
 /// @return every pair once

@@ -4,36 +4,22 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
+
+#include <earpoint/core/pose.h>
 
 namespace earpoint {
 namespace {
 
-constexpr double kStretch_m = 0.25;    // an edge is in sight or not in stretches of this length
-constexpr double kClearance_m = 5e-3;  // how far from the edge its stretches are looked at
-
-// Where the direct sound passes, an edge further round than this changes it by less than 1 dB above
-// 125 Hz.
-constexpr double kShortDetour_m = 1.0;
+// Where the straight way is free, edges whose way is longer than it by more than this change the
+// level by less than 1 dB above 125 Hz; they are left out, and fade out from half of it on.
+constexpr double kLongestDetour_m = 2.0;
+// In the shadow, where the shortest way is itself a detour, others may be as many times longer.
+constexpr double kLongerInShadow = 40.0;
 
 // Arrivals below this are left out: -60 dB of the source at 1 m.
 constexpr float kFaint = 1e-3F;
-
-std::size_t stretch_count(const DiffractionEdge& edge) {
-  return static_cast<std::size_t>(std::max(1L, std::lround(edge.length_m / kStretch_m)));
-}
-
-bool is_in_air(const DiffractionEdge& edge, const EdgePoint& point) {
-  return point.radius_m > kClearance_m &&
-         point.angle_rad < edge.wedge.open_angle_rad + kOnBoundary_rad;
-}
-
-// One way round edges.
-struct Way {
-  double distance_m = 0.0;
-  Vector3 leaves_to;
-  Vector3 comes_from;
-  DiffractionSpectrum spectrum{};  // its phase is relative to that of a way of `distance_m`
-};
 
 // Sound of one source at one listener.
 struct Connection {
@@ -42,9 +28,36 @@ struct Connection {
   const EdgeView& to;
   bool straight_is_free = false;
   std::span<const Arrival> others;
-  double longest_m = 0.0;  // of a way that matters
   double speed_m_per_s = 0.0;
 };
+
+// A way that sound takes.
+struct Way {
+  double distance_m = 0.0;
+  Vector3 leaves_to;
+  Vector3 comes_from;
+};
+
+// The way round one edge.
+struct EdgeWay {
+  const Wedge* wedge = nullptr;
+  EdgePoint here;
+  EdgePoint there;
+  std::vector<EdgeInterval> intervals;
+  Way shortest;
+};
+
+std::optional<EdgeWay> way_round(const Connection& connection, std::size_t index) {
+  const DiffractionEdge& edge = connection.scene.edges()[index];
+  std::vector<EdgeInterval> intervals =
+      EdgeView::in_sight_of_both(connection.from, connection.to, index);
+  if (intervals.empty()) return std::nullopt;
+  const EdgePoint here = edge_point(edge, connection.from.place());
+  const EdgePoint there = edge_point(edge, connection.to.place());
+  const EdgeApex apex = find_apex(here, there, intervals);
+  const Vector3 point = point_on_edge(edge, apex.z_m, 0.0);
+  return EdgeWay{&edge.wedge, here, there, std::move(intervals), {apex.distance_m, point, point}};
+}
 
 bool is_mirrored(const Connection& connection, double distance_m) {
   constexpr double kSameWay_m = 1e-3;
@@ -54,27 +67,17 @@ bool is_mirrored(const Connection& connection, double distance_m) {
   });
 }
 
-std::optional<Way> round_one_edge(const Connection& connection, std::size_t index) {
-  const std::vector<EdgeInterval> intervals =
-      EdgeView::in_sight_of_both(connection.from, connection.to, index);
-  if (intervals.empty()) return std::nullopt;
-  const DiffractionEdge& edge = connection.scene.edges()[index];
-  const EdgePoint here = edge_point(edge, connection.from.place());
-  const EdgePoint there = edge_point(edge, connection.to.place());
-  const double distance_m = std::hypot(here.radius_m + there.radius_m, here.z_m - there.z_m);
-  if (distance_m > connection.longest_m) return std::nullopt;
+DiffractionSpectrum sound_along(const Connection& connection, const EdgeWay& way) {
   const UnbentSound unbent{.straight = connection.straight_is_free,
-                           .mirrored = is_mirrored(connection, distance_m)};
-  const DiffractedSound sound =
-      diffract(edge.wedge, here, there, intervals, unbent, connection.speed_m_per_s);
-  const Vector3 apex = point_on_edge(edge, sound.apex_z_m, 0.0);
-  return Way{sound.distance_m, apex, apex, sound.spectrum};
+                           .mirrored = is_mirrored(connection, way.shortest.distance_m)};
+  return diffract(*way.wedge, way.here, way.there, way.intervals, unbent,
+                  connection.speed_m_per_s);
 }
 
 // A place as a pair of edges has it.
 struct PairPlace {
   std::array<FacePoint, 2> points;
-  std::array<double, 2> z_m{};          // along either edge
+  double z_m = 0.0;                     // along the first edge
   std::vector<EdgeInterval> intervals;  // in sight, of the nearer edge, along the first one
 };
 
@@ -85,7 +88,7 @@ std::optional<PairPlace> place_at(const SceneGeometry& scene, const EdgePair& pa
   for (int which = 0; which < 2; ++which) {
     const DiffractionEdge& edge = scene.edges()[pair.edges[which]];
     const EdgePoint point = edge_point(edge, view.place());
-    place.z_m[which] = point.z_m;
+    if (which == 0) place.z_m = point.z_m;
     if (!view.sees(pair.edges[which])) continue;
     place.points[which] = {.in_sight = true,
                            .radius_m = point.radius_m,
@@ -116,85 +119,119 @@ std::vector<EdgeInterval> overlap(const std::vector<EdgeInterval>& a,
   return both;
 }
 
-std::optional<Way> over_face(const Connection& connection, const EdgePair& pair) {
-  const SceneGeometry& scene = connection.scene;
-  const std::optional<PairPlace> here = place_at(scene, pair, connection.from);
-  if (!here) return std::nullopt;
-  const std::optional<PairPlace> there = place_at(scene, pair, connection.to);
-  if (!there) return std::nullopt;
-  const std::vector<EdgeInterval> intervals = overlap(here->intervals, there->intervals);
-  if (intervals.empty()) return std::nullopt;
+// The ways over the face of a pair.
+struct FaceWay {
+  const EdgeFace* face = nullptr;
+  PairPlace here;
+  PairPlace there;
+  std::vector<EdgeInterval> intervals;
+  Way shortest;  // in by one edge and out by the other; by one alone, forth and back
+};
 
-  // The shortest way: in by one edge, out by the other; round one and back where no other is seen.
+Way shortest_over(const SceneGeometry& scene, const EdgePair& pair, const PairPlace& here,
+                  const PairPlace& there) {
   Way way;
   way.distance_m = 1e9;
   for (int in = 0; in < 2; ++in) {
     for (int out = 0; out < 2; ++out) {
-      if (!here->points[in].in_sight || !there->points[out].in_sight) continue;
-      const double in_m = here->points[in].radius_m;
+      if (!here.points[in].in_sight || !there.points[out].in_sight) continue;
+      const double in_m = here.points[in].radius_m;
       const double across_m =
-          in_m + there->points[out].radius_m + pair.face.width_m * (in == out ? 2.0 : 1.0);
-      const double along_m = there->z_m[0] - here->z_m[0];
+          in_m + there.points[out].radius_m + pair.face.width_m * (in == out ? 2.0 : 1.0);
+      const double along_m = there.z_m - here.z_m;
       const double distance_m = std::hypot(across_m, along_m);
       if (distance_m >= way.distance_m) continue;
-      way.distance_m = distance_m;
       const double slope = along_m / across_m;
       const auto point = [&](int which, double first_z) {
-        const double z =
-            which == 0 ? first_z : pair.z_sign * (first_z - pair.z_offset_m);
+        const double z = which == 0 ? first_z : pair.second_z(first_z);
         return point_on_edge(scene.edges()[pair.edges[which]], z, 0.0);
       };
-      way.leaves_to = point(in, here->z_m[0] + slope * in_m);
-      way.comes_from = point(out, there->z_m[0] - slope * there->points[out].radius_m);
+      way = {distance_m, point(in, here.z_m + slope * in_m),
+             point(out, there.z_m - slope * there.points[out].radius_m)};
     }
   }
-  if (way.distance_m > connection.longest_m) return std::nullopt;
-  way.spectrum = diffract_over_face(
-      pair.face, here->points, there->points,
-      {.source_z_m = here->z_m[0], .receiver_z_m = there->z_m[0], .intervals = intervals},
-      way.distance_m, connection.speed_m_per_s);
   return way;
 }
 
-// All ways round the edges of a group, as one wave by the shortest.
-std::optional<Way> round_group(const Connection& connection, const EdgeGroup& group) {
-  std::vector<Way> ways;
-  for (const std::size_t edge : group.edges) {
-    if (const auto way = round_one_edge(connection, edge)) ways.push_back(*way);
-  }
+std::optional<FaceWay> way_over(const Connection& connection, const EdgePair& pair) {
+  const std::optional<PairPlace> here = place_at(connection.scene, pair, connection.from);
+  if (!here) return std::nullopt;
+  const std::optional<PairPlace> there = place_at(connection.scene, pair, connection.to);
+  if (!there) return std::nullopt;
+  std::vector<EdgeInterval> intervals = overlap(here->intervals, there->intervals);
+  if (intervals.empty()) return std::nullopt;
+  const Way shortest = shortest_over(connection.scene, pair, *here, *there);
+  return FaceWay{&pair.face, *here, *there, std::move(intervals), shortest};
+}
+
+DiffractionSpectrum sound_along(const Connection& connection, const FaceWay& way) {
+  return diffract_over_face(*way.face, way.here.points, way.there.points,
+                            {.source_z_m = way.here.z_m,
+                             .receiver_z_m = way.there.z_m,
+                             .intervals = way.intervals},
+                            way.shortest.distance_m, connection.speed_m_per_s);
+}
+
+// The ways round a group of edges; their sound is one wave.
+struct GroupWays {
+  std::vector<EdgeWay> round_edges;
+  std::vector<FaceWay> over_faces;
+  Way shortest;
+};
+
+std::optional<GroupWays> ways_round(const Connection& connection, const EdgeGroup& group) {
+  GroupWays ways;
+  ways.shortest.distance_m = 1e9;
+  const auto keep = [&](auto way, auto& list) {
+    if (!way) return;
+    if (way->shortest.distance_m < ways.shortest.distance_m) ways.shortest = way->shortest;
+    list.push_back(std::move(*way));
+  };
+  for (const std::size_t edge : group.edges) keep(way_round(connection, edge), ways.round_edges);
   for (const std::size_t pair : group.pairs) {
-    if (const auto way = over_face(connection, connection.scene.edge_pairs()[pair])) {
-      ways.push_back(*way);
-    }
+    keep(way_over(connection, connection.scene.edge_pairs()[pair]), ways.over_faces);
   }
-  if (ways.empty()) return std::nullopt;
-  Way sum = *std::min_element(ways.begin(), ways.end(), [](const Way& a, const Way& b) {
-    return a.distance_m < b.distance_m;
-  });
-  sum.spectrum = {};
-  for (const Way& way : ways) {
+  if (ways.round_edges.empty() && ways.over_faces.empty()) return std::nullopt;
+  return ways;
+}
+
+// The phase is relative to the shortest way's.
+DiffractionSpectrum sum_sound(const Connection& connection, const GroupWays& ways) {
+  DiffractionSpectrum sum{};
+  const auto add = [&](const auto& way) {
+    const DiffractionSpectrum sound = sound_along(connection, way);
+    const double longer_m = way.shortest.distance_m - ways.shortest.distance_m;
     for (int i = 0; i < kDiffractionFrequencies; ++i) {
       const double wave_number = 2.0 * kPi * diffraction_frequency_hz(i) / connection.speed_m_per_s;
-      sum.spectrum[i] +=
-          way.spectrum[i] * std::polar(1.0, -wave_number * (way.distance_m - sum.distance_m));
+      sum[i] += sound[i] * std::polar(1.0, -wave_number * longer_m);
     }
-  }
+  };
+  for (const EdgeWay& way : ways.round_edges) add(way);
+  for (const FaceWay& way : ways.over_faces) add(way);
   return sum;
+}
+
+// What of a way's pressure counts.
+double share_of_detour(double distance_m, double shortest_m, double straight_m) {
+  const double limit_m = kLongestDetour_m + kLongerInShadow * (shortest_m - straight_m);
+  return std::clamp(2.0 - 2.0 * (distance_m - shortest_m) / limit_m, 0.0, 1.0);
 }
 
 // The same sound with the source's directivity and the air's losses.
 void add_arrivals(const Source& source, const Vector3& listener, const Way& way,
-                  const Propagation& propagation, std::vector<Arrival>& arrivals) {
+                  const DiffractionSpectrum& sound, double share, const Propagation& propagation,
+                  std::vector<Arrival>& arrivals) {
   Arrival arrival{.direction = normalized(way.comes_from - listener),
                   .departure = normalized(way.leaves_to - source.world_from_source.position_m),
                   .gain = {}};
   const BandArray sent = sent_energy(source, arrival.departure);
   const BandArray air = air_gain(propagation.absorption_db_per_m, way.distance_m);
-  for (const BandPulse& pulse : band_pulses(way.spectrum)) {
+  for (const BandPulse& pulse : band_pulses(sound)) {
     arrival.delay_s = way.distance_m / propagation.speed_m_per_s + pulse.later_s;
     float loudest = 0.0F;
     for (int band = 0; band < kOctaveBands; ++band) {
-      arrival.gain[band] = pulse.gain[band] * std::sqrt(sent[band]) * air[band];
+      arrival.gain[band] =
+          static_cast<float>(share) * pulse.gain[band] * std::sqrt(sent[band]) * air[band];
       loudest = std::max(loudest, std::abs(arrival.gain[band]));
     }
     if (loudest >= kFaint) arrivals.push_back(arrival);
@@ -240,76 +277,6 @@ std::optional<EdgeView> behind_boundary(const SceneGeometry& scene, const Source
 
 }  // namespace
 
-EdgeView::EdgeView(const SceneGeometry& scene, const Vector3& place, LayerMask mask,
-                   std::int64_t& rays_cast)
-    : scene_(&scene), place_(place) {
-  for (const DiffractionEdge& edge : scene.edges()) {
-    std::vector<bool>& stretches = in_sight_.emplace_back(stretch_count(edge), false);
-    // From inside the wedge's solid no stretch is in sight.
-    if (!is_in_air(edge, edge_point(edge, place))) continue;
-    for (std::size_t i = 0; i < stretches.size(); ++i) {
-      const double z_m =
-          (static_cast<double>(i) + 0.5) * edge.length_m / static_cast<double>(stretches.size());
-      ++rays_cast;
-      stretches[i] = !scene.rays().occluded(place, point_on_edge(edge, z_m, kClearance_m), mask);
-    }
-  }
-  for (const EdgePair& pair : scene.edge_pairs()) {
-    hide_behind(pair, 0);
-    hide_behind(pair, 1);
-  }
-}
-
-// The rays end a little off the edge, and see it from a little behind the face that hides it.
-void EdgeView::hide_behind(const EdgePair& pair, int nearer) {
-  const DiffractionEdge& hiding = scene_->edges()[pair.edges[nearer]];
-  const EdgePoint point = edge_point(hiding, place_);
-  if (!is_in_air(hiding, point)) return;
-  const double from_face_rad = std::abs(point.angle_rad - pair.face_angle_rad[nearer]);
-  if (from_face_rad <= kPi + kOnBoundary_rad) return;
-  const std::size_t edge = pair.edges[1 - nearer];
-  std::vector<bool>& stretches = in_sight_[edge];
-  const double step_m = scene_->edges()[edge].length_m / static_cast<double>(stretches.size());
-  const double a = pair.first_z(nearer, 0.0);
-  const double b = pair.first_z(nearer, hiding.length_m);
-  for (std::size_t i = 0; i < stretches.size(); ++i) {
-    const double z = pair.first_z(1 - nearer, (static_cast<double>(i) + 0.5) * step_m);
-    if (z > std::min(a, b) && z < std::max(a, b)) stretches[i] = false;
-  }
-}
-
-bool EdgeView::sees(std::size_t edge) const {
-  const std::vector<bool>& stretches = in_sight_[edge];
-  return std::find(stretches.begin(), stretches.end(), true) != stretches.end();
-}
-
-std::vector<EdgeInterval> EdgeView::join(std::size_t edge,
-                                         const std::vector<bool>& in_sight) const {
-  const double step_m = scene_->edges()[edge].length_m / static_cast<double>(in_sight.size());
-  std::vector<EdgeInterval> intervals;
-  for (std::size_t i = 0; i < in_sight.size(); ++i) {
-    if (!in_sight[i]) continue;
-    const double end_m = static_cast<double>(i + 1) * step_m;
-    if (i > 0 && in_sight[i - 1]) {
-      intervals.back().end_m = end_m;
-    } else {
-      intervals.push_back({static_cast<double>(i) * step_m, end_m});
-    }
-  }
-  return intervals;
-}
-
-std::vector<EdgeInterval> EdgeView::intervals(std::size_t edge) const {
-  return join(edge, in_sight_[edge]);
-}
-
-std::vector<EdgeInterval> EdgeView::in_sight_of_both(const EdgeView& a, const EdgeView& b,
-                                                     std::size_t edge) {
-  std::vector<bool> both = a.in_sight_[edge];
-  for (std::size_t i = 0; i < both.size(); ++i) both[i] = both[i] && b.in_sight_[edge][i];
-  return a.join(edge, both);
-}
-
 std::vector<Arrival> diffracted_arrivals(const SceneGeometry& scene, const Source& source,
                                          const EdgeView& from, const EdgeView& to,
                                          std::span<const Arrival> others,
@@ -317,20 +284,27 @@ std::vector<Arrival> diffracted_arrivals(const SceneGeometry& scene, const Sourc
   const bool direct = is_free(scene, source, to.place());
   std::optional<EdgeView> moved;
   if (!direct) moved = behind_boundary(scene, source, from, to);
-  const EdgeView& listener = moved ? *moved : to;
-  const double straight_m = norm(to.place() - from.place());
-  std::vector<Arrival> arrivals;
   const Connection connection{.scene = scene,
                               .from = from,
-                              .to = listener,
+                              .to = moved ? *moved : to,
                               .straight_is_free = direct,
                               .others = others,
-                              .longest_m = direct ? straight_m + kShortDetour_m : 1e9,
                               .speed_m_per_s = propagation.speed_m_per_s};
+  const double straight_m = norm(connection.to.place() - from.place());
+  double shortest_m = direct ? straight_m : 1e9;
+  std::vector<GroupWays> groups;
   for (const EdgeGroup& group : scene.edge_groups()) {
-    const std::optional<Way> way = round_group(connection, group);
-    if (!way || way->distance_m > connection.longest_m) continue;
-    add_arrivals(source, to.place(), *way, propagation, arrivals);
+    std::optional<GroupWays> ways = ways_round(connection, group);
+    if (!ways) continue;
+    shortest_m = std::min(shortest_m, ways->shortest.distance_m);
+    groups.push_back(std::move(*ways));
+  }
+  std::vector<Arrival> arrivals;
+  for (const GroupWays& ways : groups) {
+    const double share = share_of_detour(ways.shortest.distance_m, shortest_m, straight_m);
+    if (share <= 0.0) continue;
+    add_arrivals(source, to.place(), ways.shortest, sum_sound(connection, ways), share,
+                 propagation, arrivals);
   }
   return arrivals;
 }

@@ -147,15 +147,6 @@ double unbounded_apex_z(const EdgePoint& source, const EdgePoint& receiver) {
                           (source.radius_m + receiver.radius_m);
 }
 
-double nearest_z(double apex_z, std::span<const EdgeInterval> intervals) {
-  double nearest = intervals.front().begin_m;
-  for (const EdgeInterval& interval : intervals) {
-    const double z = std::clamp(apex_z, interval.begin_m, interval.end_m);
-    if (std::abs(z - apex_z) < std::abs(nearest - apex_z)) nearest = z;
-  }
-  return nearest;
-}
-
 // From `begin` towards `end`, away from the apex: midpoint rule over growing steps.
 void integrate(const Integrand& integrand, double apex, double begin, double end,
                double first_step, BinnedResponse& response) {
@@ -198,40 +189,35 @@ double diffraction_frequency_hz(int index) {
   return kOctaveBandCentresHz[index / kFrequenciesPerBand] * std::exp2(octaves);
 }
 
-BandArray band_gains(const DiffractionSpectrum& spectrum) {
-  BandArray gains;
-  for (int band = 0; band < kOctaveBands; ++band) {
-    double energy = 0.0;
-    double real = 0.0;
-    for (int i = 0; i < kFrequenciesPerBand; ++i) {
-      const std::complex<double>& sum = spectrum[band * kFrequenciesPerBand + i];
-      energy += std::norm(sum) / kFrequenciesPerBand;
-      real += sum.real();
-    }
-    gains[band] = static_cast<float>(std::copysign(std::sqrt(energy), real));
+EdgeApex find_apex(const EdgePoint& source, const EdgePoint& receiver,
+                   std::span<const EdgeInterval> intervals) {
+  EARPOINT_CHECK(!intervals.empty());
+  const double apex_z = unbounded_apex_z(source, receiver);
+  double nearest = intervals.front().begin_m;
+  for (const EdgeInterval& interval : intervals) {
+    const double z = std::clamp(apex_z, interval.begin_m, interval.end_m);
+    if (std::abs(z - apex_z) < std::abs(nearest - apex_z)) nearest = z;
   }
-  return gains;
+  return {.distance_m = std::hypot(source.radius_m, nearest - source.z_m) +
+                        std::hypot(receiver.radius_m, nearest - receiver.z_m),
+          .z_m = nearest};
 }
 
-DiffractedSound diffract(const Wedge& wedge, const EdgePoint& source, const EdgePoint& receiver,
-                         std::span<const EdgeInterval> intervals, const UnbentSound& unbent,
-                         double speed_m_per_s) {
+DiffractionSpectrum diffract(const Wedge& wedge, const EdgePoint& source, const EdgePoint& receiver,
+                             std::span<const EdgeInterval> intervals, const UnbentSound& unbent,
+                             double speed_m_per_s) {
   EARPOINT_CHECK(!intervals.empty() && wedge.open_angle_rad > 0.0);
   EARPOINT_CHECK(source.radius_m > 0.0 && receiver.radius_m > 0.0);
   const Integrand integrand(wedge, source, receiver, unbent);
   const double apex = unbounded_apex_z(source, receiver);
   const double first_step = kFirstStep * std::min(source.radius_m, receiver.radius_m);
-  DiffractedSound sound;
-  sound.apex_z_m = nearest_z(apex, intervals);
-  sound.distance_m = integrand.path_m(sound.apex_z_m);
-  BinnedResponse response(sound.distance_m);
+  BinnedResponse response(find_apex(source, receiver, intervals).distance_m);
   for (const EdgeInterval& interval : intervals) {
     const double start = std::clamp(apex, interval.begin_m, interval.end_m);
     integrate(integrand, apex, start, interval.end_m, first_step, response);
     integrate(integrand, apex, start, interval.begin_m, first_step, response);
   }
-  sound.spectrum = sum_parts(wedge, response, speed_m_per_s);
-  return sound;
+  return sum_parts(wedge, response, speed_m_per_s);
 }
 
 }  // namespace earpoint

@@ -47,25 +47,24 @@ using DiffractionSpectrum = std::array<std::complex<double>, kDiffractionFrequen
 /// @return  in ascending order, evenly over the octaves
 double diffraction_frequency_hz(int index);
 
-/// @return  per band the root of the mean energy, with the sign of the real part: negative where it
-///          takes away from sound that the geometry lets through whole
-BandArray band_gains(const DiffractionSpectrum& spectrum);
-
-/// What comes round an edge.
-struct DiffractedSound {
-  double distance_m = 0.0;         ///< the shortest way over the edge
-  double apex_z_m = 0.0;           ///< where that way touches it
-  DiffractionSpectrum spectrum{};  ///< pressure relative to 1 m in free field; its phase is
-                                   ///< relative to that of the shortest way
+/// The shortest way over an edge.
+struct EdgeApex {
+  double distance_m = 0.0;
+  double z_m = 0.0;  ///< where it touches
 };
+
+/// @param intervals  in ascending order, not empty
+EdgeApex find_apex(const EdgePoint& source, const EdgePoint& receiver,
+                   std::span<const EdgeInterval> intervals);
 
 /// First-order diffraction by the parts of a wedge that are in sight, as in Biot, Tolstoy and
 /// Medwin: every point of the edge is a secondary source (Svensson, Fred and Vanderkooy, JASA 106,
 /// 1999, equations 2 to 5). For faces that are not rigid, the two terms that belong to a reflection are weighed
 /// by the face's reflection, as Luebbers (IEEE Trans. Antennas Propag. 32, 1984) does.
 /// @param intervals  in ascending order, not empty
-DiffractedSound diffract(const Wedge& wedge, const EdgePoint& source, const EdgePoint& receiver,
-                         std::span<const EdgeInterval> intervals, const UnbentSound& unbent,
-                         double speed_m_per_s);
+/// @return  pressure relative to 1 m in free field; its phase is relative to the shortest way's
+DiffractionSpectrum diffract(const Wedge& wedge, const EdgePoint& source, const EdgePoint& receiver,
+                             std::span<const EdgeInterval> intervals, const UnbentSound& unbent,
+                             double speed_m_per_s);
 
 }  // namespace earpoint
