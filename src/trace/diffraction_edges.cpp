@@ -190,7 +190,7 @@ std::optional<EdgePair> pair_up(std::span<const DiffractionEdge> edges, std::siz
   pair.edges = {i, j};
   pair.z_sign = cosine > 0.0 ? 1.0 : -1.0;
   pair.z_offset_m = edge_point(first, second.origin_m).z_m;
-  const double end_m = pair.first_z(1, second.length_m);
+  const double end_m = pair.opposite_z(1, second.length_m);
   if (std::min(pair.z_offset_m, end_m) >= first.length_m) return std::nullopt;
   if (std::max(pair.z_offset_m, end_m) <= 0.0) return std::nullopt;
   const EdgePoint back = edge_point(second, point_on_edge(first, over.z_m, 0.0));

@@ -40,13 +40,11 @@ struct EdgePair {
   double z_offset_m = 0.0;                 ///< of the second edge's origin, along the first edge
   double z_sign = 1.0;                     ///< -1 if the second edge runs the other way
 
-  /// @param which  0 or 1, the edge that z belongs to
-  /// @return the place opposite a place on one of the edges, along the first
-  [[nodiscard]] double first_z(int which, double z) const {
-    return which == 0 ? z : z_offset_m + z_sign * z;
+  /// @param which  0 or 1: the edge that z belongs to
+  /// @return the same place along the other edge
+  [[nodiscard]] double opposite_z(int which, double z) const {
+    return which == 0 ? z_sign * (z - z_offset_m) : z_offset_m + z_sign * z;
   }
-  /// @return the place on the second edge opposite a place on the first
-  [[nodiscard]] double second_z(double first_z) const { return z_sign * (first_z - z_offset_m); }
 };
 
 /// @return every pair once

@@ -50,7 +50,7 @@ struct EdgeWay {
 std::optional<EdgeWay> way_round(const Connection& connection, std::size_t index) {
   const DiffractionEdge& edge = connection.scene.edges()[index];
   std::vector<EdgeInterval> intervals =
-      EdgeView::in_sight_of_both(connection.from, connection.to, index);
+      overlap(connection.from.intervals(index), connection.to.intervals(index));
   if (intervals.empty()) return std::nullopt;
   const EdgePoint here = edge_point(edge, connection.from.place());
   const EdgePoint there = edge_point(edge, connection.to.place());
@@ -97,26 +97,15 @@ std::optional<PairPlace> place_at(const SceneGeometry& scene, const EdgePair& pa
   }
   if (nearest < 0) return std::nullopt;
   for (const EdgeInterval& interval : view.intervals(pair.edges[nearest])) {
-    const double a = pair.first_z(nearest, interval.begin_m);
-    const double b = pair.first_z(nearest, interval.end_m);
+    const auto first_z = [&](double z) { return nearest == 0 ? z : pair.opposite_z(1, z); };
+    const double a = first_z(interval.begin_m);
+    const double b = first_z(interval.end_m);
     place.intervals.push_back({std::min(a, b), std::max(a, b)});
   }
   if (nearest == 1 && pair.z_sign < 0.0) {
     std::reverse(place.intervals.begin(), place.intervals.end());
   }
   return place;
-}
-
-std::vector<EdgeInterval> overlap(const std::vector<EdgeInterval>& a,
-                                  const std::vector<EdgeInterval>& b) {
-  std::vector<EdgeInterval> both;
-  for (const EdgeInterval& x : a) {
-    for (const EdgeInterval& y : b) {
-      const EdgeInterval shared{std::max(x.begin_m, y.begin_m), std::min(x.end_m, y.end_m)};
-      if (shared.begin_m < shared.end_m) both.push_back(shared);
-    }
-  }
-  return both;
 }
 
 // The ways over the face of a pair.
@@ -143,7 +132,7 @@ Way shortest_over(const SceneGeometry& scene, const EdgePair& pair, const PairPl
       if (distance_m >= way.distance_m) continue;
       const double slope = along_m / across_m;
       const auto point = [&](int which, double first_z) {
-        const double z = which == 0 ? first_z : pair.second_z(first_z);
+        const double z = which == 0 ? first_z : pair.opposite_z(0, first_z);
         return point_on_edge(scene.edges()[pair.edges[which]], z, 0.0);
       };
       way = {distance_m, point(in, here.z_m + slope * in_m),

@@ -7,7 +7,7 @@
 
 namespace earpoint {
 
-/// Which stretches of the scene's edges can be seen from a place.
+/// Which parts of the scene's edges can be seen from a place.
 class EdgeView {
  public:
   /// @param mask       layers that are in the way
@@ -17,23 +17,24 @@ class EdgeView {
 
   [[nodiscard]] const Vector3& place() const { return place_; }
 
-  /// @return whether any stretch of an edge is in sight
-  [[nodiscard]] bool sees(std::size_t edge) const;
+  /// @return whether any part of an edge is in sight
+  [[nodiscard]] bool sees(std::size_t edge) const { return !in_sight_[edge].empty(); }
 
-  /// @return the stretches in sight, in ascending order; neighbours joined
-  [[nodiscard]] std::vector<EdgeInterval> intervals(std::size_t edge) const;
-
-  /// @return the stretches in sight of both places
-  static std::vector<EdgeInterval> in_sight_of_both(const EdgeView& a, const EdgeView& b,
-                                                    std::size_t edge);
+  /// @return the parts in sight, in ascending order
+  [[nodiscard]] const std::vector<EdgeInterval>& intervals(std::size_t edge) const {
+    return in_sight_[edge];
+  }
 
  private:
-  void hide_behind(const EdgePair& pair, int nearer);
-  std::vector<EdgeInterval> join(std::size_t edge, const std::vector<bool>& in_sight) const;
+  void hide_behind(const SceneGeometry& scene, const EdgePair& pair, int nearer);
 
-  const SceneGeometry* scene_;
   Vector3 place_;
-  std::vector<std::vector<bool>> in_sight_;  // [edge][stretch]
+  std::vector<std::vector<EdgeInterval>> in_sight_;  // [edge]
 };
+
+/// @param a, b  in ascending order, as the result is
+/// @return what is in both
+std::vector<EdgeInterval> overlap(const std::vector<EdgeInterval>& a,
+                                  const std::vector<EdgeInterval>& b);
 
 }  // namespace earpoint
