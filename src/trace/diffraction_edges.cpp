@@ -116,8 +116,9 @@ std::optional<DiffractionEdge> widest_wedge(const SceneGeometry& scene, const Ve
   edge.first_face = u * std::cos(angle_rad) + v * std::sin(angle_rad);
   edge.into_air = v * std::cos(angle_rad) - u * std::sin(angle_rad);
   edge.wedge.open_angle_rad = std::min(widest_rad, 2.0 * kPi);
-  edge.wedge.reflection = {face_reflection(scene, spokes[first].triangle),
-                           face_reflection(scene, spokes[(first + 1) % spokes.size()].triangle)};
+  edge.face_triangles = {spokes[first].triangle, spokes[(first + 1) % spokes.size()].triangle};
+  edge.wedge.reflection = {face_reflection(scene, edge.face_triangles[0]),
+                           face_reflection(scene, edge.face_triangles[1])};
   return edge;
 }
 
@@ -204,6 +205,7 @@ std::optional<EdgePair> pair_up(std::span<const DiffractionEdge> edges, std::siz
     const Wedge& wedge = edges[pair.edges[which]].wedge;
     const int face = pair.face_angle_rad[which] == 0.0 ? 0 : 1;
     pair.face.reflection = wedge.reflection[face];
+    pair.face_triangle = edges[pair.edges[which]].face_triangles[face];
     pair.face.other_reflection[which] = wedge.reflection[1 - face];
   }
   return pair;

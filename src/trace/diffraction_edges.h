@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -24,6 +25,7 @@ struct DiffractionEdge {
                        ///< the air
   double length_m = 0.0;
   Wedge wedge;
+  std::array<std::uint32_t, 2> face_triangles{};  ///< one of either face, index into the mesh
 };
 
 /// @return a point in an edge's coordinates
@@ -37,6 +39,7 @@ struct EdgePair {
   std::array<std::size_t, 2> edges{};
   EdgeFace face;
   std::array<double, 2> face_angle_rad{};  ///< of the face, around either edge: 0 or its open angle
+  std::uint32_t face_triangle = 0;         ///< one of the face, index into the mesh
   double z_offset_m = 0.0;                 ///< of the second edge's origin, along the first edge
   double z_sign = 1.0;                     ///< -1 if the second edge runs the other way
 

@@ -1,6 +1,7 @@
 #include "diffraction_paths.h"
 
 #include "band_pulses.h"
+#include "face_reflections.h"
 
 #include <algorithm>
 #include <cmath>
@@ -27,7 +28,7 @@ struct Connection {
   const EdgeView& from;
   const EdgeView& to;
   bool straight_is_free = false;
-  std::span<const Arrival> others;
+  std::span<const Arrival> mirrored;
   double speed_m_per_s = 0.0;
 };
 
@@ -59,17 +60,10 @@ std::optional<EdgeWay> way_round(const Connection& connection, std::size_t index
   return EdgeWay{&edge.wedge, here, there, std::move(intervals), {apex.distance_m, point, point}};
 }
 
-bool is_mirrored(const Connection& connection, double distance_m) {
-  constexpr double kSameWay_m = 1e-3;
-  return std::any_of(connection.others.begin(), connection.others.end(), [&](const Arrival& other) {
-    return other.order > 0 &&
-           std::abs(other.delay_s * connection.speed_m_per_s - distance_m) < kSameWay_m;
-  });
-}
-
 DiffractionSpectrum sound_along(const Connection& connection, const EdgeWay& way) {
   const UnbentSound unbent{.straight = connection.straight_is_free,
-                           .mirrored = is_mirrored(connection, way.shortest.distance_m)};
+                           .mirrored = is_mirrored(connection.mirrored, way.shortest.distance_m,
+                                                   connection.speed_m_per_s)};
   return diffract(*way.wedge, way.here, way.there, way.intervals, unbent,
                   connection.speed_m_per_s);
 }
@@ -268,16 +262,19 @@ std::optional<EdgeView> behind_boundary(const SceneGeometry& scene, const Source
 
 std::vector<Arrival> diffracted_arrivals(const SceneGeometry& scene, const Source& source,
                                          const EdgeView& from, const EdgeView& to,
-                                         std::span<const Arrival> others,
+                                         std::span<const Arrival> mirrored,
                                          const Propagation& propagation) {
   const bool direct = is_free(scene, source, to.place());
   std::optional<EdgeView> moved;
   if (!direct) moved = behind_boundary(scene, source, from, to);
+  std::vector<Arrival> arrivals = face_reflections(scene, source, from, to, mirrored, propagation);
+  std::vector<Arrival> all_mirrored(mirrored.begin(), mirrored.end());
+  all_mirrored.insert(all_mirrored.end(), arrivals.begin(), arrivals.end());
   const Connection connection{.scene = scene,
                               .from = from,
                               .to = moved ? *moved : to,
                               .straight_is_free = direct,
-                              .others = others,
+                              .mirrored = all_mirrored,
                               .speed_m_per_s = propagation.speed_m_per_s};
   const double straight_m = norm(connection.to.place() - from.place());
   double shortest_m = direct ? straight_m : 1e9;
@@ -288,7 +285,6 @@ std::vector<Arrival> diffracted_arrivals(const SceneGeometry& scene, const Sourc
     shortest_m = std::min(shortest_m, ways->shortest.distance_m);
     groups.push_back(std::move(*ways));
   }
-  std::vector<Arrival> arrivals;
   for (const GroupWays& ways : groups) {
     const double share = share_of_detour(ways.shortest.distance_m, shortest_m, straight_m);
     if (share <= 0.0) continue;
