@@ -19,7 +19,7 @@ constexpr Complex kI{0.0, 1.0};
 constexpr double kSlope = 0.3;
 constexpr double kCoarsestStep = 0.35;
 constexpr double kFarthest = 7.0;  // along the line; wedges answer with exp(-2/3 of the angle)
-constexpr double kSilent = 9.0;    // exp(-9) is taken as nothing
+constexpr double kSilent = 1e-4;   // of what the line begins with
 constexpr double kSharp = 8.0;     // the rule misses less than exp(-8) of poles further away
 
 // Each pass of the face leaves at most a third (270 degrees, a face far below a wave).
@@ -33,17 +33,18 @@ class Line {
 
   [[nodiscard]] Complex step() const { return step_; }
 
-  // exp(-i phase cosh(angle)) at the points from 0 on, until it has died away; `least` or more.
-  [[nodiscard]] std::vector<Complex> waves(double phase, std::size_t least = 0) const {
-    std::vector<Complex> waves;
+  // A function of cosh(angle) at the points from 0 on, until it has died away; `least` or more.
+  template <typename Wave>
+  [[nodiscard]] std::vector<Complex> sample(const Wave& wave, std::size_t least) const {
+    std::vector<Complex> samples;
     const Complex turn = std::exp(step_);
-    for (Complex power = 1.0; step_.real() * static_cast<double>(waves.size()) < kFarthest;
+    for (Complex power = 1.0; step_.real() * static_cast<double>(samples.size()) < kFarthest;
          power *= turn) {
-      const Complex cosh = (power + 1.0 / power) / 2.0;
-      if (-phase * cosh.imag() > kSilent && waves.size() >= least) break;
-      waves.push_back(std::exp(-kI * phase * cosh));
+      samples.push_back(wave((power + 1.0 / power) / 2.0));
+      if (samples.size() < least) continue;
+      if (std::norm(samples.back()) < kSilent * kSilent * std::norm(samples.front())) break;
     }
-    return waves;
+    return samples;
   }
 
  private:
@@ -89,11 +90,14 @@ struct Corner {
   double other_weight = 1.0;  // the same for the other face
 };
 
-// What a place hears of a plane wave that comes along the face with each of the line's complex
-// angles, and by reciprocity what it sends there.
-std::vector<Complex> couple(const Corner& corner, const FacePoint& place, const Line& line,
-                            double wave_number, std::size_t points) {
-  double behind_rad = kPi - place.angle_rad;
+// The sound that a wedge sends between one of its faces and a place at some angle from it, summed
+// over the complex angle: at the place, of plane waves that come along the face with each of the
+// line's angles; by reciprocity, on the face, of what the place sends.
+// @param wave  of the hyperbolic cosine of the angle between them, a sum that dies away
+template <typename Wave>
+std::vector<Complex> bend(const Corner& corner, double angle_rad, const Line& line,
+                          std::size_t points, const Wave& wave) {
+  double behind_rad = kPi - angle_rad;
   if (std::abs(behind_rad) < kOnBoundary_rad) behind_rad = kOnBoundary_rad;
   // Near the shadow boundary the integrand has poles at +- i times the angle behind it, closer to
   // the line than the rule's steps. Their share of its error is known.
@@ -101,11 +105,10 @@ std::vector<Complex> couple(const Corner& corner, const FacePoint& place, const 
   const Complex decay = 2.0 * kPi * near_rad / line.step();
   const bool is_near = decay.real() < kSharp;
 
-  const double phase = wave_number * place.radius_m;
-  const std::vector<Complex> waves = line.waves(phase, is_near ? points : 0);
+  const std::vector<Complex> waves = line.sample(wave, is_near ? points : 0);
   Kernel kernel(corner.index, line, points + waves.size());
   kernel.add(corner.face_weight, corner.index * behind_rad);
-  kernel.add(corner.other_weight, corner.index * (kPi + place.angle_rad));
+  kernel.add(corner.other_weight, corner.index * (kPi + angle_rad));
   std::vector<Complex> result(points);
   for (std::size_t j = 0; j < points; ++j) {
     for (std::size_t i = 0; i < waves.size(); ++i) result[j] += kernel.at(j, i) * waves[i];
@@ -116,10 +119,17 @@ std::vector<Complex> couple(const Corner& corner, const FacePoint& place, const 
   for (std::size_t j = 0; j < points; ++j) {
     const Complex angle = static_cast<double>(j) * line.step();
     for (const Complex& pole : {angle + kI * near_rad, angle - kI * near_rad}) {
-      result[j] += share * std::exp(-kI * phase * std::cosh(pole));
+      result[j] += share * wave(std::cosh(pole));
     }
   }
   return result;
+}
+
+std::vector<Complex> couple(const Corner& corner, const FacePoint& place, const Line& line,
+                            double wave_number, std::size_t points) {
+  const double phase = wave_number * place.radius_m;
+  return bend(corner, place.angle_rad, line, points,
+              [&](const Complex& cosh) { return std::exp(-kI * phase * cosh); });
 }
 
 // Turns what comes along the face into what goes back.
@@ -139,11 +149,23 @@ Complex sum_over_line(const std::vector<Complex>& a, const std::vector<Complex>&
   return 2.0 * sum;
 }
 
+Corner corner_of(const EdgeFace& face, int edge, int band) {
+  return {.index = kPi / face.open_angle_rad[edge],
+          .face_weight = (1.0 + static_cast<double>(face.reflection[band])) / 2.0,
+          .other_weight = (1.0 + static_cast<double>(face.other_reflection[edge][band])) / 2.0};
+}
+
+// The way across, unfolded: over the face once, or forth and back.
+double across(const EdgeFace& face, const FacePoint& source, const FacePoint& receiver,
+              bool returns) {
+  return source.radius_m + receiver.radius_m + face.width_m * (returns ? 2.0 : 1.0);
+}
+
 using ByEdge = std::array<Complex, 2>;
 
 // Pressure at the receiver [edge at which it arrives], of sound that came to the face by one edge
 // from a line source that makes H0(2) in free field.
-ByEdge pass_face(const EdgeFace& face, const std::array<Corner, 2>& corners, double face_weight,
+ByEdge pass_face(const EdgeFace& face, const std::array<Corner, 2>& corners,
                  const std::array<FacePoint, 2>& source, const std::array<FacePoint, 2>& receiver,
                  int start, double wave_number) {
   double longest_m = 0.0;
@@ -152,8 +174,9 @@ ByEdge pass_face(const EdgeFace& face, const std::array<Corner, 2>& corners, dou
   }
   longest_m += source[start].radius_m + face.width_m;
   const Line line(wave_number * longest_m);
-  const std::vector<Complex> across = line.waves(wave_number * face.width_m);
-  const std::size_t points = across.size();
+  const std::vector<Complex> crossing = line.sample(
+      [&](const Complex& cosh) { return std::exp(-kI * wave_number * face.width_m * cosh); }, 0);
+  const std::size_t points = crossing.size();
 
   std::array<std::vector<Complex>, 2> heard;
   std::vector<Kernel> turning;
@@ -167,14 +190,14 @@ ByEdge pass_face(const EdgeFace& face, const std::array<Corner, 2>& corners, dou
   }
 
   // On the face the incident and the reflected wave are one: what comes is half of it.
-  const double incident = 0.5 / face_weight;
+  const double incident = 0.5 / corners[0].face_weight;
   ByEdge pressure{};
   std::vector<Complex> wave = couple(corners[start], source[start], line, wave_number, points);
   for (Complex& part : wave) part *= kI / kPi;
   int edge = start;
   for (int pass = 0; pass < kPasses; ++pass) {
     edge = 1 - edge;
-    for (std::size_t i = 0; i < points; ++i) wave[i] *= across[i];
+    for (std::size_t i = 0; i < points; ++i) wave[i] *= crossing[i];
     if (receiver[edge].in_sight) {
       pressure[edge] += incident * line.step() * sum_over_line(wave, heard[edge]);
     }
@@ -184,59 +207,57 @@ ByEdge pass_face(const EdgeFace& face, const std::array<Corner, 2>& corners, dou
   return pressure;
 }
 
-// The share of an endless edge's sound that comes from beyond a point whose way is longer than the
-// shortest by some phase: Fresnel's integral, within 0.002 (Abramowitz and Stegun 7.3.32 and 33).
-Complex fresnel_share(double phase) {
-  const double u = std::sqrt(2.0 * phase / kPi);
-  const double f = (1.0 + 0.926 * u) / (2.0 + 1.792 * u + 3.104 * u * u);
-  const double g = 1.0 / (2.0 + 4.142 * u + 3.492 * u * u + 6.670 * u * u * u);
-  return (g - kI * f) * std::exp(-kI * phase) / (1.0 - kI);
+// Both ends of the shortest way, as the edges that it passes have them.
+struct Ends {
+  int in = 0;
+  int out = 0;
+  double across_m = 1e9;
+};
+
+Ends shortest_ends(const EdgeFace& face, const std::array<FacePoint, 2>& source,
+                   const std::array<FacePoint, 2>& receiver) {
+  Ends shortest;
+  for (int in = 0; in < 2; ++in) {
+    for (int out = 0; out < 2; ++out) {
+      if (!source[in].in_sight || !receiver[out].in_sight) continue;
+      const double across_m = across(face, source[in], receiver[out], in == out);
+      if (across_m < shortest.across_m) shortest = {in, out, across_m};
+    }
+  }
+  return shortest;
 }
 
-// The share of what is in sight.
-Complex share_in_sight(const AlongFace& along, double source_m, double receiver_m,
-                       double wave_number) {
-  const double apex_z = along.source_z_m + (along.receiver_z_m - along.source_z_m) * source_m /
-                                               (source_m + receiver_m);
-  struct Ways {
-    double length_m;
-    double product_m2;
-    double slope;
-    double bend_per_m;
-  };
-  const auto ways = [&](double z) {
-    const double in_m = std::hypot(source_m, z - along.source_z_m);
-    const double out_m = std::hypot(receiver_m, z - along.receiver_z_m);
-    return Ways{in_m + out_m, in_m * out_m,
-                (z - along.source_z_m) / in_m + (z - along.receiver_z_m) / out_m,
-                source_m * source_m / std::pow(in_m, 3) +
-                    receiver_m * receiver_m / std::pow(out_m, 3)};
-  };
-  const Ways shortest = ways(apex_z);
-  const auto beyond = [&](double z) {
-    const Ways there = ways(z);
-    const double longer_m = std::max(1e-12, there.length_m - shortest.length_m);
-    // Fresnel's ways grow with the square of z and spread alike; far from the apex those here grow
-    // otherwise and spread more.
-    const double weaker =
-        shortest.product_m2 / there.product_m2 *
-        std::min(2.0, std::sqrt(2.0 * longer_m * shortest.bend_per_m) / std::abs(there.slope));
-    const Complex share = fresnel_share(wave_number * longer_m) * (longer_m > 1e-9 ? weaker : 1.0);
-    return z < apex_z ? 1.0 - share : share;
-  };
-  Complex share = 0.0;
-  for (const EdgeInterval& interval : along.intervals) {
-    share += beyond(interval.begin_m) - beyond(interval.end_m);
+// What the parts of an edge in sight send between a place and a point on the face, over what the
+// endless edge would: makes up for the ends of edges.
+DiffractionSpectrum share_in_sight(const EdgeFace& face, int edge, const FacePoint& place,
+                                   double place_z_m, double beyond_m, double beyond_z_m,
+                                   std::span<const EdgeInterval> intervals, double speed_m_per_s) {
+  const Wedge wedge{.open_angle_rad = face.open_angle_rad[edge],
+                    .reflection = {face.reflection, face.other_reflection[edge]}};
+  const EdgePoint here{place.radius_m, place.angle_rad, place_z_m};
+  const EdgePoint there{beyond_m, 0.0, beyond_z_m};
+  DiffractionSpectrum share = diffract(wedge, here, there, intervals,
+                                       {.straight = true, .mirrored = true}, speed_m_per_s);
+  const double along_m = beyond_z_m - place_z_m;
+  const double sum_m2 = place.radius_m * place.radius_m + beyond_m * beyond_m + along_m * along_m;
+  const double product_m2 = 2.0 * place.radius_m * beyond_m;
+  const double shortest_m = std::sqrt(sum_m2 + product_m2);
+  const double later_m = find_apex(here, there, intervals).distance_m - shortest_m;
+  for (int i = 0; i < kDiffractionFrequencies; ++i) {
+    const double wave_number = 2.0 * kPi * diffraction_frequency_hz(i) / speed_m_per_s;
+    const auto wave = [&](const Complex& cosh) {
+      const Complex distance_m = std::sqrt(sum_m2 + product_m2 * cosh);
+      return std::exp(-kI * wave_number * (distance_m - shortest_m)) / distance_m;
+    };
+    const Line line(wave_number * shortest_m);
+    const Complex endless =
+        bend(corner_of(face, edge, i / kFrequenciesPerBand), place.angle_rad, line, 1, wave)[0];
+    const Complex parts = share[i] * std::polar(1.0, -wave_number * later_m);
+    // Where the endless edge sends next to nothing, so do its parts over the face.
+    const double faint = 1e-4 / (shortest_m * shortest_m);
+    share[i] = (parts * std::conj(endless) + faint) / (std::norm(endless) + faint);
   }
   return share;
-}
-
-double nearest_radius_m(const std::array<FacePoint, 2>& place) {
-  double nearest_m = 1e9;
-  for (const FacePoint& point : place) {
-    if (point.in_sight) nearest_m = std::min(nearest_m, point.radius_m);
-  }
-  return nearest_m;
 }
 
 }  // namespace
@@ -248,34 +269,26 @@ DiffractionSpectrum diffract_over_face(const EdgeFace& face,
                                        double speed_m_per_s) {
   EARPOINT_CHECK(face.width_m > 0.0);
   const double along_m = along.receiver_z_m - along.source_z_m;
-  const double source_m = nearest_radius_m(source) + face.width_m / 2.0;
-  const double receiver_m = nearest_radius_m(receiver) + face.width_m / 2.0;
+  const Ends ends = shortest_ends(face, source, receiver);
+  const FacePoint& here = source[ends.in];
+  const FacePoint& there = receiver[ends.out];
   // Endless edges keep the wave's slope along them; what is left runs across.
-  const double across_m = source_m + receiver_m;
-  const double across_share = across_m / std::hypot(across_m, along_m);
+  const double across_share = ends.across_m / std::hypot(ends.across_m, along_m);
 
   DiffractionSpectrum spectrum{};
   for (int i = 0; i < kDiffractionFrequencies; ++i) {
     const int band = i / kFrequenciesPerBand;
-    const double face_weight = (1.0 + static_cast<double>(face.reflection[band])) / 2.0;
-    std::array<Corner, 2> corners;
-    for (int edge = 0; edge < 2; ++edge) {
-      corners[edge] = {
-          .index = kPi / face.open_angle_rad[edge],
-          .face_weight = face_weight,
-          .other_weight = (1.0 + static_cast<double>(face.other_reflection[edge][band])) / 2.0};
-    }
+    const std::array<Corner, 2> corners{corner_of(face, 0, band), corner_of(face, 1, band)};
     const double wave_number = 2.0 * kPi * diffraction_frequency_hz(i) / speed_m_per_s;
     const double across_number = wave_number * across_share;
     for (int start = 0; start < 2; ++start) {
       if (!source[start].in_sight) continue;
       const ByEdge pressure =
-          pass_face(face, corners, face_weight, source, receiver, start, across_number);
+          pass_face(face, corners, source, receiver, start, across_number);
       for (int end = 0; end < 2; ++end) {
         if (!receiver[end].in_sight) continue;
         // From a line source to a point source.
-        const double flat_m = source[start].radius_m + receiver[end].radius_m +
-                              face.width_m * (start == end ? 2.0 : 1.0);
+        const double flat_m = across(face, source[start], receiver[end], start == end);
         const double way_m = std::hypot(flat_m, along_m);
         const double phase = across_number * flat_m;
         const Complex line_source(j0(phase), -y0(phase));
@@ -283,7 +296,20 @@ DiffractionSpectrum diffract_over_face(const EdgeFace& face,
                        std::exp(-kI * wave_number * (way_m - reference_m)) / way_m;
       }
     }
-    spectrum[i] *= share_in_sight(along, source_m, receiver_m, wave_number);
+  }
+
+  // Each end's share keeps the level where that end comes to see, or not to see, the other edge.
+  const DiffractionSpectrum in_share =
+      share_in_sight(face, ends.in, here, along.source_z_m, ends.across_m - here.radius_m,
+                     along.receiver_z_m, along.intervals, speed_m_per_s);
+  const DiffractionSpectrum out_share =
+      share_in_sight(face, ends.out, there, along.receiver_z_m, ends.across_m - there.radius_m,
+                     along.source_z_m, along.intervals, speed_m_per_s);
+  const double in_behind_rad = std::abs(kPi - here.angle_rad) + kOnBoundary_rad;
+  const double out_behind_rad = std::abs(kPi - there.angle_rad) + kOnBoundary_rad;
+  const double in_counts = in_behind_rad / (in_behind_rad + out_behind_rad);
+  for (int i = 0; i < kDiffractionFrequencies; ++i) {
+    spectrum[i] *= in_counts * in_share[i] + (1.0 - in_counts) * out_share[i];
   }
   return spectrum;
 }
