@@ -27,6 +27,7 @@ int main() {
   print(gates::ray_count_gate(pool, gates::Effort::thorough));
   print(gates::ear_gate());
   print(gates::diffraction_gate(pool));
+  print(gates::thick_wall_gate(pool));
   print(gates::determinism_gate());
   return passed ? 0 : 1;
 }
