@@ -19,6 +19,7 @@ constexpr double kShortestOfFurniture_m = 1.0;
 
 // An edge is looked at in stretches of about this length.
 constexpr double kStretch_m = 0.3;
+constexpr double kBorder_m = 2e-3;  // how well their ends are found
 
 constexpr double kRing_m = 0.02;  // radius of the circles of rays around an edge
 constexpr int kRingRays = 24;
@@ -139,35 +140,66 @@ bool same_wedge(const DiffractionEdge& a, const DiffractionEdge& b) {
          dot(a.first_face, b.first_face) > std::cos(kSameAngle_rad);
 }
 
-// Looks at a crease stretch by stretch; neighbours alike are one edge.
-void add_edges(const SceneGeometry& scene, const Crease& crease,
-               std::vector<DiffractionEdge>& edges) {
-  const double length_m = norm(crease.end_m - crease.begin_m);
-  const Vector3 direction = (crease.end_m - crease.begin_m) / length_m;
-  const int count = std::max(1, static_cast<int>(std::lround(length_m / kStretch_m)));
-  std::optional<DiffractionEdge> open;
-  const auto finish = [&] {
-    if (open && is_inside(scene, *open)) edges.push_back(*open);
-    open.reset();
-  };
-  for (int i = 0; i < count; ++i) {
-    const double step_m = length_m / count;
-    const Vector3 middle = crease.begin_m + direction * ((i + 0.5) * step_m);
-    const std::optional<std::vector<Spoke>> spokes = find_spokes(scene, middle, direction);
-    std::optional<DiffractionEdge> stretch;
-    if (spokes) stretch = widest_wedge(scene, direction, *spokes);
-    if (stretch && open && same_wedge(*open, *stretch)) {
-      open->length_m += step_m;
-      continue;
+// Looks along a crease.
+class CreaseLook {
+ public:
+  CreaseLook(const SceneGeometry& scene, const Crease& crease)
+      : scene_(scene),
+        begin_(crease.begin_m),
+        length_m_(norm(crease.end_m - crease.begin_m)),
+        direction_((crease.end_m - crease.begin_m) / length_m_) {}
+
+  // Looks at the middles of stretches; neighbours alike are one edge.
+  void add_edges(std::vector<DiffractionEdge>& edges) const {
+    const int count = std::max(1, static_cast<int>(std::lround(length_m_ / kStretch_m)));
+    std::optional<DiffractionEdge> open;
+    double begin_z = 0.0;
+    double last_z = 0.0;
+    for (int i = 0; i <= count; ++i) {
+      const double z = (i + 0.5) * length_m_ / count;
+      std::optional<DiffractionEdge> wedge;
+      if (i < count) wedge = wedge_at(z);
+      if (open && wedge && same_wedge(*open, *wedge)) {
+        last_z = z;
+        continue;
+      }
+      if (open) add(*open, begin_z, i < count ? border(*open, last_z, z) : length_m_, edges);
+      open = wedge;
+      if (wedge) begin_z = i > 0 ? border(*wedge, z, z - length_m_ / count) : 0.0;
+      last_z = z;
     }
-    finish();
-    if (!stretch) continue;
-    open = stretch;
-    open->origin_m = crease.begin_m + direction * (i * step_m);
-    open->length_m = step_m;
   }
-  finish();
-}
+
+ private:
+  [[nodiscard]] std::optional<DiffractionEdge> wedge_at(double z) const {
+    const std::optional<std::vector<Spoke>> spokes =
+        find_spokes(scene_, begin_ + direction_ * z, direction_);
+    if (!spokes) return std::nullopt;
+    return widest_wedge(scene_, direction_, *spokes);
+  }
+
+  // Where an edge ends, between a place on it and one that is not.
+  [[nodiscard]] double border(const DiffractionEdge& edge, double on_z, double off_z) const {
+    while (std::abs(on_z - off_z) > kBorder_m) {
+      const double middle = (on_z + off_z) / 2.0;
+      const std::optional<DiffractionEdge> wedge = wedge_at(middle);
+      (wedge && same_wedge(edge, *wedge) ? on_z : off_z) = middle;
+    }
+    return (on_z + off_z) / 2.0;
+  }
+
+  void add(DiffractionEdge edge, double begin_z, double end_z,
+           std::vector<DiffractionEdge>& edges) const {
+    edge.origin_m = begin_ + direction_ * begin_z;
+    edge.length_m = end_z - begin_z;
+    if (edge.length_m > 0.0 && is_inside(scene_, edge)) edges.push_back(edge);
+  }
+
+  const SceneGeometry& scene_;
+  Vector3 begin_;
+  double length_m_;
+  Vector3 direction_;
+};
 
 // The angle of the face that lies along a direction around an edge, if one does.
 std::optional<double> face_angle(const DiffractionEdge& edge, double angle_rad) {
@@ -244,7 +276,7 @@ std::vector<DiffractionEdge> find_diffraction_edges(const SceneGeometry& scene) 
     }
     const double shortest_m = structure ? kShortestOfStructure_m : kShortestOfFurniture_m;
     for (const Crease& crease : find_creases(scene.mesh(), counts, shortest_m)) {
-      add_edges(scene, crease, edges);
+      CreaseLook(scene, crease).add_edges(edges);
     }
   }
   return edges;

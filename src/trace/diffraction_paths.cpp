@@ -68,36 +68,24 @@ DiffractionSpectrum sound_along(const Connection& connection, const EdgeWay& way
                   connection.speed_m_per_s);
 }
 
-// A place as a pair of edges has it.
-struct PairPlace {
-  std::array<FacePoint, 2> points;
-  double z_m = 0.0;                     // along the first edge
-  std::vector<EdgeInterval> intervals;  // in sight, of the nearer edge, along the first one
-};
-
-std::optional<PairPlace> place_at(const SceneGeometry& scene, const EdgePair& pair,
+std::optional<FacePlace> place_at(const SceneGeometry& scene, const EdgePair& pair,
                                   const EdgeView& view) {
-  PairPlace place;
-  int nearest = -1;
+  if (!view.sees(pair.edges[0]) && !view.sees(pair.edges[1])) return std::nullopt;
+  FacePlace place;
   for (int which = 0; which < 2; ++which) {
-    const DiffractionEdge& edge = scene.edges()[pair.edges[which]];
-    const EdgePoint point = edge_point(edge, view.place());
+    const EdgePoint point = edge_point(scene.edges()[pair.edges[which]], view.place());
     if (which == 0) place.z_m = point.z_m;
-    if (!view.sees(pair.edges[which])) continue;
-    place.points[which] = {.in_sight = true,
-                           .radius_m = point.radius_m,
-                           .angle_rad = std::abs(point.angle_rad - pair.face_angle_rad[which])};
-    if (nearest < 0 || point.radius_m < place.points[nearest].radius_m) nearest = which;
-  }
-  if (nearest < 0) return std::nullopt;
-  for (const EdgeInterval& interval : view.intervals(pair.edges[nearest])) {
-    const auto first_z = [&](double z) { return nearest == 0 ? z : pair.opposite_z(1, z); };
-    const double a = first_z(interval.begin_m);
-    const double b = first_z(interval.end_m);
-    place.intervals.push_back({std::min(a, b), std::max(a, b)});
-  }
-  if (nearest == 1 && pair.z_sign < 0.0) {
-    std::reverse(place.intervals.begin(), place.intervals.end());
+    FacePoint& seen = place.points[which];
+    seen.radius_m = point.radius_m;
+    seen.angle_rad = std::abs(point.angle_rad - pair.face_angle_rad[which]);
+    seen.in_sight = view.intervals(pair.edges[which]);
+    if (which == 0) continue;
+    for (EdgeInterval& interval : seen.in_sight) {
+      const double a = pair.opposite_z(1, interval.begin_m);
+      const double b = pair.opposite_z(1, interval.end_m);
+      interval = {std::min(a, b), std::max(a, b)};
+    }
+    if (pair.z_sign < 0.0) std::reverse(seen.in_sight.begin(), seen.in_sight.end());
   }
   return place;
 }
@@ -105,19 +93,18 @@ std::optional<PairPlace> place_at(const SceneGeometry& scene, const EdgePair& pa
 // The ways over the face of a pair.
 struct FaceWay {
   const EdgeFace* face = nullptr;
-  PairPlace here;
-  PairPlace there;
-  std::vector<EdgeInterval> intervals;
+  FacePlace here;
+  FacePlace there;
   Way shortest;  // in by one edge and out by the other; by one alone, forth and back
 };
 
-Way shortest_over(const SceneGeometry& scene, const EdgePair& pair, const PairPlace& here,
-                  const PairPlace& there) {
+Way shortest_over(const SceneGeometry& scene, const EdgePair& pair, const FacePlace& here,
+                  const FacePlace& there) {
   Way way;
   way.distance_m = 1e9;
   for (int in = 0; in < 2; ++in) {
     for (int out = 0; out < 2; ++out) {
-      if (!here.points[in].in_sight || !there.points[out].in_sight) continue;
+      if (here.points[in].in_sight.empty() || there.points[out].in_sight.empty()) continue;
       const double in_m = here.points[in].radius_m;
       const double across_m =
           in_m + there.points[out].radius_m + pair.face.width_m * (in == out ? 2.0 : 1.0);
@@ -137,22 +124,17 @@ Way shortest_over(const SceneGeometry& scene, const EdgePair& pair, const PairPl
 }
 
 std::optional<FaceWay> way_over(const Connection& connection, const EdgePair& pair) {
-  const std::optional<PairPlace> here = place_at(connection.scene, pair, connection.from);
+  const std::optional<FacePlace> here = place_at(connection.scene, pair, connection.from);
   if (!here) return std::nullopt;
-  const std::optional<PairPlace> there = place_at(connection.scene, pair, connection.to);
+  const std::optional<FacePlace> there = place_at(connection.scene, pair, connection.to);
   if (!there) return std::nullopt;
-  std::vector<EdgeInterval> intervals = overlap(here->intervals, there->intervals);
-  if (intervals.empty()) return std::nullopt;
   const Way shortest = shortest_over(connection.scene, pair, *here, *there);
-  return FaceWay{&pair.face, *here, *there, std::move(intervals), shortest};
+  return FaceWay{&pair.face, *here, *there, shortest};
 }
 
 DiffractionSpectrum sound_along(const Connection& connection, const FaceWay& way) {
-  return diffract_over_face(*way.face, way.here.points, way.there.points,
-                            {.source_z_m = way.here.z_m,
-                             .receiver_z_m = way.there.z_m,
-                             .intervals = way.intervals},
-                            way.shortest.distance_m, connection.speed_m_per_s);
+  return diffract_over_face(*way.face, way.here, way.there, way.shortest.distance_m,
+                            connection.speed_m_per_s);
 }
 
 // The ways round a group of edges; their sound is one wave.

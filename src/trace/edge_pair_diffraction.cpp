@@ -161,18 +161,20 @@ double across(const EdgeFace& face, const FacePoint& source, const FacePoint& re
   return source.radius_m + receiver.radius_m + face.width_m * (returns ? 2.0 : 1.0);
 }
 
+bool is_seen(const FacePoint& place) { return !place.in_sight.empty(); }
+
 using ByEdge = std::array<Complex, 2>;
 
 // Pressure at the receiver [edge at which it arrives], of sound that came to the face by one edge
 // from a line source that makes H0(2) in free field.
 ByEdge pass_face(const EdgeFace& face, const std::array<Corner, 2>& corners,
-                 const std::array<FacePoint, 2>& source, const std::array<FacePoint, 2>& receiver,
-                 int start, double wave_number) {
+                 const FacePoint& source, const std::array<FacePoint, 2>& receiver, int start,
+                 double wave_number) {
   double longest_m = 0.0;
   for (const FacePoint& place : receiver) {
-    if (place.in_sight) longest_m = std::max(longest_m, place.radius_m);
+    if (is_seen(place)) longest_m = std::max(longest_m, place.radius_m);
   }
-  longest_m += source[start].radius_m + face.width_m;
+  longest_m += source.radius_m + face.width_m;
   const Line line(wave_number * longest_m);
   const std::vector<Complex> crossing = line.sample(
       [&](const Complex& cosh) { return std::exp(-kI * wave_number * face.width_m * cosh); }, 0);
@@ -181,7 +183,7 @@ ByEdge pass_face(const EdgeFace& face, const std::array<Corner, 2>& corners,
   std::array<std::vector<Complex>, 2> heard;
   std::vector<Kernel> turning;
   for (int edge = 0; edge < 2; ++edge) {
-    if (receiver[edge].in_sight) {
+    if (is_seen(receiver[edge])) {
       heard[edge] = couple(corners[edge], receiver[edge], line, wave_number, points);
     }
     turning.emplace_back(corners[edge].index, line, 2 * points);
@@ -192,13 +194,13 @@ ByEdge pass_face(const EdgeFace& face, const std::array<Corner, 2>& corners,
   // On the face the incident and the reflected wave are one: what comes is half of it.
   const double incident = 0.5 / corners[0].face_weight;
   ByEdge pressure{};
-  std::vector<Complex> wave = couple(corners[start], source[start], line, wave_number, points);
+  std::vector<Complex> wave = couple(corners[start], source, line, wave_number, points);
   for (Complex& part : wave) part *= kI / kPi;
   int edge = start;
   for (int pass = 0; pass < kPasses; ++pass) {
     edge = 1 - edge;
     for (std::size_t i = 0; i < points; ++i) wave[i] *= crossing[i];
-    if (receiver[edge].in_sight) {
+    if (is_seen(receiver[edge])) {
       pressure[edge] += incident * line.step() * sum_over_line(wave, heard[edge]);
     }
     wave = turn_back(turning[edge], -corners[edge].index / (2.0 * kPi) * incident * line.step(),
@@ -214,31 +216,48 @@ struct Ends {
   double across_m = 1e9;
 };
 
-Ends shortest_ends(const EdgeFace& face, const std::array<FacePoint, 2>& source,
-                   const std::array<FacePoint, 2>& receiver) {
+Ends shortest_ends(const EdgeFace& face, const FacePlace& source, const FacePlace& receiver) {
   Ends shortest;
   for (int in = 0; in < 2; ++in) {
     for (int out = 0; out < 2; ++out) {
-      if (!source[in].in_sight || !receiver[out].in_sight) continue;
-      const double across_m = across(face, source[in], receiver[out], in == out);
+      const FacePoint& here = source.points[in];
+      const FacePoint& there = receiver.points[out];
+      if (!is_seen(here) || !is_seen(there)) continue;
+      const double across_m = across(face, here, there, in == out);
       if (across_m < shortest.across_m) shortest = {in, out, across_m};
     }
   }
   return shortest;
 }
 
-// What the parts of an edge in sight send between a place and a point on the face, over what the
-// endless edge would: makes up for the ends of edges.
-DiffractionSpectrum share_in_sight(const EdgeFace& face, int edge, const FacePoint& place,
-                                   double place_z_m, double beyond_m, double beyond_z_m,
-                                   std::span<const EdgeInterval> intervals, double speed_m_per_s) {
+// What is seen of one edge from a place, as it lies on another edge `scale` times as far.
+std::vector<EdgeInterval> project(const std::vector<EdgeInterval>& intervals, double z_m,
+                                  double scale) {
+  std::vector<EdgeInterval> projected;
+  for (const auto& [begin_m, end_m] : intervals) {
+    projected.push_back({z_m + (begin_m - z_m) * scale, z_m + (end_m - z_m) * scale});
+  }
+  return projected;
+}
+
+// What the parts of an edge that `near` and, past the other edge, `far` see send between them, over
+// what the endless edge would: makes up for the ends of edges. `far` is taken as lying on the face.
+DiffractionSpectrum share_in_sight(const EdgeFace& face, int edge, const FacePlace& near,
+                                   const FacePlace& far, int far_edge, double across_m,
+                                   double speed_m_per_s) {
+  const FacePoint& place = near.points[edge];
+  const FacePoint& far_place = far.points[far_edge];
+  const double beyond_m = across_m - place.radius_m;
+  const std::vector<EdgeInterval> intervals = overlap(
+      place.in_sight, project(far_place.in_sight, far.z_m, beyond_m / far_place.radius_m));
+  if (intervals.empty()) return {};
   const Wedge wedge{.open_angle_rad = face.open_angle_rad[edge],
                     .reflection = {face.reflection, face.other_reflection[edge]}};
-  const EdgePoint here{place.radius_m, place.angle_rad, place_z_m};
-  const EdgePoint there{beyond_m, 0.0, beyond_z_m};
+  const EdgePoint here{place.radius_m, place.angle_rad, near.z_m};
+  const EdgePoint there{beyond_m, 0.0, far.z_m};
   DiffractionSpectrum share = diffract(wedge, here, there, intervals,
                                        {.straight = true, .mirrored = true}, speed_m_per_s);
-  const double along_m = beyond_z_m - place_z_m;
+  const double along_m = far.z_m - near.z_m;
   const double sum_m2 = place.radius_m * place.radius_m + beyond_m * beyond_m + along_m * along_m;
   const double product_m2 = 2.0 * place.radius_m * beyond_m;
   const double shortest_m = std::sqrt(sum_m2 + product_m2);
@@ -262,16 +281,12 @@ DiffractionSpectrum share_in_sight(const EdgeFace& face, int edge, const FacePoi
 
 }  // namespace
 
-DiffractionSpectrum diffract_over_face(const EdgeFace& face,
-                                       const std::array<FacePoint, 2>& source,
-                                       const std::array<FacePoint, 2>& receiver,
-                                       const AlongFace& along, double reference_m,
+DiffractionSpectrum diffract_over_face(const EdgeFace& face, const FacePlace& source,
+                                       const FacePlace& receiver, double reference_m,
                                        double speed_m_per_s) {
   EARPOINT_CHECK(face.width_m > 0.0);
-  const double along_m = along.receiver_z_m - along.source_z_m;
+  const double along_m = receiver.z_m - source.z_m;
   const Ends ends = shortest_ends(face, source, receiver);
-  const FacePoint& here = source[ends.in];
-  const FacePoint& there = receiver[ends.out];
   // Endless edges keep the wave's slope along them; what is left runs across.
   const double across_share = ends.across_m / std::hypot(ends.across_m, along_m);
 
@@ -282,13 +297,15 @@ DiffractionSpectrum diffract_over_face(const EdgeFace& face,
     const double wave_number = 2.0 * kPi * diffraction_frequency_hz(i) / speed_m_per_s;
     const double across_number = wave_number * across_share;
     for (int start = 0; start < 2; ++start) {
-      if (!source[start].in_sight) continue;
+      const FacePoint& here = source.points[start];
+      if (!is_seen(here)) continue;
       const ByEdge pressure =
-          pass_face(face, corners, source, receiver, start, across_number);
+          pass_face(face, corners, here, receiver.points, start, across_number);
       for (int end = 0; end < 2; ++end) {
-        if (!receiver[end].in_sight) continue;
+        const FacePoint& there = receiver.points[end];
+        if (!is_seen(there)) continue;
         // From a line source to a point source.
-        const double flat_m = across(face, source[start], receiver[end], start == end);
+        const double flat_m = across(face, here, there, start == end);
         const double way_m = std::hypot(flat_m, along_m);
         const double phase = across_number * flat_m;
         const Complex line_source(j0(phase), -y0(phase));
@@ -299,14 +316,15 @@ DiffractionSpectrum diffract_over_face(const EdgeFace& face,
   }
 
   // Each end's share keeps the level where that end comes to see, or not to see, the other edge.
-  const DiffractionSpectrum in_share =
-      share_in_sight(face, ends.in, here, along.source_z_m, ends.across_m - here.radius_m,
-                     along.receiver_z_m, along.intervals, speed_m_per_s);
-  const DiffractionSpectrum out_share =
-      share_in_sight(face, ends.out, there, along.receiver_z_m, ends.across_m - there.radius_m,
-                     along.source_z_m, along.intervals, speed_m_per_s);
-  const double in_behind_rad = std::abs(kPi - here.angle_rad) + kOnBoundary_rad;
-  const double out_behind_rad = std::abs(kPi - there.angle_rad) + kOnBoundary_rad;
+  const DiffractionSpectrum in_share = share_in_sight(face, ends.in, source, receiver, ends.out,
+                                                      ends.across_m, speed_m_per_s);
+  const DiffractionSpectrum out_share = share_in_sight(face, ends.out, receiver, source, ends.in,
+                                                       ends.across_m, speed_m_per_s);
+  const auto behind_rad = [](const FacePoint& point) {
+    return std::abs(kPi - point.angle_rad) + kOnBoundary_rad;
+  };
+  const double in_behind_rad = behind_rad(source.points[ends.in]);
+  const double out_behind_rad = behind_rad(receiver.points[ends.out]);
   const double in_counts = in_behind_rad / (in_behind_rad + out_behind_rad);
   for (int i = 0; i < kDiffractionFrequencies; ++i) {
     spectrum[i] *= in_counts * in_share[i] + (1.0 - in_counts) * out_share[i];

@@ -3,7 +3,7 @@
 #include "wedge_diffraction.h"
 
 #include <array>
-#include <span>
+#include <vector>
 
 namespace earpoint {
 
@@ -18,16 +18,16 @@ struct EdgeFace {
 
 /// A place as one edge of a face has it.
 struct FacePoint {
-  bool in_sight = false;   ///< of the edge; if not, the rest has no meaning
   double radius_m = 0.0;   ///< from the edge, > 0
   double angle_rad = 0.0;  ///< from the face between the edges, in [0, open angle]
+  /// Of the edge, what is in sight, in ascending order. If nothing, the rest has no meaning.
+  std::vector<EdgeInterval> in_sight{};
 };
 
-/// The way along the edges, and the stretches of both that are in sight.
-struct AlongFace {
-  double source_z_m = 0.0;
-  double receiver_z_m = 0.0;
-  std::span<const EdgeInterval> intervals{};  ///< in ascending order
+/// A place as both edges of a face have it; both count z from the same point.
+struct FacePlace {
+  double z_m = 0.0;
+  std::array<FacePoint, 2> points;
 };
 
 /// Sound that passes the face between two edges once or more, diffracted at its ends: second and
@@ -37,14 +37,12 @@ struct AlongFace {
 /// Sound on the face is a sum of plane waves of complex angle, and each edge turns one such sum into
 /// another by the exact wedge solution (Macdonald; Sommerfeld's integral); the orders are added up
 /// until they do not matter. Exact for a line source and endless edges; for a point source the
-/// spreading of its unfolded way is put in place of the line's, and for edges that end Fresnel's
-/// share of the stretches in sight. Faces that absorb weigh their terms as in `diffract`.
+/// spreading of its unfolded way is put in place of the line's, and for edges that end the share that
+/// their parts in sight have in the first-order sound. Faces that absorb weigh their terms as in `diffract`.
 /// @param reference_m  the spectrum's phase is that of a way of this length
 /// @return  pressure relative to 1 m in free field
-DiffractionSpectrum diffract_over_face(const EdgeFace& face,
-                                       const std::array<FacePoint, 2>& source,
-                                       const std::array<FacePoint, 2>& receiver,
-                                       const AlongFace& along, double reference_m,
+DiffractionSpectrum diffract_over_face(const EdgeFace& face, const FacePlace& source,
+                                       const FacePlace& receiver, double reference_m,
                                        double speed_m_per_s);
 
 }  // namespace earpoint

@@ -20,16 +20,17 @@ struct WallEnd {
   std::span<const EdgeInterval> intervals = kLong;
 
   // As either edge has a place: the angle from the face on the end.
-  [[nodiscard]] std::array<FacePoint, 2> place(double x, double y) const {
-    std::array<FacePoint, 2> points;
+  [[nodiscard]] FacePlace place(double x, double y, double z = 0.0) const {
+    FacePlace place{.z_m = z, .points = {}};
     for (int edge = 0; edge < 2; ++edge) {
       const double across = edge == 0 ? x : thickness_m - x;
       double angle = std::atan2(y, across);
       if (angle < -0.5 * kPi) angle += 2.0 * kPi;
       const bool is_behind_other = y < 0.0 && across > 0.0;
-      points[edge] = {!is_behind_other, std::hypot(across, y), std::max(0.0, angle)};
+      place.points[edge] = {std::hypot(across, y), std::max(0.0, angle), {}};
+      if (!is_behind_other) place.points[edge].in_sight.assign(intervals.begin(), intervals.end());
     }
-    return points;
+    return place;
   }
 
   [[nodiscard]] EdgeFace face() const {
@@ -39,25 +40,26 @@ struct WallEnd {
     return face;
   }
 
-  [[nodiscard]] DiffractionSpectrum over(const std::array<FacePoint, 2>& source,
-                                         const std::array<FacePoint, 2>& receiver) const {
-    return diffract_over_face(face(), source, receiver, {0.0, 0.4, intervals}, 0.0, kSpeed);
+  [[nodiscard]] DiffractionSpectrum over(const FacePlace& source, const FacePlace& receiver) const {
+    return diffract_over_face(face(), source, receiver, 0.0, kSpeed);
   }
 
   // Of all orders.
-  [[nodiscard]] DiffractionSpectrum whole(const std::array<FacePoint, 2>& source,
-                                          const std::array<FacePoint, 2>& receiver) const {
+  [[nodiscard]] DiffractionSpectrum whole(const FacePlace& source,
+                                          const FacePlace& receiver) const {
     DiffractionSpectrum sum = over(source, receiver);
     for (int edge = 0; edge < 2; ++edge) {
-      if (!source[edge].in_sight || !receiver[edge].in_sight) continue;
-      const EdgePoint here{source[edge].radius_m, source[edge].angle_rad, 0.0};
-      const EdgePoint there{receiver[edge].radius_m, receiver[edge].angle_rad, 0.4};
+      const FacePoint& from = source.points[edge];
+      const FacePoint& to = receiver.points[edge];
+      if (from.in_sight.empty() || to.in_sight.empty()) continue;
+      const EdgePoint here{from.radius_m, from.angle_rad, source.z_m};
+      const EdgePoint there{to.radius_m, to.angle_rad, receiver.z_m};
       const DiffractionSpectrum sound =
           diffract({.open_angle_rad = 1.5 * kPi}, here, there, intervals, {}, kSpeed);
       const double way_m = find_apex(here, there, intervals).distance_m;
       for (int i = 0; i < kDiffractionFrequencies; ++i) {
-        sum[i] += sound[i] * std::polar(1.0, -2.0 * kPi * diffraction_frequency_hz(i) / kSpeed *
-                                                 way_m);
+        const double wave_number = 2.0 * kPi * diffraction_frequency_hz(i) / kSpeed;
+        sum[i] += sound[i] * std::polar(1.0, -wave_number * way_m);
       }
     }
     return sum;
@@ -68,10 +70,9 @@ TEST(EdgePairDiffraction, IsReciprocal) {
   const WallEnd wall{0.1};
   const auto here = wall.place(-2.0, 0.1);
   for (const double y : {-0.7, 0.2}) {
-    const auto there = wall.place(1.3, y);
+    const auto there = wall.place(1.3, y, 0.4);
     const DiffractionSpectrum a = wall.over(here, there);
-    const DiffractionSpectrum b =
-        diffract_over_face(wall.face(), there, here, {0.4, 0.0, kLong}, 0.0, kSpeed);
+    const DiffractionSpectrum b = wall.over(there, here);
     for (int i = 0; i < kDiffractionFrequencies; ++i) {
       // The orders are cut off at the same number both ways; the line's steps are not the same.
       EXPECT_LT(std::abs(a[i] - b[i]), 2e-3 * std::abs(a[i]) + 1e-5) << y << " " << i;
@@ -84,7 +85,7 @@ TEST(EdgePairDiffraction, ThinWallIsAScreen) {
   // by about a third of the thickness.
   const WallEnd wall{0.01};
   const auto source = wall.place(-2.0, -0.4);
-  const auto receiver = wall.place(1.8, -0.6);
+  const auto receiver = wall.place(1.8, -0.6, 0.4);
   const DiffractionSpectrum thick = wall.whole(source, receiver);
   // Around a screen along -y, angles from its left side.
   const double source_angle = std::atan2(2.0, 0.4);
@@ -103,8 +104,8 @@ TEST(EdgePairDiffraction, HasNoJumpWhereAnEdgeGoesOutOfSight) {
       for (const double source_y : {-0.5, 0.2}) {
         const WallEnd wall{thickness, intervals};
         const auto source = wall.place(-1.5, source_y);
-        const DiffractionSpectrum above = wall.whole(source, wall.place(1.2, 1e-5));
-        const DiffractionSpectrum below = wall.whole(source, wall.place(1.2, -1e-5));
+        const DiffractionSpectrum above = wall.whole(source, wall.place(1.2, 1e-5, 0.4));
+        const DiffractionSpectrum below = wall.whole(source, wall.place(1.2, -1e-5, 0.4));
         for (int i = 0; i < kDiffractionFrequencies; ++i) {
           // A point source's second order is that of a line source, but for its spreading: 2 %,
           // most where the ways are short against a wave of 5 m.
@@ -119,8 +120,8 @@ TEST(EdgePairDiffraction, HasNoJumpWhereAnEdgeGoesOutOfSight) {
 TEST(EdgePairDiffraction, PlacesOnTheFacesPlaneHaveALimit) {
   // On the plane itself, and up to it: the same.
   const WallEnd wall{0.1};
-  const DiffractionSpectrum on = wall.whole(wall.place(-1.0, 0.0), wall.place(1.2, -0.5));
-  const DiffractionSpectrum near = wall.whole(wall.place(-1.0, 1e-5), wall.place(1.2, -0.5));
+  const DiffractionSpectrum on = wall.whole(wall.place(-1.0, 0.0), wall.place(1.2, -0.5, 0.4));
+  const DiffractionSpectrum near = wall.whole(wall.place(-1.0, 1e-5), wall.place(1.2, -0.5, 0.4));
   for (int i = 0; i < kDiffractionFrequencies; ++i) {
     EXPECT_LT(std::abs(on[i] - near[i]), 2e-3 * std::abs(on[i])) << i;
   }
@@ -134,8 +135,7 @@ TEST(EdgePairDiffraction, FaceThatAbsorbsPassesLess) {
   const auto source = wall.place(-1.5, -0.3);
   const auto receiver = wall.place(1.5, -0.3);
   const DiffractionSpectrum hard = wall.over(source, receiver);
-  const DiffractionSpectrum quiet =
-      diffract_over_face(soft, source, receiver, {0.0, 0.4, kLong}, 0.0, kSpeed);
+  const DiffractionSpectrum quiet = diffract_over_face(soft, source, receiver, 0.0, kSpeed);
   for (int i = 0; i < kDiffractionFrequencies; ++i) EXPECT_LT(std::abs(quiet[i]), std::abs(hard[i]));
 }
 

@@ -111,16 +111,4 @@ void EdgeView::hide_behind(const SceneGeometry& scene, const EdgePair& pair, int
   hidden = without(hidden, {std::min(a, b), std::max(a, b)});
 }
 
-std::vector<EdgeInterval> overlap(const std::vector<EdgeInterval>& a,
-                                  const std::vector<EdgeInterval>& b) {
-  std::vector<EdgeInterval> both;
-  for (const EdgeInterval& x : a) {
-    for (const EdgeInterval& y : b) {
-      const EdgeInterval shared{std::max(x.begin_m, y.begin_m), std::min(x.end_m, y.end_m)};
-      if (shared.begin_m < shared.end_m) both.push_back(shared);
-    }
-  }
-  return both;
-}
-
 }  // namespace earpoint

@@ -32,9 +32,4 @@ class EdgeView {
   std::vector<std::vector<EdgeInterval>> in_sight_;  // [edge]
 };
 
-/// @param a, b  in ascending order, as the result is
-/// @return what is in both
-std::vector<EdgeInterval> overlap(const std::vector<EdgeInterval>& a,
-                                  const std::vector<EdgeInterval>& b);
-
 }  // namespace earpoint

@@ -189,6 +189,18 @@ double diffraction_frequency_hz(int index) {
   return kOctaveBandCentresHz[index / kFrequenciesPerBand] * std::exp2(octaves);
 }
 
+std::vector<EdgeInterval> overlap(const std::vector<EdgeInterval>& a,
+                                  const std::vector<EdgeInterval>& b) {
+  std::vector<EdgeInterval> both;
+  for (const EdgeInterval& x : a) {
+    for (const EdgeInterval& y : b) {
+      const EdgeInterval shared{std::max(x.begin_m, y.begin_m), std::min(x.end_m, y.end_m)};
+      if (shared.begin_m < shared.end_m) both.push_back(shared);
+    }
+  }
+  return both;
+}
+
 EdgeApex find_apex(const EdgePoint& source, const EdgePoint& receiver,
                    std::span<const EdgeInterval> intervals) {
   EARPOINT_CHECK(!intervals.empty());

@@ -3,6 +3,7 @@
 #include <array>
 #include <complex>
 #include <span>
+#include <vector>
 
 #include <earpoint/core/octave_bands.h>
 
@@ -46,6 +47,11 @@ using DiffractionSpectrum = std::array<std::complex<double>, kDiffractionFrequen
 
 /// @return  in ascending order, evenly over the octaves
 double diffraction_frequency_hz(int index);
+
+/// @param a, b  in ascending order, as the result is
+/// @return what is in both
+std::vector<EdgeInterval> overlap(const std::vector<EdgeInterval>& a,
+                                  const std::vector<EdgeInterval>& b);
 
 /// The shortest way over an edge.
 struct EdgeApex {

@@ -188,16 +188,18 @@ std::vector<Scan> scans() {
   const auto wall_end = [](double thickness_m) {
     return scene_of({.thickness_m = thickness_m, .source = {}, .listeners = {}});
   };
-  return {{"a wall's end, 0.1 m thick, source over it", wall_end(0.1), {-2, 0.1, 0}, {2.3, -0.3, 0},
-           {0, 1, 0}, 0.5},
+  const auto with_door = [](double thickness_m) { return wall_with_door(Door::open, thickness_m); };
+  // Over the planes of both edges' faces and the shadow lines of either edge.
+  return {{"a wall's end, 0.1 m thick, source over it", wall_end(0.1), {-2, 0.1, 0},
+           {2.3, -0.13, 0}, {0, 1, 0}, 0.36},
           {"a wall's end, 0.3 m thick, source behind it", wall_end(0.3), {-1, -0.3, 0},
-           {1.3, -0.1, 0}, {0, 1, 0}, 0.6},
-          {"a door's side, wall 0.1 m thick", wall_with_door(Door::open, 0.1), {-2, -1, 1.1},
-           {1.5, 0.3, 1.3}, {0, 1, 0}, 0.9},
-          {"a door's top, wall 0.1 m thick", wall_with_door(Door::open, 0.1), {-2, 0.5, 1.1},
-           {1.5, 0.4, 1.9}, {0, 0, 1}, 0.9},
-          {"a door's corner, wall 0.17 m thick", wall_with_door(Door::open, 0.17), {-2, 0.3, 1.5},
-           {1.5, 0.3, 1.7}, {0, 0.7, 0.7}, 1.2}};
+           {1.3, -0.02, 0}, {0, 1, 0}, 0.45},
+          {"a door's side, wall 0.1 m thick", with_door(0.1), {-2, -1, 1.1}, {1.5, 0.65, 1.3},
+           {0, 1, 0}, 0.38},
+          {"a door's top, wall 0.1 m thick", with_door(0.1), {-2, 0.5, 1.1}, {1.5, 0.4, 1.98},
+           {0, 0, 1}, 0.72},
+          {"a door's corner, wall 0.17 m thick", with_door(0.17), {-2, 0.3, 1.5}, {1.5, 0.97, 2.37},
+           {0, 0.7, 0.7}, 0.08}};
 }
 
 GateRow smoothness(const Scan& scan, ThreadPool& pool) {
