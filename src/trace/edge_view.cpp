@@ -9,7 +9,8 @@ namespace earpoint {
 namespace {
 
 constexpr double kStretch_m = 0.25;    // what hides less of an edge may go unnoticed
-constexpr double kBorder_m = 2e-3;     // how well the ends of what is in sight are found
+constexpr double kEnd_m = 2e-3;        // from either end, it is looked at too
+constexpr double kBorder_m = 2e-4;     // how well the borders of what is in sight are found
 constexpr double kClearance_m = 5e-3;  // how far from the edge it is looked at
 
 bool is_in_air(const DiffractionEdge& edge, const EdgePoint& point) {
@@ -31,8 +32,8 @@ class EdgeLook {
     bool last_sees = false;
     for (int i = -1; i <= count; ++i) {
       // Close to either end, and in the middles of stretches between.
-      const double z = i < 0 ? kBorder_m
-                             : std::min(edge_.length_m - kBorder_m,
+      const double z = i < 0 ? kEnd_m
+                             : std::min(edge_.length_m - kEnd_m,
                                         (i + 0.5) * edge_.length_m / count);
       const bool sees_now = sees(z);
       if (sees_now && !last_sees) {
