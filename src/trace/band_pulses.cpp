@@ -49,8 +49,8 @@ std::vector<BandPulse> band_pulses(const DiffractionSpectrum& spectrum) {
       const double second = -pressure.imag() / std::sin(lag);
       const double first_gain = pressure.real() - second * std::cos(lag);
       // Away from the centre they add up otherwise; their energy over the octave is kept.
-      const double energy = first_gain * first_gain + second * second +
-                            2.0 * first_gain * second * mean_cosine(lag);
+      const double energy =
+          first_gain * first_gain + second * second + 2.0 * first_gain * second * mean_cosine(lag);
       const double scale = energy > 0.0 ? std::sqrt(std::norm(pressure) / energy) : 0.0;
       later.gain[band] = static_cast<float>(scale * second);
       pulses[0].gain[band] = static_cast<float>(scale * first_gain);

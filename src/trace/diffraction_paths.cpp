@@ -64,8 +64,7 @@ DiffractionSpectrum sound_along(const Connection& connection, const EdgeWay& way
   const UnbentSound unbent{.straight = connection.straight_is_free,
                            .mirrored = is_mirrored(connection.mirrored, way.shortest.distance_m,
                                                    connection.speed_m_per_s)};
-  return diffract(*way.wedge, way.here, way.there, way.intervals, unbent,
-                  connection.speed_m_per_s);
+  return diffract(*way.wedge, way.here, way.there, way.intervals, unbent, connection.speed_m_per_s);
 }
 
 std::optional<FacePlace> place_at(const SceneGeometry& scene, const EdgePair& pair,
@@ -216,8 +215,8 @@ bool touches_edge(const SceneGeometry& scene, const EdgeView& from, const EdgeVi
   for (std::size_t i = 0; i < scene.edges().size(); ++i) {
     if (!from.sees(i) || !to.sees(i)) continue;
     const DiffractionEdge& edge = scene.edges()[i];
-    const double turn_rad = std::abs(edge_point(edge, from.place()).angle_rad -
-                                     edge_point(edge, to.place()).angle_rad);
+    const double turn_rad =
+        std::abs(edge_point(edge, from.place()).angle_rad - edge_point(edge, to.place()).angle_rad);
     if (std::abs(turn_rad - kPi) < kRounding_rad) return true;
   }
   return false;
@@ -270,8 +269,8 @@ std::vector<Arrival> diffracted_arrivals(const SceneGeometry& scene, const Sourc
   for (const GroupWays& ways : groups) {
     const double share = share_of_detour(ways.shortest.distance_m, shortest_m, straight_m);
     if (share <= 0.0) continue;
-    add_arrivals(source, to.place(), ways.shortest, sum_sound(connection, ways), share,
-                 propagation, arrivals);
+    add_arrivals(source, to.place(), ways.shortest, sum_sound(connection, ways), share, propagation,
+                 arrivals);
   }
   return arrivals;
 }

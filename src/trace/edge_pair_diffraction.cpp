@@ -203,8 +203,8 @@ ByEdge pass_face(const EdgeFace& face, const std::array<Corner, 2>& corners,
     if (is_seen(receiver[edge])) {
       pressure[edge] += incident * line.step() * sum_over_line(wave, heard[edge]);
     }
-    wave = turn_back(turning[edge], -corners[edge].index / (2.0 * kPi) * incident * line.step(),
-                     wave);
+    wave =
+        turn_back(turning[edge], -corners[edge].index / (2.0 * kPi) * incident * line.step(), wave);
   }
   return pressure;
 }
@@ -248,15 +248,15 @@ DiffractionSpectrum share_in_sight(const EdgeFace& face, int edge, const FacePla
   const FacePoint& place = near.points[edge];
   const FacePoint& far_place = far.points[far_edge];
   const double beyond_m = across_m - place.radius_m;
-  const std::vector<EdgeInterval> intervals = overlap(
-      place.in_sight, project(far_place.in_sight, far.z_m, beyond_m / far_place.radius_m));
+  const std::vector<EdgeInterval> intervals =
+      overlap(place.in_sight, project(far_place.in_sight, far.z_m, beyond_m / far_place.radius_m));
   if (intervals.empty()) return {};
   const Wedge wedge{.open_angle_rad = face.open_angle_rad[edge],
                     .reflection = {face.reflection, face.other_reflection[edge]}};
   const EdgePoint here{place.radius_m, place.angle_rad, near.z_m};
   const EdgePoint there{beyond_m, 0.0, far.z_m};
-  DiffractionSpectrum share = diffract(wedge, here, there, intervals,
-                                       {.straight = true, .mirrored = true}, speed_m_per_s);
+  DiffractionSpectrum share =
+      diffract(wedge, here, there, intervals, {.straight = true, .mirrored = true}, speed_m_per_s);
   const double along_m = far.z_m - near.z_m;
   const double sum_m2 = place.radius_m * place.radius_m + beyond_m * beyond_m + along_m * along_m;
   const double product_m2 = 2.0 * place.radius_m * beyond_m;
@@ -299,8 +299,7 @@ DiffractionSpectrum diffract_over_face(const EdgeFace& face, const FacePlace& so
     for (int start = 0; start < 2; ++start) {
       const FacePoint& here = source.points[start];
       if (!is_seen(here)) continue;
-      const ByEdge pressure =
-          pass_face(face, corners, here, receiver.points, start, across_number);
+      const ByEdge pressure = pass_face(face, corners, here, receiver.points, start, across_number);
       for (int end = 0; end < 2; ++end) {
         const FacePoint& there = receiver.points[end];
         if (!is_seen(there)) continue;
@@ -316,10 +315,10 @@ DiffractionSpectrum diffract_over_face(const EdgeFace& face, const FacePlace& so
   }
 
   // Each end's share keeps the level where that end comes to see, or not to see, the other edge.
-  const DiffractionSpectrum in_share = share_in_sight(face, ends.in, source, receiver, ends.out,
-                                                      ends.across_m, speed_m_per_s);
-  const DiffractionSpectrum out_share = share_in_sight(face, ends.out, receiver, source, ends.in,
-                                                       ends.across_m, speed_m_per_s);
+  const DiffractionSpectrum in_share =
+      share_in_sight(face, ends.in, source, receiver, ends.out, ends.across_m, speed_m_per_s);
+  const DiffractionSpectrum out_share =
+      share_in_sight(face, ends.out, receiver, source, ends.in, ends.across_m, speed_m_per_s);
   const auto behind_rad = [](const FacePoint& point) {
     return std::abs(kPi - point.angle_rad) + kOnBoundary_rad;
   };

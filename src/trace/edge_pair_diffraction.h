@@ -9,7 +9,7 @@ namespace earpoint {
 
 /// A face between two parallel edges: the end of a wall, the reveal of a door.
 struct EdgeFace {
-  double width_m = 0.0;                   ///< > 0
+  double width_m = 0.0;                    ///< > 0
   std::array<double, 2> open_angle_rad{};  ///< of either edge's air
   BandArray reflection = all_bands(1.0F);  ///< pressure that the face reflects
   /// The same of the face on the other side of either edge.
@@ -34,11 +34,12 @@ struct FacePlace {
 /// higher orders, so that first-order sound of both edges and this together have no jump where an
 /// edge goes out of sight behind the other.
 ///
-/// Sound on the face is a sum of plane waves of complex angle, and each edge turns one such sum into
-/// another by the exact wedge solution (Macdonald; Sommerfeld's integral); the orders are added up
-/// until they do not matter. Exact for a line source and endless edges; for a point source the
-/// spreading of its unfolded way is put in place of the line's, and for edges that end the share that
-/// their parts in sight have in the first-order sound. Faces that absorb weigh their terms as in `diffract`.
+/// Sound on the face is a sum of plane waves of complex angle, and each edge turns one such sum
+/// into another by the exact wedge solution (Macdonald; Sommerfeld's integral); the orders are
+/// added up until they do not matter. Exact for a line source and endless edges; for a point source
+/// the spreading of its unfolded way is put in place of the line's, and for edges that end the
+/// share that their parts in sight have in the first-order sound. Faces that absorb weigh their
+/// terms as in `diffract`.
 /// @param reference_m  the spectrum's phase is that of a way of this length
 /// @return  pressure relative to 1 m in free field
 DiffractionSpectrum diffract_over_face(const EdgeFace& face, const FacePlace& source,

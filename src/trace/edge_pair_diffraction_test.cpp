@@ -100,7 +100,8 @@ TEST(EdgePairDiffraction, ThinWallIsAScreen) {
 
 TEST(EdgePairDiffraction, HasNoJumpWhereAnEdgeGoesOutOfSight) {
   for (const double thickness : {0.05, 0.1, 0.3}) {
-    for (const auto intervals : {std::span<const EdgeInterval>(kLong), std::span<const EdgeInterval>(kDoor)}) {
+    for (const auto intervals :
+         {std::span<const EdgeInterval>(kLong), std::span<const EdgeInterval>(kDoor)}) {
       for (const double source_y : {-0.5, 0.2}) {
         const WallEnd wall{thickness, intervals};
         const auto source = wall.place(-1.5, source_y);
@@ -136,7 +137,8 @@ TEST(EdgePairDiffraction, FaceThatAbsorbsPassesLess) {
   const auto receiver = wall.place(1.5, -0.3);
   const DiffractionSpectrum hard = wall.over(source, receiver);
   const DiffractionSpectrum quiet = diffract_over_face(soft, source, receiver, 0.0, kSpeed);
-  for (int i = 0; i < kDiffractionFrequencies; ++i) EXPECT_LT(std::abs(quiet[i]), std::abs(hard[i]));
+  for (int i = 0; i < kDiffractionFrequencies; ++i)
+    EXPECT_LT(std::abs(quiet[i]), std::abs(hard[i]));
 }
 
 }  // namespace

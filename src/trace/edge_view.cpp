@@ -32,9 +32,8 @@ class EdgeLook {
     bool last_sees = false;
     for (int i = -1; i <= count; ++i) {
       // Close to either end, and in the middles of stretches between.
-      const double z = i < 0 ? kEnd_m
-                             : std::min(edge_.length_m - kEnd_m,
-                                        (i + 0.5) * edge_.length_m / count);
+      const double z =
+          i < 0 ? kEnd_m : std::min(edge_.length_m - kEnd_m, (i + 0.5) * edge_.length_m / count);
       const bool sees_now = sees(z);
       if (sees_now && !last_sees) {
         intervals.push_back({i < 0 ? 0.0 : border(last_z, z), edge_.length_m});

@@ -13,8 +13,8 @@ namespace earpoint {
 
 /// Reflections off the faces between pairs of edges. Diffraction at both ends of a face counts on
 /// its reflection, however narrow it is; image sources leave out planes below a quarter of a square
-/// metre, and may miss a face that few rays meet. (The random walk brings the energy of narrow faces
-/// to the late field too: that of a door's reveal.)
+/// metre, and may miss a face that few rays meet. (The random walk brings the energy of narrow
+/// faces to the late field too: that of a door's reveal.)
 /// @param others  image sources' arrivals: what is among them is left out
 /// @return  arrivals, directions in the world's frame
 std::vector<Arrival> face_reflections(const SceneGeometry& scene, const Source& source,

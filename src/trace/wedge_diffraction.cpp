@@ -20,8 +20,8 @@ using Parts = std::array<double, kParts>;
 // of 0.04 of a period at 8 kHz, shared between two bins.
 constexpr double kBin_m = 0.0035;
 
-// Steps along the edge grow with the distance from the apex. The first is integrated in closed form:
-// near a shadow boundary the integrand peaks there, however narrowly.
+// Steps along the edge grow with the distance from the apex. The first is integrated in closed
+// form: near a shadow boundary the integrand peaks there, however narrowly.
 constexpr double kFirstStep = 1e-3;  // of the nearer end's radius
 constexpr double kGrowth = 0.12;
 constexpr double kCoarsestStep_m = 0.01;
@@ -69,8 +69,8 @@ class Integrand {
     if (reach > 0.0) {
       for (int i = 0; i < 4; ++i) {
         const double half = std::sin(index_ * angles_[i] / 2.0);
-        const double turn = 2.0 * std::cos(index_ * angles_[i] / 2.0) *
-                            std::atan(reach / (2.0 * std::abs(half)));
+        const double turn =
+            2.0 * std::cos(index_ * angles_[i] / 2.0) * std::atan(reach / (2.0 * std::abs(half)));
         beta[i] = std::copysign(std::abs(z - apex_z) / reach, half) * turn;
       }
     }
@@ -143,13 +143,13 @@ class BinnedResponse {
 
 // On the unfolded plane the shortest way is straight.
 double unbounded_apex_z(const EdgePoint& source, const EdgePoint& receiver) {
-  return source.z_m + (receiver.z_m - source.z_m) * source.radius_m /
-                          (source.radius_m + receiver.radius_m);
+  return source.z_m +
+         (receiver.z_m - source.z_m) * source.radius_m / (source.radius_m + receiver.radius_m);
 }
 
 // From `begin` towards `end`, away from the apex: midpoint rule over growing steps.
-void integrate(const Integrand& integrand, double apex, double begin, double end,
-               double first_step, BinnedResponse& response) {
+void integrate(const Integrand& integrand, double apex, double begin, double end, double first_step,
+               BinnedResponse& response) {
   const double direction = end > begin ? 1.0 : -1.0;
   double z = begin;
   while (z != end) {

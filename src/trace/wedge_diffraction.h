@@ -65,8 +65,8 @@ EdgeApex find_apex(const EdgePoint& source, const EdgePoint& receiver,
 
 /// First-order diffraction by the parts of a wedge that are in sight, as in Biot, Tolstoy and
 /// Medwin: every point of the edge is a secondary source (Svensson, Fred and Vanderkooy, JASA 106,
-/// 1999, equations 2 to 5). For faces that are not rigid, the two terms that belong to a reflection are weighed
-/// by the face's reflection, as Luebbers (IEEE Trans. Antennas Propag. 32, 1984) does.
+/// 1999, equations 2 to 5). For faces that are not rigid, the two terms that belong to a reflection
+/// are weighed by the face's reflection, as Luebbers (IEEE Trans. Antennas Propag. 32, 1984) does.
 /// @param intervals  in ascending order, not empty
 /// @return  pressure relative to 1 m in free field; its phase is relative to the shortest way's
 DiffractionSpectrum diffract(const Wedge& wedge, const EdgePoint& source, const EdgePoint& receiver,

@@ -30,8 +30,7 @@ double utd_level_db(double open_angle, double source_angle, double source_m, dou
 // Per band the root of the mean energy, with the sign of the real part.
 BandArray gains(const Wedge& wedge, const EdgePoint& source, const EdgePoint& receiver,
                 std::span<const EdgeInterval> intervals, const UnbentSound& unbent = {}) {
-  const DiffractionSpectrum spectrum =
-      diffract(wedge, source, receiver, intervals, unbent, kSpeed);
+  const DiffractionSpectrum spectrum = diffract(wedge, source, receiver, intervals, unbent, kSpeed);
   BandArray gains;
   for (int band = 0; band < kOctaveBands; ++band) {
     double energy = 0.0;
@@ -69,9 +68,8 @@ TEST(WedgeDiffraction, FollowsTheUniformTheoryBehindWedges) {
       for (const double behind : {0.15, 0.5, 1.0}) {
         const double receiver_angle = source_angle + kPi + behind;
         if (receiver_angle >= open_angle) continue;
-        const BandArray sound =
-            gains({.open_angle_rad = open_angle}, {2.5, source_angle, 0.0},
-                     {1.8, receiver_angle, 0.0}, kLong);
+        const BandArray sound = gains({.open_angle_rad = open_angle}, {2.5, source_angle, 0.0},
+                                      {1.8, receiver_angle, 0.0}, kLong);
         for (int band = 3; band < kOctaveBands; ++band) {
           const double level_db = 20.0 * std::log10(static_cast<double>(sound[band]));
           // The uniform theory is asymptotic: 500 Hz is a wave of 0.7 m, on ways of 2 m.
@@ -99,8 +97,7 @@ TEST(WedgeDiffraction, OnTheShadowBoundaryItTakesTheSideOfTheStraightSound) {
 }
 
 TEST(WedgeDiffraction, FlatWallDoesNotDiffract) {
-  const BandArray sound =
-      gains({.open_angle_rad = kPi}, {1.0, 0.6, 0.0}, {2.0, 2.0, 0.5}, kLong);
+  const BandArray sound = gains({.open_angle_rad = kPi}, {1.0, 0.6, 0.0}, {2.0, 2.0, 0.5}, kLong);
   for (const float gain : sound) EXPECT_NEAR(gain, 0.0F, 1e-9F);
 }
 
@@ -132,8 +129,7 @@ TEST(WedgeDiffraction, DeeperShadowAndHigherSoundAreQuieter) {
   const Wedge wedge{.open_angle_rad = 2.0 * kPi};
   double last = 1.0;
   for (const double behind : {0.1, 0.3, 0.6, 1.0, 1.5}) {
-    const BandArray sound =
-        gains(wedge, {2.0, 1.0, 0.0}, {2.0, 1.0 + kPi + behind, 0.0}, kLong);
+    const BandArray sound = gains(wedge, {2.0, 1.0, 0.0}, {2.0, 1.0 + kPi + behind, 0.0}, kLong);
     EXPECT_LT(sound[4], last);
     for (int band = 1; band < kOctaveBands; ++band) {
       EXPECT_LT(sound[band], sound[band - 1]);

@@ -84,9 +84,11 @@ double point_source_db(const Plan& plan, const PlanePoint& listener) {
   const double below_m = way_over({plan.source, {0, 0}, {plan.thickness_m, 0}, listener});
   double way_m = below_m;
   if (plan.has_doorway()) {
-    const auto mirrored = [&](const PlanePoint& p) { return PlanePoint{p.x, plan.doorway_m - p.y}; };
-    const double above_m = way_over(
-        {mirrored(plan.source), {0, 0}, {plan.thickness_m, 0}, mirrored(listener)});
+    const auto mirrored = [&](const PlanePoint& p) {
+      return PlanePoint{p.x, plan.doorway_m - p.y};
+    };
+    const double above_m =
+        way_over({mirrored(plan.source), {0, 0}, {plan.thickness_m, 0}, mirrored(listener)});
     // One of both is the straight way, unless the wall is in between.
     way_m = std::max(below_m, above_m);
   }
@@ -139,16 +141,15 @@ GateRow against_waves(const Plan& plan, ThreadPool& pool) {
       lowest_db = std::min(lowest_db, level_db);
     }
   }
-  return {.gate = fmt::format("{}, {:g} m thick, source at ({:g}, {:g}) m: {} places from light to "
-                              "shadow against a wave solver, 125, 250 and 500 Hz",
-                              plan.has_doorway()
-                                  ? fmt::format("doorway of {:g} m", plan.doorway_m)
-                                  : std::string("end of a wall"),
-                              plan.thickness_m, plan.source.x, plan.source.y,
-                              plan.listeners.size()),
-          .measured = fmt::format("within {:.2f} dB, down to {:.1f} dB", worst_db, lowest_db),
-          .limit = "1 dB",
-          .passed = worst_db < 1.0};
+  return {
+      .gate = fmt::format("{}, {:g} m thick, source at ({:g}, {:g}) m: {} places from light to "
+                          "shadow against a wave solver, 125, 250 and 500 Hz",
+                          plan.has_doorway() ? fmt::format("doorway of {:g} m", plan.doorway_m)
+                                             : std::string("end of a wall"),
+                          plan.thickness_m, plan.source.x, plan.source.y, plan.listeners.size()),
+      .measured = fmt::format("within {:.2f} dB, down to {:.1f} dB", worst_db, lowest_db),
+      .limit = "1 dB",
+      .passed = worst_db < 1.0};
 }
 
 std::vector<PlanePoint> column(double x, double from_y, double to_y, int count) {
@@ -190,16 +191,36 @@ std::vector<Scan> scans() {
   };
   const auto with_door = [](double thickness_m) { return wall_with_door(Door::open, thickness_m); };
   // Over the planes of both edges' faces and the shadow lines of either edge.
-  return {{"a wall's end, 0.1 m thick, source over it", wall_end(0.1), {-2, 0.1, 0},
-           {2.3, -0.13, 0}, {0, 1, 0}, 0.36},
-          {"a wall's end, 0.3 m thick, source behind it", wall_end(0.3), {-1, -0.3, 0},
-           {1.3, -0.02, 0}, {0, 1, 0}, 0.45},
-          {"a door's side, wall 0.1 m thick", with_door(0.1), {-2, -1, 1.1}, {1.5, 0.65, 1.3},
-           {0, 1, 0}, 0.38},
-          {"a door's top, wall 0.1 m thick", with_door(0.1), {-2, 0.5, 1.1}, {1.5, 0.4, 1.98},
-           {0, 0, 1}, 0.72},
-          {"a door's corner, wall 0.17 m thick", with_door(0.17), {-2, 0.3, 1.5}, {1.5, 0.97, 2.37},
-           {0, 0.7, 0.7}, 0.08}};
+  return {{"a wall's end, 0.1 m thick, source over it",
+           wall_end(0.1),
+           {-2, 0.1, 0},
+           {2.3, -0.13, 0},
+           {0, 1, 0},
+           0.36},
+          {"a wall's end, 0.3 m thick, source behind it",
+           wall_end(0.3),
+           {-1, -0.3, 0},
+           {1.3, -0.02, 0},
+           {0, 1, 0},
+           0.45},
+          {"a door's side, wall 0.1 m thick",
+           with_door(0.1),
+           {-2, -1, 1.1},
+           {1.5, 0.65, 1.3},
+           {0, 1, 0},
+           0.38},
+          {"a door's top, wall 0.1 m thick",
+           with_door(0.1),
+           {-2, 0.5, 1.1},
+           {1.5, 0.4, 1.98},
+           {0, 0, 1},
+           0.72},
+          {"a door's corner, wall 0.17 m thick",
+           with_door(0.17),
+           {-2, 0.3, 1.5},
+           {1.5, 0.97, 2.37},
+           {0, 0.7, 0.7},
+           0.08}};
 }
 
 GateRow smoothness(const Scan& scan, ThreadPool& pool) {

@@ -105,13 +105,14 @@ class Grid {
     return static_cast<std::size_t>(y) * width_ + x;
   }
 
-  // What a time step leaves of waves across the layer (Berenger, 1994): damping that grows with the square of the depth in the layer.
+  // What a time step leaves of waves across the layer (Berenger, 1994): damping that grows with the
+  // square of the depth in the layer.
   [[nodiscard]] float keep(int cell, int count, double speed_m_per_s) const {
-    const double depth =
-        1.0 - std::min(cell + 0.5, count - cell - 0.5) * step_m_ / kLayer_m;
+    const double depth = 1.0 - std::min(cell + 0.5, count - cell - 0.5) * step_m_ / kLayer_m;
     constexpr double kLoss = 9.0;  // nepers, there and back
     const double damping = 1.5 * kLoss * speed_m_per_s / kLayer_m;
-    return static_cast<float>(std::exp(-damping * std::pow(std::max(0.0, depth), 2) * time_step_s_));
+    return static_cast<float>(
+        std::exp(-damping * std::pow(std::max(0.0, depth), 2) * time_step_s_));
   }
 
   // The four cells around a point, linearly weighted.
@@ -136,8 +137,8 @@ class Grid {
       const std::size_t row = at(0, y);
       for (int x = 1; x < width_; ++x) {
         const std::size_t i = row + x;
-        towards_x_[i] = open_x_[i] * keep_x_[x] *
-                        (towards_x_[i] - courant * (pressure_[i] - pressure_[i - 1]));
+        towards_x_[i] =
+            open_x_[i] * keep_x_[x] * (towards_x_[i] - courant * (pressure_[i] - pressure_[i - 1]));
         towards_y_[i] = open_y_[i] * keep_y_[y] *
                         (towards_y_[i] - courant * (pressure_[i] - pressure_[i - width_]));
       }
@@ -164,7 +165,7 @@ class Grid {
   int height_ = 0;
   std::vector<float> pressure_;
   std::vector<float> pressure_x_;  // the part of it that waves along x make
-  std::vector<float> towards_x_;  // velocities, in units of pressure
+  std::vector<float> towards_x_;   // velocities, in units of pressure
   std::vector<float> towards_y_;
   std::vector<float> open_x_;  // 0 in and on blocks
   std::vector<float> open_y_;
