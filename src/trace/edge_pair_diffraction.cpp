@@ -234,6 +234,7 @@ Ends shortest_ends(const EdgeFace& face, const FacePlace& source, const FacePlac
 std::vector<EdgeInterval> project(const std::vector<EdgeInterval>& intervals, double z_m,
                                   double scale) {
   std::vector<EdgeInterval> projected;
+  projected.reserve(intervals.size());
   for (const auto& [begin_m, end_m] : intervals) {
     projected.push_back({z_m + (begin_m - z_m) * scale, z_m + (end_m - z_m) * scale});
   }

@@ -154,6 +154,7 @@ GateRow against_waves(const Plan& plan, ThreadPool& pool) {
 
 std::vector<PlanePoint> column(double x, double from_y, double to_y, int count) {
   std::vector<PlanePoint> points;
+  points.reserve(count);
   for (int i = 0; i < count; ++i) points.push_back({x, from_y + (to_y - from_y) * i / (count - 1)});
   return points;
 }
@@ -270,12 +271,14 @@ std::vector<GateRow> thick_wall_gate(ThreadPool& pool) {
     plan.listeners = column(thickness_m + 1.2, -0.9, 0.9, 7);
     rows.push_back(against_waves(plan, pool));
   }
-  for (const PlanePoint& source : {PlanePoint{-2.5, 0.45}, PlanePoint{-1.5, -0.3}}) {
-    rows.push_back(against_waves({.thickness_m = 0.1,
+  for (const auto& [thickness_m, source] :
+       {std::pair{0.05, PlanePoint{-1.5, -0.3}}, std::pair{0.1, PlanePoint{-2.5, 0.45}},
+        std::pair{0.1, PlanePoint{-1.5, -0.3}}}) {
+    rows.push_back(against_waves({.thickness_m = thickness_m,
                                   .doorway_m = 0.9,
                                   .source = source,
                                   .listeners = column(2.1, -1.2, 1.5, 7),
-                                  .steps = 5},
+                                  .steps = static_cast<int>(std::lround(thickness_m / 0.025))},
                                  pool));
   }
   for (const Scan& scan : scans()) rows.push_back(smoothness(scan, pool));
