@@ -29,6 +29,7 @@ int main() {
   print(gates::ear_gate());
   print(gates::motion_gate(pool));
   print(gates::diffraction_gate(pool));
+  print(gates::thick_wall_gate(pool));
   print(gates::determinism_gate());
   return passed ? 0 : 1;
 }

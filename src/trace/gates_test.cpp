@@ -57,6 +57,11 @@ TEST(TraceGates, SoundBendsRoundADoor) {
   expect_passed(gates::diffraction_gate(pool));
 }
 
+TEST(TraceGates, ThickWallsDiffractAsWavesDo) {
+  ThreadPool pool(available_cores());
+  expect_passed(gates::thick_wall_gate(pool));
+}
+
 TEST(TraceGates, ThreadsDoNotChangeAByteAndHolesAreRefused) {
   expect_passed(gates::determinism_gate());
 }

@@ -119,6 +119,7 @@ SceneGeometry::SceneGeometry(const Scene& scene)
   for (const Instance& instance : scene.instances) instance_kinds_.push_back(instance.kind);
   edges_ = find_diffraction_edges(*this);
   edge_pairs_ = find_edge_pairs(edges_);
+  edge_groups_ = group_edges(edges_.size(), edge_pairs_);
 }
 
 LayerMask SceneGeometry::mask_without(std::optional<std::uint32_t> body) const {

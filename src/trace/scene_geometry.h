@@ -67,6 +67,7 @@ class SceneGeometry {
   [[nodiscard]] const std::vector<InstanceKind>& instance_kinds() const { return instance_kinds_; }
   [[nodiscard]] const std::vector<DiffractionEdge>& edges() const { return edges_; }
   [[nodiscard]] const std::vector<EdgePair>& edge_pairs() const { return edge_pairs_; }
+  [[nodiscard]] const std::vector<EdgeGroup>& edge_groups() const { return edge_groups_; }
 
   /// How far a ray starts above the surface that it leaves, so that it does not hit it again.
   [[nodiscard]] double surface_offset_m() const { return surface_offset_m_; }
@@ -82,6 +83,7 @@ class SceneGeometry {
   TriangleTree rays_;
   std::vector<DiffractionEdge> edges_;
   std::vector<EdgePair> edge_pairs_;
+  std::vector<EdgeGroup> edge_groups_;
 };
 
 }  // namespace earpoint

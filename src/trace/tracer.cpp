@@ -83,7 +83,7 @@ class ArrivalFinder {
       add_direct(scene_, source, listeners_[i], propagation_, response);
       if (from) {
         const std::vector<Arrival> round =
-            diffracted_arrivals(scene_, source, *from, views_[i], propagation_);
+            diffracted_arrivals(scene_, source, *from, views_[i], response.arrivals, propagation_);
         response.arrivals.insert(response.arrivals.end(), round.begin(), round.end());
       }
       std::stable_sort(response.arrivals.begin(), response.arrivals.end(),

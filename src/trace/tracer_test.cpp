@@ -94,7 +94,9 @@ TEST(Tracer, ScatteringMovesEnergyFromTheMirrorToTheLateField) {
 TEST(Tracer, WallsPassWhatTheyTransmitAndNoMore) {
   Scene scene = open_air();
   add_block(scene, {1, -20, -20}, {1.1, 20, 20}, material(1.0F, 0.0F, 0.01F));
-  const PointResponse response = trace_one(scene, omni({0, 0, 0}), {2, 0, 0});
+  // What comes round the wall's ends, over 40 m, is left out.
+  const TraceOptions straight{.diffracts = false};
+  const PointResponse response = trace_one(scene, omni({0, 0, 0}), {2, 0, 0}, straight);
   ASSERT_EQ(response.arrivals.size(), 1U);
   // One wall of two faces, one loss: 1 % of the energy at 2 m.
   EXPECT_NEAR(response.arrivals[0].gain[2], 0.5F * 0.1F, 1e-7);
@@ -110,7 +112,7 @@ TEST(Tracer, WallsPassWhatTheyTransmitAndNoMore) {
 
   Scene opaque = open_air();
   add_block(opaque, {1, -20, -20}, {1.1, 20, 20}, material(1.0F, 0.0F));
-  EXPECT_TRUE(trace_one(opaque, omni({0, 0, 0}), {2, 0, 0}).arrivals.empty());
+  EXPECT_TRUE(trace_one(opaque, omni({0, 0, 0}), {2, 0, 0}, straight).arrivals.empty());
 }
 
 TEST(Tracer, TransmittedSoundIsScatteredBehindTheWallToo) {

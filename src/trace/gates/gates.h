@@ -47,6 +47,10 @@ std::vector<GateRow> motion_gate(ThreadPool& pool);
 /// of diffraction.
 std::vector<GateRow> diffraction_gate(ThreadPool& pool);
 
+/// Walls and doorways of real thickness against a wave solver; no jump where a step of 1 mm crosses
+/// a shadow line; no place behind a wall louder than free field.
+std::vector<GateRow> thick_wall_gate(ThreadPool& pool);
+
 /// Equal bytes for any number of threads; meshes with holes are refused.
 std::vector<GateRow> determinism_gate();
 
