@@ -74,7 +74,8 @@ class NetworkMethod : public Method {
           .sound = padded(heard, start - shape.context, shape.samples + 2 * shape.context),
           .picture = sample.picture,
           .speaker_box = sample.speaker_box.value_or(Box{}),
-          .speaker_m = std::nullopt};
+          .speaker_m = std::nullopt,
+          .world_from_source = sample.world_from_source};
       synthesizer_->observe(observation);
       const Waveform part = synthesizer_->synthesize(sample.source_from_target);
       const std::ptrdiff_t count = std::min(shape.samples, samples - start);

@@ -10,8 +10,13 @@
 #include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
 #include <earpoint/core/random.h>
+#include <earpoint/dataset/replay.h>
 #include <earpoint/evaluate/evaluation.h>
 #include <earpoint/evaluate/evaluation_set.h>
+#include <earpoint/infer/vigas.h>
+#include <earpoint/model/safetensors.h>
+#include <earpoint/model/weights.h>
+#include <earpoint/model_testing/random_weights.h>
 #include <earpoint/video/draw.h>
 #include <earpoint/video/image_file.h>
 
@@ -92,6 +97,61 @@ TEST_F(ReplayEvaluationSetTest, PairsHaveOurFrame) {
     EXPECT_EQ(sample.picture->at(10, 10, 0), 200);
     EXPECT_FALSE(set->truth(pair).has_value());
   }
+}
+
+TEST_F(ReplayEvaluationSetTest, NetworksAreToldThePoseThatTheReleasedLoaderTellsThem) {
+  ViGasDescription description;
+  description.pose_encoding = PoseEncoding::replay;
+  description.box_encoding = BoxEncoding::corners;
+  description.inputs = {{"tgt_pose", 3}, {"tgt_rotation", 6}, {"bboxes", 4}};
+  description.fusion_width = 8;
+  description.conditioning_width = 8;
+  description.channels = 8;
+  description.blocks = 1;
+  description.layers_per_block = 2;
+  RandomStream random(4);
+  ViGasWeights weights{.description = description, .tensors = {}, .unused = {}};
+  weights.tensors = random_tensors(required_tensors(description), random, -0.3, 0.3);
+  const fs::path file = root_ / "replay.safetensors";
+  write_safetensors(file, vigas_weight_file(weights));
+
+  ReplayDataset::Options options;
+  options.root = root_;
+  const ReplayDataset dataset(options);
+  const auto set = replay_evaluation_set(root_, "test", {});
+  NumpyRandom draws(0);
+  bool looks_elsewhere = false;
+  for (std::size_t pair = 0; pair < set->size(); ++pair) {
+    const ReplayClip& clip = dataset.clips()[pair];
+    const ReplayChoice choice = dataset.draw(clip, draws);
+    looks_elsewhere = looks_elsewhere || clip.images[choice.source] == "2.png";
+    const NvasSample loaded = dataset.sample(clip, choice, false);
+    const auto floats = [](const std::vector<double>& values) {
+      return std::vector<float>(values.begin(), values.end());
+    };
+    const auto pose = floats(loaded.tgt_pose);
+    const auto rotation = floats(loaded.tgt_rotation);
+    const auto box = floats(loaded.bboxes);
+    ViGas network(weights, 1);
+    std::vector<float> fused(8);
+    const std::vector<ConditioningValues> inputs{
+        {"tgt_pose", pose}, {"tgt_rotation", rotation}, {"bboxes", box}};
+    network.fuse(inputs, fused);
+    std::vector<float> expected(loaded.source.planar().size());
+    network.synthesize(loaded.source.planar(), fused, expected);
+
+    const PairSample sample = set->sample(pair);
+    const Waveform answer =
+        network_method("replay", file.string()).make()->render({sample, set->scene(pair)});
+    ASSERT_EQ(answer.planar().size(), expected.size());
+    float greatest = 0.0F;
+    for (const float x : expected) greatest = std::max(greatest, std::abs(x));
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+      // Centimetres pass through metres and back: float rounding, nothing more.
+      ASSERT_NEAR(answer.planar()[i], expected[i], 1e-4 * greatest) << pair << ", " << i;
+    }
+  }
+  EXPECT_TRUE(looks_elsewhere) << "no source of the test looks along another axis than x";
 }
 
 TEST_F(ReplayEvaluationSetTest, OnlyTheReleasedColumnIsAlignedByTheTarget) {

@@ -124,7 +124,8 @@ TrainingExample vigas_example(const ViGasDescription& description, const PairSam
     for (float& value : picture.values) value /= 255.0F;
     example.picture = std::move(picture.values);
   }
-  EncodedPose pose = encode_pose(description.pose_encoding, sample.source_from_target);
+  EncodedPose pose = 
+      encode_pose(description.pose_encoding, sample.source_from_target, sample.world_from_source);
   example.inputs["tgt_pose"] = std::move(pose.tgt_pose);
   example.inputs["tgt_rotation"] = std::move(pose.tgt_rotation);
   if (description.has_input("bboxes")) {
