@@ -16,6 +16,7 @@
 #include <earpoint/core/file.h>
 #include <earpoint/dataset/replay.h>
 #include <earpoint/video/image_file.h>
+#include <earpoint/video/media.h>
 
 namespace earpoint {
 namespace {
@@ -95,9 +96,16 @@ fs::path beside(fs::path image, const char* extension) {
   return image.replace_extension(extension);
 }
 
+/// The picture, or the first frame of the camera's movie where no picture was cut out of it.
+Image read_picture(const fs::path& path) {
+  const fs::path movie = beside(path, ".mp4");
+  if (fs::exists(path) || !fs::exists(movie)) return read_image(path);
+  return FrameReader(movie).frame_nearest(0.0);
+}
+
 ImagePlanes read_rgb(const fs::path& path) {
   // Unlike the SoundSpaces loader, this one divides after resizing.
-  ImagePlanes planes = resize_bilinear(planes_of(read_image(path)), kImageWidth, kImageHeight);
+  ImagePlanes planes = resize_bilinear(planes_of(read_picture(path)), kImageWidth, kImageHeight);
   for (float& value : planes.values) value /= 255.0F;
   return planes;
 }

@@ -104,9 +104,11 @@ class NetworkMethod : public Method {
 }  // namespace
 
 MethodEntry input_method() {
-  return {.name = "input", .what = "the source's sound as it is", .is_oracle = false, .make = [] {
-            return std::make_unique<InputMethod>();
-          }};
+  return {.name = "input",
+          .what = "the source's sound as it is",
+          .is_oracle = false,
+          .make = [] { return std::make_unique<InputMethod>(); },
+          .fixes_sign = false};
 }
 
 MethodEntry dsp_method() {

@@ -19,6 +19,7 @@
 #include <earpoint/model_testing/random_weights.h>
 #include <earpoint/video/draw.h>
 #include <earpoint/video/image_file.h>
+#include <earpoint/video/movie_writer.h>
 
 namespace earpoint {
 namespace {
@@ -78,8 +79,6 @@ class ReplayEvaluationSetTest : public ::testing::Test {
 };
 
 TEST_F(ReplayEvaluationSetTest, PairsHaveOurFrame) {
-  EXPECT_TRUE(is_replay_folder(root_));
-  EXPECT_FALSE(is_replay_folder(root_ / "data"));
   const auto set = replay_evaluation_set(root_, "test", {});
   ASSERT_EQ(set->size(), 2U);
   EXPECT_NE(set->cluster(0), set->cluster(1));
@@ -171,6 +170,25 @@ TEST_F(ReplayEvaluationSetTest, MethodsThatMustKnowTheSpeakerAreRefused) {
   SilentProgress silent;
   const std::vector<MethodEntry> methods{dsp_method()};
   EXPECT_THROW((void)evaluate(*set, methods, {}, silent), InputError);
+}
+
+TEST_F(ReplayEvaluationSetTest, AMissingPictureIsTheMoviesFirstFrame) {
+  const auto set = replay_evaluation_set(root_, "test", {});
+  for (const char* camera : {"1", "2"}) {
+    const fs::path stem = root_ / "data/appen_dataset/v3/SC-1027/3" / camera;
+    fs::remove(stem.string() + ".png");
+  }
+  EXPECT_THROW((void)set->sample(0), InputError);
+  for (const char* camera : {"1", "2"}) {
+    const fs::path stem = root_ / "data/appen_dataset/v3/SC-1027/3" / camera;
+    MovieWriter movie(stem.string() + ".mp4", 64, 36, 10.0, 16000);
+    movie.write_sound(Waveform(2, 3200, 16000));
+    movie.write_picture(filled_image(64, 36, {200, 10, 30}));
+    movie.write_picture(filled_image(64, 36, {10, 200, 30}));
+    movie.close();
+  }
+  // Colours of a movie are rounded and its picture is coded with loss.
+  EXPECT_NEAR(set->sample(0).picture->at(100, 100, 0), 200, 8);
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <earpoint/core/error.h>
 #include <earpoint/core/random.h>
 #include <earpoint/dataset/ambient.h>
+#include <earpoint/dataset/dataset_folder.h>
 #include <earpoint/dataset/pair_list.h>
 #include <earpoint/train/example_source.h>
 

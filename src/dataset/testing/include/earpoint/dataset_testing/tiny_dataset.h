@@ -22,4 +22,10 @@ struct TinyDataset {
 /// @param folder  is made
 void write_tiny_dataset(const std::filesystem::path& folder, const TinyDataset& options = {});
 
+/// The same in the form of a download of SoundSpaces-NVAS: data/synthetic_dataset/v16 and
+/// data/LibriSpeech-wav (WAV files named .flac) in the folder, and no pair lists.
+/// @param pcm16  the speech is stored as 16-bit integers
+void write_published_dataset(const std::filesystem::path& folder, const TinyDataset& options = {},
+                             bool pcm16 = false);
+
 }  // namespace earpoint
