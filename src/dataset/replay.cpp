@@ -25,7 +25,6 @@ namespace fs = std::filesystem;
 
 constexpr int kRate_hz = 16000;
 constexpr std::ptrdiff_t kSamples = 16000;
-constexpr double kCutoff_hz = 150.0;
 constexpr int kGreatestShift = 200;
 constexpr int kImageHeight = 216;
 constexpr int kImageWidth = 384;
@@ -115,7 +114,7 @@ Waveform read_recording(const fs::path& path) {
   if (sound.channels() != 2) {
     throw InputError(path.string(), fmt::format("expected 2 channels, found {}", sound.channels()));
   }
-  return highpass(resample_sinc(sound, kRate_hz), kCutoff_hz);
+  return highpass(resample_sinc(sound, kRate_hz), kReplayCutoffHz);
 }
 
 /// The box of whoever is most often named in the table of x_min, y_min, x_max, y_max, id.

@@ -77,7 +77,7 @@ void ViGasSynthesizer::observe(const Observation& observation) {
 
 Waveform ViGasSynthesizer::synthesize(const Pose& source_from_target) {
   const ViGasDescription& description = network_.description();
-  const EncodedPose pose = 
+  const EncodedPose pose =
       encode_pose(description.pose_encoding, source_from_target, world_from_source_);
   const std::array<ConditioningValues, 4> known = {{{"visual_feat", visual_feature_},
                                                     {"tgt_pose", pose.tgt_pose},

@@ -70,8 +70,7 @@ TEST(ViGasSynthesizer, GivesWhatTheNetworkGivesForTheEncodedInputs) {
   ViGas network(weights, 1);
   const std::vector<float> feature = network.image_feature(picture);
   const EncodedPose pose = encode_pose(PoseEncoding::soundspaces, target);
-  const std::vector<float> box =
-      encode_box(BoxEncoding::soundspaces, *observation.speaker_box);
+  const std::vector<float> box = encode_box(BoxEncoding::soundspaces, *observation.speaker_box);
   const std::vector<ConditioningValues> inputs = {{"visual_feat", feature},
                                                   {"tgt_pose", pose.tgt_pose},
                                                   {"tgt_rotation", pose.tgt_rotation},
