@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <earpoint/core/error.h>
+#include <earpoint/synth/earpoint_path.h>
 
 namespace earpoint {
 
@@ -28,6 +29,24 @@ std::vector<double> parse_numbers(const std::string& text, std::size_t count,
                                      : count == 3 ? "1.0,-0.5,0"
                                                   : "0.4,0.2,0.6,0.9",
                                      text));
+}
+
+Vector3 parse_place(const std::string& text, const std::string& flag) {
+  const auto xyz = parse_numbers(text, 3, flag);
+  const Vector3 place{xyz[0], xyz[1], xyz[2]};
+  check_place(place, flag);
+  return place;
+}
+
+CLI::Validator within(double least, double most) {
+  return {[least, most](std::string& text) -> std::string {
+            double value = 0.0;
+            if (CLI::detail::lexical_cast(text, value) && value >= least && value <= most)
+              return {};
+            return fmt::format("expected a number from {:g} to {:g}, found '{}'", least, most,
+                               text);
+          },
+          fmt::format("{:g} to {:g}", least, most)};
 }
 
 }  // namespace earpoint

@@ -4,6 +4,10 @@
 #include <string>
 #include <vector>
 
+#include <CLI/CLI.hpp>
+
+#include <earpoint/core/vector3.h>
+
 namespace earpoint {
 
 /// Parses "1.0,-0.5,0" into exactly `count` finite numbers.
@@ -11,5 +15,13 @@ namespace earpoint {
 /// @throws InputError
 std::vector<double> parse_numbers(const std::string& text, std::size_t count,
                                   const std::string& flag);
+
+/// Parses "x,y,z" into a place relative to the source view.
+/// @throws InputError naming the flag, also where a coordinate is farther than 10 km: nobody hears
+///         that far, and units are then most likely mixed up
+Vector3 parse_place(const std::string& text, const std::string& flag);
+
+/// Lets numbers from `least` to `most` pass, and no NaN (CLI::Range lets it).
+CLI::Validator within(double least, double most);
 
 }  // namespace earpoint

@@ -1,5 +1,6 @@
 #include "evaluate_command.h"
 
+#include "arguments.h"
 #include "evaluate_methods.h"
 #include "rt60_model.h"
 
@@ -277,7 +278,7 @@ void add_evaluate_command(CLI::App& app) {
       ->add_option("--ambient", options->ambient_db,
                    "Level in dB re full scale of room noise in what the source hears, the same for "
                    "every method; see below")
-      ->check(CLI::Range(-120.0, 0.0));
+      ->check(earpoint::within(-120.0, 0.0));
   command->add_flag(
       "--enhance", options->enhance,
       "Enhancement of speech instead: the target is the speaker's near microphone; see "

@@ -3,6 +3,7 @@
 #include "arguments.h"
 #include "source_arguments.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -62,6 +63,7 @@ struct RenderArguments {
   double ambient_cutoff_hz = -1.0;
   double gain_db = 0.0;
   int threads = available_cores();
+  bool no_limit = false;
   bool json = false;
   bool quiet = false;
 };
@@ -70,6 +72,7 @@ struct RenderArguments {
 double angle_of(const std::vector<double>& angles, std::size_t index, std::size_t count,
                 const char* flag) {
   if (angles.empty()) return 0.0;
+  for (const double angle_deg : angles) check_angle_deg(angle_deg, flag);
   if (angles.size() == 1) return radians_from_degrees(angles.front());
   if (angles.size() != count) {
     throw InputError(flag, fmt::format("given {} times for {} earpoints", angles.size(), count),
@@ -86,10 +89,9 @@ std::vector<EarpointPath> parse_targets(const RenderArguments& arguments) {
   // Turning the head on the spot needs no --translate.
   if (turned && translations.empty()) translations.emplace_back("0,0,0");
   for (std::size_t i = 0; i < translations.size(); ++i) {
-    const auto xyz = parse_numbers(translations[i], 3, "--translate");
     const auto count = translations.size();
     targets.emplace_back(
-        Pose{{xyz[0], xyz[1], xyz[2]},
+        Pose{parse_place(translations[i], "--translate"),
              quaternion_from_euler({angle_of(arguments.yaw_deg, i, count, "--yaw"),
                                     angle_of(arguments.pitch_deg, i, count, "--pitch"),
                                     angle_of(arguments.roll_deg, i, count, "--roll")})});
@@ -132,6 +134,7 @@ void print_json(const RenderArguments& arguments, const RenderReport& report) {
   for (std::size_t i = 0; i < report.targets.size(); ++i) {
     nlohmann::json target = levels(report.targets[i]);
     target["output"] = arguments.outputs[i];
+    target["limited_db"] = report.limited_db[i];
     document["targets"].push_back(std::move(target));
   }
   fmt::print("{}\n", document.dump(2));
@@ -153,11 +156,20 @@ void warn_of_doubts(const RenderArguments& arguments, const RenderReport& report
 
 void warn_of_peaks(const RenderArguments& arguments, const RenderReport& report) {
   for (std::size_t i = 0; i < report.targets.size(); ++i) {
-    const double peak = report.targets[i].peak();
-    if (peak <= 1.0) continue;
-    const double excess_db = 20.0 * std::log10(peak);
-    fmt::print(stderr, "earpoint: {}: peaks {:.1f} dB above full scale; --gain {:.0f} avoids it\n",
-               arguments.outputs[i], excess_db, -std::ceil(excess_db));
+    const double limited_db = report.limited_db[i];
+    const double excess_db = 20.0 * std::log10(std::max(report.targets[i].peak(), 1.0));
+    if (limited_db > 0.0) {
+      fmt::print(
+          stderr,
+          "earpoint: warning: {}: peaks {:.1f} dB above full scale were limited; --gain {:.0f} "
+          "avoids it, --no-limit keeps them\n",
+          arguments.outputs[i], limited_db, -std::ceil(limited_db));
+    } else if (excess_db > 0.0) {
+      fmt::print(
+          stderr,
+          "earpoint: warning: {}: peaks {:.1f} dB above full scale; --gain {:.0f} avoids it\n",
+          arguments.outputs[i], excess_db, -std::ceil(excess_db));
+    }
   }
 }
 
@@ -208,6 +220,7 @@ void run_render(RenderArguments arguments) {
   ClipRenderOptions options;
   options.extend_band = arguments.band == "full";
   options.gain_db = arguments.gain_db;
+  options.limit = !arguments.no_limit;
   options.threads = arguments.threads;
   if (arguments.ambient_cutoff_hz >= 0.0) options.ambient_cutoff_hz = arguments.ambient_cutoff_hz;
 
@@ -277,10 +290,12 @@ void add_model_options(CLI::App& command, RenderArguments& arguments) {
   command
       .add_option("--ambient-cutoff", arguments.ambient_cutoff_hz,
                   "Sound below this (Hz) is ambient and passes unchanged; default: the model's")
-      ->check(CLI::Range(0.0, 1000.0));
+      ->check(within(0.0, 1000.0));
   add_channel_option(command, arguments.source);
   command.add_option("--gain", arguments.gain_db, "Gain of the outputs in dB")
-      ->check(CLI::Range(-60.0, 60.0));
+      ->check(within(-60.0, 60.0));
+  command.add_flag("--no-limit", arguments.no_limit,
+                   "Write peaks above full scale as they are; default: they are limited");
   command.add_option("--threads", arguments.threads, "Default: all cores")
       ->check(CLI::Range(1, 256));
 }

@@ -77,6 +77,44 @@ class RenderCommand : public ::testing::Test {
   fs::path folder_;
 };
 
+TEST_F(RenderCommand, NumbersThatMeanNothingAreRefusedByTheirFlag) {
+  const std::string in = sound();
+  for (const char* value : {"nan", "inf", "1e9"}) {
+    for (const char* flag : {"--yaw", "--pitch", "--roll"}) {
+      expect_refused({in, flag, value}, std::string(flag) + ": expected an angle");
+    }
+    for (const char* flag : {"--gain", "--fov", "--ambient-cutoff"}) {
+      expect_refused({in, "--yaw", "0", flag, value},
+                     std::string(flag) + ": expected a number from");
+    }
+  }
+  expect_refused({in, "--translate", "1e9,0,0"}, "--translate: 1e+09 m is farther");
+  expect_refused({in, "--translate", "nan,0,0"}, "--translate: expected 3 numbers");
+  expect_refused({in, "--yaw", "0", "--speaker", "0,-1e9,0"}, "--speaker: -1e+09 m is farther");
+}
+
+TEST_F(RenderCommand, PeaksAreLimitedWithAWarningUnlessNotWished) {
+  const std::string in = sound();
+  const auto run = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"render", in,       "--model", "input", "--yaw",
+                                       "0",      "--gain", "30",      "-o",    at("out.wav"),
+                                       "--json", "--quiet"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const ProgramOutcome outcome = run_earpoint(arguments);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
+    return outcome;
+  };
+  const ProgramOutcome limited = run({});
+  EXPECT_NE(limited.errors.find("above full scale were limited; --gain -"), std::string::npos)
+      << limited.errors;
+  const auto target = nlohmann::json::parse(limited.output)["targets"][0];
+  EXPECT_LE(target["peak"].get<double>(), 1.0);
+  EXPECT_GT(target["limited_db"].get<double>(), 3.0);
+  const ProgramOutcome whole = run({"--no-limit"});
+  EXPECT_NE(whole.errors.find("above full scale; --gain -"), std::string::npos) << whole.errors;
+  EXPECT_GT(nlohmann::json::parse(whole.output)["targets"][0]["peak"].get<double>(), 1.4);
+}
+
 TEST_F(RenderCommand, ASpeakerPassedByChangesSides) {
   const ProgramOutcome outcome = run_earpoint(
       {"render", sound(), "--speaker", "2,0,0", "--translate", "2,1,0", "-o", at("left.wav"),

@@ -36,7 +36,7 @@ void add_box_options(CLI::App& command, SourceArguments& arguments) {
       ->group(kSpeakerGroup)
       ->excludes(box);
   command.add_option("--fov", arguments.fov_deg, "The camera's horizontal field of view, degrees")
-      ->check(CLI::Range(10.0, 170.0))
+      ->check(within(10.0, 170.0))
       ->capture_default_str()
       ->group(kSpeakerGroup);
 }
@@ -64,8 +64,7 @@ RenderSource parse_source(const SourceArguments& arguments) {
     source.sound.binaural_channels = {static_cast<int>(channels[0]), static_cast<int>(channels[1])};
   }
   if (!arguments.speaker.empty()) {
-    const auto xyz = parse_numbers(arguments.speaker, 3, "--speaker");
-    source.speaker_m = Vector3{xyz[0], xyz[1], xyz[2]};
+    source.speaker_m = parse_place(arguments.speaker, "--speaker");
   }
   if (!arguments.speaker_box.empty()) {
     const auto box = parse_numbers(arguments.speaker_box, 4, "--speaker-box");

@@ -244,6 +244,12 @@ PairSample PairSampler::sample(const SoundSpacesClip& clip, const SoundSpacesCho
   return sample;
 }
 
+std::shared_ptr<const Image> PairSampler::picture(const SoundSpacesClip& clip,
+                                                  int viewpoint) const {
+  EARPOINT_CHECK(viewpoint >= 0 && viewpoint < std::ssize(clip.viewpoints));
+  return state_->picture(clip.viewpoints[static_cast<std::size_t>(viewpoint)].image);
+}
+
 std::ptrdiff_t PairSampler::speech_samples(const SoundSpacesSpeaker& speaker) const {
   EARPOINT_CHECK(speaker.speech.has_value());
   return state_->speech(*speaker.speech)->samples();

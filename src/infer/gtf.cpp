@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <complex>
+#include <numeric>
 #include <utility>
 
 #include <earpoint/core/error.h>
@@ -61,6 +62,7 @@ struct Gtf::State {
     window_spectra.resize(count * kFrame);
     window_magnitudes.resize(count * kFrame);
     window_features.resize(count * static_cast<std::size_t>(description.frame_features()));
+    frame_power.resize(count);
   }
 
   void start_over() {
@@ -88,6 +90,8 @@ struct Gtf::State {
     conditions.aim(speaker_m, pose);
     trunk.condition(conditions.vector());
     filter.condition(conditions);
+    const infer::GtfGeometry* geometry = conditions.geometry();
+    pose_gain = geometry != nullptr ? geometry->expected_gain(band_power) : 1.0;
     is_aimed = true;
   }
 
@@ -130,6 +134,7 @@ struct Gtf::State {
   }
 
   void measure_window(std::span<const float> source);
+  void measure_power(std::ptrdiff_t frames_of_window);
   void render_window(std::span<const Pose> path, std::span<float> output);
   void follow(std::span<const float> hop);
   void take_hop();
@@ -162,6 +167,12 @@ struct Gtf::State {
   std::vector<float> window_magnitudes;
   std::vector<float> window_features;
 
+  // Of the window: power in the head's bands, both ears together, and of every frame.
+  std::array<double, D::kHeadBands> band_power{};
+  std::vector<double> frame_power;
+  double pose_gain = 1.0;      ///< expected of the pose that was conditioned last
+  double expected_gain = 1.0;  ///< of the window, over its poses
+
   // Of a stream.
   bool holds_statistics = false;
   std::array<std::array<float, D::kFrameSamples>, kEars> recent{};
@@ -191,6 +202,27 @@ void Gtf::State::measure_window(std::span<const float> source) {
              part(window_features, t, description.frame_features()));
   }
   ear.summarize(statistics.summary);
+  measure_power(count);
+}
+
+void Gtf::State::measure_power(std::ptrdiff_t frames_of_window) {
+  // So that silence expects something too; far below the floor of any sound.
+  constexpr double kLeast = 1e-12;
+  band_power.fill(kLeast);
+  for (std::ptrdiff_t t = 0; t < frames_of_window; ++t) {
+    frame_power[t] = kLeast;
+    for (std::size_t band = 0; band < band_power.size(); ++band) {
+      double sum = 0.0;
+      for (std::ptrdiff_t e = 0; e < kEars; ++e) {
+        const float* magnitude = window_magnitudes.data() + t * kFrame + e * D::kBins;
+        for (int bin = kGtfHeadEdges[band]; bin < kGtfHeadEdges[band + 1]; ++bin) {
+          sum += double{magnitude[bin]} * magnitude[bin];
+        }
+      }
+      band_power[band] += sum;
+      frame_power[t] += sum;
+    }
+  }
 }
 
 /// @param path  the target's pose at every frame, or the one at all of them
@@ -211,6 +243,7 @@ void Gtf::State::render_window(std::span<const Pose> path, std::span<float> outp
   std::array<Complex, kFrame> no_spectrum{};
   std::array<float, kFrame> no_magnitude{};
   std::fill_n(block_features.begin(), description.frame_features(), 0.0F);
+  double expected_power = 0.0;
   for (std::ptrdiff_t t = 0; t < whole + ahead;) {
     // The frames that come out are `ahead` behind those that go in; a block has one pose.
     const Pose& pose = pose_at(t - ahead);
@@ -223,10 +256,14 @@ void Gtf::State::render_window(std::span<const Pose> path, std::span<float> outp
     } else {
       take(1, block_features.data(), no_spectrum.data(), no_magnitude.data());
     }
+    for (std::ptrdiff_t i = std::max<std::ptrdiff_t>(t, ahead); i < t + count; ++i) {
+      expected_power += pose_gain * frame_power[i - ahead];
+    }
     t += count;
     drain_to(frames.finished_samples());
   }
   drain_to(samples);
+  expected_gain = expected_power / std::reduce(frame_power.begin(), frame_power.end());
 }
 
 /// Lets level and summary follow the stream.
@@ -321,6 +358,8 @@ std::optional<GtfSpeaker> Gtf::locate(std::span<const float> source) {
                     .yaw_rad = std::atan2(place.heading_y, place.heading_x),
                     .yaw_certainty = std::min(std::hypot(place.heading_x, place.heading_y), 1.0)};
 }
+
+double Gtf::expected_gain() const { return state_->expected_gain; }
 
 const GtfStatistics& Gtf::statistics() const { return state_->statistics; }
 

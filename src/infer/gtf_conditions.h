@@ -2,9 +2,9 @@
 
 #include "dense.h"
 #include "gtf_eye.h"
+#include "gtf_geometry.h"
 
 #include <array>
-#include <complex>
 #include <optional>
 #include <span>
 #include <vector>
@@ -15,14 +15,6 @@
 #include <earpoint/model/gtf.h>
 
 namespace earpoint::infer {
-
-/// Where a network takes its speaker to be, in the source's frame.
-struct GtfPlace {
-  Vector3 position_m;
-  double heading_x = 0.0;  ///< of any length
-  double heading_y = 0.0;
-  double log_reverberant = 0.0;
-};
 
 /// From what is known of a scene and a sound to what conditions the filter.
 class GtfConditions {
@@ -36,14 +28,13 @@ class GtfConditions {
   /// @param summary  [summary features]
   void hear(std::span<const float> summary);
 
-  /// Computes vector() and delays, of what was seen and heard. Allocates nothing.
+  /// Computes vector() and geometry(), of what was seen and heard. Allocates nothing.
   /// @param speaker_m  the mouth, if it is known
   void aim(const std::optional<Vector3>& speaker_m, const Pose& source_from_target);
 
   [[nodiscard]] std::span<const float> vector() const { return vector_; }
-  /// Of the direct sound at the ears, at the source and at the target.
-  [[nodiscard]] const std::array<float, 2>& source_delay_s() const { return source_delay_s_; }
-  [[nodiscard]] const std::array<float, 2>& target_delay_s() const { return target_delay_s_; }
+  /// What the move does; null for a network that knows the bare pose.
+  [[nodiscard]] const GtfGeometry* geometry() const { return geometry_ ? &*geometry_ : nullptr; }
   /// As hear() found it.
   [[nodiscard]] const GtfPlace& located() const { return located_; }
   /// As aim() took it.
@@ -51,23 +42,20 @@ class GtfConditions {
 
  private:
   void locate(std::span<const float> summary);
-  float* put_geometry(const Pose& source_from_target, float* to);
   void put_box(const std::optional<Box>& box);
 
   GtfDescription description_;
   std::optional<GtfEye> eye_;
   Dense locator_[3];
   Dense summary_, hidden_, output_;
-  std::vector<float> power_, diffuse_power_, delay_s_;  // tables of the head
-  std::vector<float> feature_;                          // of the picture
+  std::optional<GtfGeometry> geometry_;
+  std::vector<float> feature_;  // of the picture
   std::array<float, GtfDescription::kBoxFeatures> box_{};
   std::vector<float> known_, first_, second_, joined_, middle_, vector_;
   std::array<float, 9> found_{};
   std::vector<float> heard_;  // of the summary
   GtfPlace located_;          // by hear()
   GtfPlace place_;
-  std::array<float, 2> source_delay_s_{};
-  std::array<float, 2> target_delay_s_{};
 };
 
 }  // namespace earpoint::infer

@@ -40,6 +40,18 @@ void fill_phasors(double delay_s, std::span<Complex> phasors) {
   }
 }
 
+/// Gives every bin the value of its band of the head tables.
+/// @param bins  [2][bins]
+void spread_over_bins(const GtfEarBands& bands, std::span<float> bins) {
+  for (std::size_t ear = 0; ear < kEars; ++ear) {
+    for (std::size_t band = 0; band < D::kHeadBands; ++band) {
+      std::fill(bins.begin() + ear * D::kBins + kGtfHeadEdges[band],
+                bins.begin() + ear * D::kBins + kGtfHeadEdges[band + 1],
+                bands[ear * D::kHeadBands + band]);
+    }
+  }
+}
+
 }  // namespace
 
 GtfFilter::GtfFilter(const GtfWeights& weights, std::ptrdiff_t most_frames)
@@ -58,6 +70,7 @@ GtfFilter::GtfFilter(const GtfWeights& weights, std::ptrdiff_t most_frames)
       tails_(description_.tails_s.size() * kEars * D::kBins),
       magnitude_(static_cast<std::size_t>(kEars) * D::kBins),
       share_(static_cast<std::size_t>(kEars) * description_.bands),
+      correction_(magnitude_.size()),
       gather_(magnitude_.size()),
       spread_(magnitude_.size()) {
   if (description_.delays) phase_ = dense_of(weights, "phase");
@@ -81,13 +94,16 @@ void GtfFilter::condition(const GtfConditions& conditions) {
   };
   add(static_kernel_, kernel_bias_own_, kernel_bias_);
   add(static_gain_, gain_bias_own_, gain_bias_);
+  const GtfGeometry* geometry = conditions.geometry();
+  is_corrected_ = geometry != nullptr && geometry->is_beyond();
+  if (is_corrected_) spread_over_bins(geometry->correction(), correction_);
   if (!description_.delays) return;
   phase_.apply(conditions.vector(), share_);
   for (float& share : share_) share = 1.0F / (1.0F + std::exp(-share));
   for (std::size_t ear = 0; ear < kEars; ++ear) {
-    fill_phasors(conditions.source_delay_s()[ear],
+    fill_phasors(geometry->source_delay_s()[ear],
                  std::span(gather_).subspan(ear * D::kBins, D::kBins));
-    fill_phasors(-conditions.target_delay_s()[ear],
+    fill_phasors(-geometry->target_delay_s()[ear],
                  std::span(spread_).subspan(ear * D::kBins, D::kBins));
   }
 }
@@ -129,6 +145,8 @@ void GtfFilter::filter_magnitudes(std::ptrdiff_t index, std::span<const float> m
     magnitude_[i] = (std::max(magnitude_[i], 0.0F) + kMagnitudeFloor) *
                     std::exp(std::clamp(gain[i], -3.0F, 2.0F));
   }
+  if (!is_corrected_) return;
+  for (std::size_t i = 0; i < magnitude_.size(); ++i) magnitude_[i] *= correction_[i];
 }
 
 void GtfFilter::turn_phases(std::span<const Complex> spectrum, std::span<Complex> filtered) const {

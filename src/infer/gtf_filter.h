@@ -49,12 +49,14 @@ class GtfFilter {
   FrameMatrix kernel_, gain_;
   Dense static_kernel_, static_gain_, phase_;
   std::vector<float> kernel_bias_own_, gain_bias_own_;
-  AlignedFloats kernel_bias_, gain_bias_;             // with what the conditions add
-  AlignedFloats kernels_, gains_;                     // [most frames][row]
-  std::vector<float> tail_share_;                     // that a tail keeps from frame to frame
-  std::vector<float> tails_;                          // [tails][2][bins]
-  std::vector<float> magnitude_;                      // [2][bins], filtered
-  std::vector<float> share_;                          // [2][bands]: of the speaker's phase
+  AlignedFloats kernel_bias_, gain_bias_;  // with what the conditions add
+  AlignedFloats kernels_, gains_;          // [most frames][row]
+  std::vector<float> tail_share_;          // that a tail keeps from frame to frame
+  std::vector<float> tails_;               // [tails][2][bins]
+  std::vector<float> magnitude_;           // [2][bins], filtered
+  std::vector<float> share_;               // [2][bands]: of the speaker's phase
+  bool is_corrected_ = false;
+  std::vector<float> correction_;                     // [2][bins]: beyond the trained range
   std::vector<std::complex<float>> gather_, spread_;  // [2][bins]: ears to voice, voice to ears
 };
 

@@ -18,7 +18,10 @@ constexpr std::array<std::string_view, 7> kColumns = {"time_s",  "x",         "y
                                                       "yaw_deg", "pitch_deg", "roll_deg"};
 constexpr double kMayMissAtEnd_s = 0.5;
 
-Pose make_pose(const Vector3& position_m, double yaw_deg, double pitch_deg, double roll_deg) {
+Pose make_pose(const Vector3& position_m, double yaw_deg, double pitch_deg, double roll_deg,
+               const std::string& where) {
+  check_place(position_m, where);
+  for (const double angle_deg : {yaw_deg, pitch_deg, roll_deg}) check_angle_deg(angle_deg, where);
   return {position_m,
           quaternion_from_euler({radians_from_degrees(yaw_deg), radians_from_degrees(pitch_deg),
                                  radians_from_degrees(roll_deg)})};
@@ -64,15 +67,31 @@ Pose parse_pose(const nlohmann::json& value, const std::string& where) {
       throw InputError(where + ", quaternion_wxyz",
                        fmt::format("its length is {:.4g}, not 1", length));
     }
+    check_place({x, y, z}, where);
     return {{x, y, z}, normalized(quaternion)};
   }
   const auto angle = [&](const char* key) {
     return value.contains(key) ? number(value[key], where + ", " + key) : 0.0;
   };
-  return make_pose({x, y, z}, angle("yaw_deg"), angle("pitch_deg"), angle("roll_deg"));
+  return make_pose({x, y, z}, angle("yaw_deg"), angle("pitch_deg"), angle("roll_deg"), where);
 }
 
 }  // namespace
+
+void check_place(const Vector3& place_m, const std::string& where) {
+  for (const double coordinate_m : {place_m.x, place_m.y, place_m.z}) {
+    if (std::abs(coordinate_m) <= kFarthestPlace_m) continue;
+    throw InputError(where,
+                     fmt::format("{:g} m is farther than anybody hears ({:g} m)", coordinate_m,
+                                 kFarthestPlace_m),
+                     "places are in metres from the camera");
+  }
+}
+
+void check_angle_deg(double angle_deg, const std::string& where) {
+  if (std::abs(angle_deg) <= kLargestDegrees) return;
+  throw InputError(where, fmt::format("expected an angle in degrees, found {:g}", angle_deg));
+}
 
 EarpointPath::EarpointPath(const Pose& source_from_target) : rows_{{0.0, source_from_target}} {}
 
@@ -85,12 +104,12 @@ EarpointPath EarpointPath::parse_csv(const std::string& text, const std::string&
   path.name_ = name;
   for (const NumberRow& row : parse_number_csv(text, name, kColumns)) {
     const auto& v = row.values;
+    const std::string where = fmt::format("{}: line {}", name, row.line);
     if (!path.rows_.empty() && v[0] <= path.rows_.back().time_s) {
       throw InputError(
-          fmt::format("{}: line {}", name, row.line),
-          fmt::format("time {} s does not come after {} s", v[0], path.rows_.back().time_s));
+          where, fmt::format("time {} s does not come after {} s", v[0], path.rows_.back().time_s));
     }
-    path.rows_.push_back({v[0], make_pose({v[1], v[2], v[3]}, v[4], v[5], v[6])});
+    path.rows_.push_back({v[0], make_pose({v[1], v[2], v[3]}, v[4], v[5], v[6], where)});
   }
   return path;
 }

@@ -45,6 +45,28 @@ TEST(EarpointPath, RefusesGapsAndDisorder) {
             "walk.csv: line 3: time 1 s does not come after 1 s");
 }
 
+TEST(EarpointPath, RefusesPlacesAndAnglesBeyondHearing) {
+  EXPECT_EQ(
+      message([] {
+        (void)EarpointPath::parse_csv(std::string(kHeader) + "0,0,2e4,0,0,0,0\n", "walk.csv");
+      }),
+      "walk.csv: line 2: 20000 m is farther than anybody hears (10000 m); places are in metres "
+      "from the camera");
+  EXPECT_EQ(message([] {
+              (void)EarpointPath::parse_csv(std::string(kHeader) + "0,0,0,0,1e9,0,0\n", "walk.csv");
+            }),
+            "walk.csv: line 2: expected an angle in degrees, found 1e+09");
+  EXPECT_NE(message([] {
+              (void)parse_poses_json(R"({"position_m": [0, -1e5, 0]})", "p.json");
+            }).find("p.json: -100000 m is farther"),
+            std::string::npos);
+  EXPECT_NE(message([] {
+              (void)parse_poses_json(
+                  R"({"position_m": [0, 1e300, 0], "quaternion_wxyz": [1, 0, 0, 0]})", "p.json");
+            }).find("is farther"),
+            std::string::npos);
+}
+
 TEST(EarpointPath, MustCoverTheClip) {
   const auto path =
       EarpointPath::parse_csv(std::string(kHeader) + "0,0,0,0,0,0,0\n3,1,0,0,0,0,0\n", "walk.csv");

@@ -12,12 +12,6 @@
 namespace earpoint {
 namespace {
 
-// Both viewpoints stand within 2.5 m of the middle between the people.
-constexpr double kFarthestMove_m = 5.0;
-// And a speaker within 1.5 m of it.
-constexpr double kFarthestSpeaker_m = 4.0;
-// Where the floor of the geometry's distance lies.
-constexpr double kNearestSpeaker_m = 0.25;
 // Training knows neither at all; people who hold a camera are not as exact.
 constexpr double kLevelMove_m = 0.1;
 constexpr double kLevelHead_rad = radians_from_degrees(5.0);
@@ -88,11 +82,11 @@ std::vector<std::string> gtf_doubts(const GtfDescription& description, const Ren
                                     double horizontal_fov_rad) {
   std::vector<std::string> doubts;
   const Reach reach = reach_of(outline);
-  if (reach.distance_m > kFarthestMove_m) {
+  if (reach.distance_m > GtfDescription::kFarthestMove_m) {
     doubts.push_back(
         fmt::format("an earpoint is {:.1f} m from the camera, it learned moves of up to "
                     "{:g} m",
-                    reach.distance_m, kFarthestMove_m));
+                    reach.distance_m, GtfDescription::kFarthestMove_m));
   }
   if (reach.height_m > kLevelMove_m) {
     doubts.push_back(
@@ -105,17 +99,17 @@ std::vector<std::string> gtf_doubts(const GtfDescription& description, const Ren
         fmt::format("a head pitches or rolls by {:.0f} degrees, it learned level heads",
                     degrees_from_radians(reach.tilt_rad)));
   }
-  if (reach.nearest_speaker_m < kNearestSpeaker_m) {
+  if (reach.nearest_speaker_m < GtfDescription::kNearestSpeaker_m) {
     doubts.push_back(
         fmt::format("an earpoint is {:.2f} m from the speaker's mouth, below {:g} m "
                     "nothing gets louder",
-                    reach.nearest_speaker_m, kNearestSpeaker_m));
+                    reach.nearest_speaker_m, GtfDescription::kNearestSpeaker_m));
   }
-  if (outline.speaker_m && norm(*outline.speaker_m) > kFarthestSpeaker_m) {
+  if (outline.speaker_m && norm(*outline.speaker_m) > GtfDescription::kFarthestSpeaker_m) {
     doubts.push_back(
         fmt::format("the speaker is {:.1f} m from the camera, it learned speakers up to "
                     "{:g} m away",
-                    norm(*outline.speaker_m), kFarthestSpeaker_m));
+                    norm(*outline.speaker_m), GtfDescription::kFarthestSpeaker_m));
   }
   if (outline.level_db < kQuietest_db) {
     doubts.push_back(fmt::format("the recording has {:.0f} dB, below {:g} dB it hears silence",

@@ -1,4 +1,5 @@
 #include "gtf_doubts.h"
+#include "gtf_level.h"
 
 #include <earpoint/model/gtf_view.h>
 #include <earpoint/synth/gtf_synthesizer.h>
@@ -50,6 +51,8 @@ Waveform GtfSynthesizer::synthesize_along(std::span<const Pose> path) {
   network_.aim(path.front(), speaker_m_);
   Waveform result(2, sound_.samples(), sound_.sample_rate_hz());
   network_.synthesize(sound_.planar(), path, result.planar());
+  limit_level(sound_, network_.expected_gain(), gtf_level_tolerance(path), speaker_m_.has_value(),
+              result);
   return result;
 }
 

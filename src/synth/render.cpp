@@ -67,7 +67,7 @@ std::vector<TargetStream> open_targets(std::span<const RenderTarget> targets,
   std::vector<TargetStream> streams;
   for (const RenderTarget& target : targets) {
     streams.emplace_back(open_sound_sink(target.output, survey.sample_rate_hz, movie), survey,
-                         shape, options.extend_band, options.gain_db);
+                         shape, options);
   }
   return streams;
 }
@@ -171,11 +171,17 @@ class Rendering {
     }
     write(previous, previous_results);
     for (TargetStream& output : outputs_) output.finish(*stream_);
-    RenderReport report{survey_, stream_->outline(), {}, static_cast<int>(windows), {}};
+    RenderReport report{.survey = survey_,
+                        .source = stream_->outline(),
+                        .targets = {},
+                        .limited_db = {},
+                        .windows = static_cast<int>(windows),
+                        .doubts = {}};
     report.doubts = synthesizer_.doubts(outline_of(source_, survey_, targets_, has_picture));
     for (TargetStream& output : outputs_) {
       output.commit();
       report.targets.push_back(output.outline());
+      report.limited_db.push_back(output.limited_db());
     }
     progress.finish();
     return report;

@@ -231,6 +231,33 @@ TEST_F(RenderTest, ReadingAheadChangesNoSample) {
   EXPECT_EQ(greatest_difference(alone, ahead), 0.0);
 }
 
+TEST_F(RenderTest, OutputStaysWithinFullScaleUnlessThatIsNotWished) {
+  const Waveform sound = noise(2.0, 16000);
+  RenderSource source;
+  source.sound.path = write(sound);
+  const std::vector<RenderTarget> targets = {
+      {EarpointPath(Pose{{1, 0, 0}, {}}), folder_ / "o.wav"}};
+  IdentityNetwork network;
+  SilentProgress progress;
+  ClipRenderOptions options;
+  options.gain_db = 26.0;
+  const RenderReport limited = render(source, network, targets, options, progress);
+  EXPECT_LE(limited.targets[0].peak(), 1.0);
+  const Waveform written = read_sound(folder_ / "o.wav");
+  EXPECT_EQ(written.samples(), sound.samples());
+
+  options.limit = false;
+  const RenderReport whole = render(source, network, targets, options, progress);
+  EXPECT_GT(whole.targets[0].peak(), 5.0);
+  EXPECT_EQ(whole.limited_db[0], 0.0);
+  EXPECT_NEAR(limited.limited_db[0], 20.0 * std::log10(whole.targets[0].peak()), 1e-4);
+  // Limited, it is the same sound with another gain: every sample keeps its sign.
+  const Waveform loud = read_sound(folder_ / "o.wav");
+  for (std::size_t i = 0; i < loud.planar().size(); ++i) {
+    ASSERT_GE(loud.planar()[i] * written.planar()[i], 0.0F) << i;
+  }
+}
+
 TEST_F(RenderTest, BadRecordingsGetOneLineAndLeaveNothing) {
   EXPECT_NE(error_of(folder_ / "missing.wav").find("missing.wav"), std::string::npos);
 

@@ -7,16 +7,17 @@
 namespace earpoint {
 
 TargetStream::TargetStream(std::unique_ptr<SoundSink> sink, const SoundSurvey& survey,
-                           const WindowShape& shape, bool extend_band, double gain_db)
+                           const WindowShape& shape, const ClipRenderOptions& options)
     : sink_(std::move(sink)),
       samples_(survey.samples),
       model_per_native_(static_cast<double>(shape.sample_rate_hz) / survey.sample_rate_hz),
-      gain_(static_cast<float>(std::pow(10.0, gain_db / 20.0))),
+      gain_(static_cast<float>(std::pow(10.0, options.gain_db / 20.0))),
       adder_(shape.samples, shape.overlap),
       outline_(survey.sample_rate_hz) {
+  if (options.limit) limiter_.emplace(2, survey.sample_rate_hz);
   if (shape.sample_rate_hz == survey.sample_rate_hz) return;
   up_ = std::make_unique<StreamResampler>(2, shape.sample_rate_hz, survey.sample_rate_hz);
-  if (extend_band) band_extension_.emplace(shape.samples, shape.overlap);
+  if (options.extend_band) band_extension_.emplace(shape.samples, shape.overlap);
 }
 
 void TargetStream::add_window(const Waveform& primary, const Waveform& result,
@@ -34,6 +35,7 @@ void TargetStream::finish(SourceStream& source) {
   const std::ptrdiff_t missing = samples_ - written_;
   EARPOINT_CHECK(missing <= 1);
   if (missing > 0) emit(Waveform(2, missing, sink_->sample_rate_hz()), source);
+  if (limiter_) put(limiter_->process(Waveform(2, 0, sink_->sample_rate_hz()), true));
 }
 
 void TargetStream::write(const Waveform& block, bool last, SourceStream& source) {
@@ -55,9 +57,13 @@ void TargetStream::emit(const Waveform& block, SourceStream& source) {
     }
     for (float& sample : samples) sample *= gain_;
   }
-  outline_.add(output);
-  sink_->write(output);
+  put(limiter_ ? limiter_->process(output, false) : output);
   written_ += count;
+}
+
+void TargetStream::put(const Waveform& block) {
+  outline_.add(block);
+  sink_->write(block);
 }
 
 }  // namespace earpoint

@@ -1,3 +1,5 @@
+#include "spoil_view.h"
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -153,7 +155,21 @@ struct PairExamples::State {
     if (options.alignment == Alignment::gcc_phat) align_target(sample);
     // Drawn in any case, so that the other draws are the same with and without.
     const bool is_mirrored = random.index(2) == 1;
-    return options.mirror && is_mirrored ? mirrored(sample) : sample;
+    if (options.mirror && is_mirrored) sample = mirrored(sample);
+    spoil_view(sample, random);
+    return sample;
+  }
+
+  /// Takes away what a user's camera may not show.
+  void spoil_view(PairSample& sample, RandomStream& random) const {
+    const bool is_spoilt = random.uniform() < options.spoilt_pictures;
+    const bool is_hidden = random.uniform() < options.hidden_boxes;
+    if (is_hidden) sample.speaker_box.reset();
+    if (!is_spoilt) return;
+    const SoundSpacesClip& other = train.clips()[random.index(train.clips().size())];
+    const auto viewpoint = static_cast<int>(random.index(other.viewpoints.size()));
+    sample.picture =
+        spoilt_picture(*sample.picture, train_sampler.picture(other, viewpoint), random);
   }
 
   PairOptions options;

@@ -24,6 +24,8 @@ PairOptions checked(PairOptions options) {
   if (options.target != PairTarget::viewpoint) refuse("target", "\"viewpoint\"");
   if (options.ambient_db) refuse("ambient_db", "null");
   if (options.any_speech) refuse("any_speech", "false");
+  if (options.spoilt_pictures > 0.0) refuse("spoilt_pictures", "0");
+  if (options.hidden_boxes > 0.0) refuse("hidden_boxes", "0");
   if (options.samples != kPairSamples) refuse("window_samples", "16000");
   return options;
 }

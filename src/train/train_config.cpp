@@ -281,6 +281,8 @@ PairOptions pair_options_from_json(std::string_view text, std::string_view where
   options.samples = samples;
   section.take("any_speech", options.any_speech);
   section.take("mirror", options.mirror);
+  section.take("spoilt_pictures", options.spoilt_pictures, 0.0, 1.0);
+  section.take("hidden_boxes", options.hidden_boxes, 0.0, 1.0);
   section.take("align", options.alignment, kAlignments);
   section.take("target", options.target, kTargets);
   if (options.target == PairTarget::near_microphone && options.alignment != Alignment::responses) {

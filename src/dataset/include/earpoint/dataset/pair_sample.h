@@ -88,6 +88,10 @@ class PairSampler {
   [[nodiscard]] PairTruth truth(const SoundSpacesClip& clip, const SoundSpacesChoice& choice,
                                 std::ptrdiff_t samples = kPairSamples) const;
 
+  /// The picture of one of the clip's viewpoints. @throws InputError as sample()
+  [[nodiscard]] std::shared_ptr<const Image> picture(const SoundSpacesClip& clip,
+                                                     int viewpoint) const;
+
   /// How long a speaker's speech is, at 16 kHz. @throws InputError as sample()
   [[nodiscard]] std::ptrdiff_t speech_samples(const SoundSpacesSpeaker& speaker) const;
 

@@ -52,7 +52,9 @@ class Gtf {
   void look(std::span<const float> picture, const std::optional<Box>& speaker_box);
 
   /// Where the target is from here on, and the speaker's mouth if it is known, both in the source's
-  /// frame. Pitch and roll turn the ears; what was learned knows the yaw alone.
+  /// frame. Pitch and roll turn the ears; what was learned knows the yaw alone. A place beyond the
+  /// range of the training data (GtfDescription) is heard as the nearest one within it, and by as
+  /// much weaker as the way to it costs the direct sound; the diffuse field stays.
   void aim(const Pose& source_from_target, const std::optional<Vector3>& speaker_m = {});
 
   /// The sound at the target of a window on its own.
@@ -71,6 +73,11 @@ class Gtf {
   /// @param source  as synthesize() takes it
   /// @return nothing if the network knows no geometry
   [[nodiscard]] std::optional<GtfSpeaker> locate(std::span<const float> source);
+
+  /// Power that the geometry of the move alone expects of the window that synthesize() made, both
+  /// ears together, over that of the source's: the direct sound falls with distance, the diffuse
+  /// field is the same everywhere. 1 at the source itself, and if the network knows no geometry.
+  [[nodiscard]] double expected_gain() const;
 
   /// What synthesize() or locate() heard in its window.
   [[nodiscard]] const GtfStatistics& statistics() const;

@@ -35,6 +35,14 @@ struct GtfDescription {
   /// Channels of the picture encoder's layers, each of which halves width and height.
   static constexpr int kPictureChannels[] = {4, 16, 32, 48, 64, 64};
   static constexpr int kPictureLayers = 5;
+  // The range of the training data, in the source's frame. Both viewpoints stand within 2.5 m of
+  // the middle between two people, who stand within 1.5 m of it; all heads are level, at one
+  // height.
+  static constexpr double kFarthestMove_m = 5.0;
+  static constexpr double kHighestMove_m = 0.3;  ///< up or down; people hold cameras by hand
+  static constexpr double kFarthestSpeaker_m = 4.0;
+  static constexpr double kHighestSpeaker_m = 1.0;   ///< the mouth, up or down
+  static constexpr double kNearestSpeaker_m = 0.25;  ///< nearer nothing gets louder
 
   int window_samples = kSampleRateHz;        ///< length of the clips that it was trained on
   std::optional<double> highpass_cutoff_hz;  ///< its training sounds have nothing below

@@ -8,6 +8,16 @@
 
 namespace earpoint {
 
+/// Nobody hears farther; beyond it units are most likely mixed up.
+inline constexpr double kFarthestPlace_m = 1e4;
+/// A hundred turns: paths may go on counting.
+inline constexpr double kLargestDegrees = 36000.0;
+
+/// @throws InputError naming `where` if a coordinate is not finite or beyond kFarthestPlace_m
+void check_place(const Vector3& place_m, const std::string& where);
+/// @throws InputError naming `where` if the angle is not finite or beyond kLargestDegrees
+void check_angle_deg(double angle_deg, const std::string& where);
+
 /// Where an earpoint is over time, in the source view's frame: standing still, or moving from row
 /// to row of a CSV file.
 class EarpointPath {
@@ -18,8 +28,8 @@ class EarpointPath {
   /// Reads `time_s,x,y,z,yaw_deg,pitch_deg,roll_deg` (that header first; metres; x front, y left,
   /// z up; lines that start with # are skipped). Positions are interpolated linearly, orientations
   /// along the great arc.
-  /// @throws InputError naming the line if a cell is missing or no number, a time does not grow,
-  ///         or there is no row
+  /// @throws InputError naming the line if a cell is missing or no number or beyond what can be
+  ///         heard, a time does not grow, or there is no row
   static EarpointPath from_csv(const std::filesystem::path& path);
   /// The same from text; `name` stands for the file in messages.
   static EarpointPath parse_csv(const std::string& text, const std::string& name);

@@ -39,14 +39,19 @@ struct ClipRenderOptions {
   /// In place of the synthesizer's own.
   std::optional<double> ambient_cutoff_hz;
   double gain_db = 0.0;
+  /// Keep the output within full scale (PeakLimiter).
+  bool limit = true;
   /// With two or more, other windows are read and written while one is synthesized.
   int threads = 1;
 };
 
 struct RenderReport {
   SoundSurvey survey;
-  WaveformOutline source;  ///< what was recorded
-  std::vector<WaveformOutline> targets;
+  WaveformOutline source;                ///< what was recorded
+  std::vector<WaveformOutline> targets;  ///< what was written
+  /// By how much every target's peaks exceeded full scale before they were limited, in decibels; 0
+  /// where they did not, or nothing limits them.
+  std::vector<double> limited_db;
   int windows = 0;
   /// What of it the synthesizer was not made for; AcousticSynthesizer::doubts().
   std::vector<std::string> doubts;

@@ -6,10 +6,12 @@
 #include <optional>
 #include <variant>
 
+#include <earpoint/audio/peak_limiter.h>
 #include <earpoint/audio/resample.h>
 #include <earpoint/core/waveform.h>
 #include <earpoint/synth/band_extension.h>
 #include <earpoint/synth/overlap_adder.h>
+#include <earpoint/synth/render.h>
 #include <earpoint/synth/sound_sink.h>
 #include <earpoint/synth/source_stream.h>
 #include <earpoint/synth/synthesizer.h>
@@ -21,9 +23,8 @@ namespace earpoint {
 /// high band added, measured, written.
 class TargetStream {
  public:
-  /// @param extend_band  add the source's high band, scaled by the model's top octave
   TargetStream(std::unique_ptr<SoundSink> sink, const SoundSurvey& survey, const WindowShape& shape,
-               bool extend_band, double gain_db);
+               const ClipRenderOptions& options);
 
   /// @param primary  what the synthesizer was given for this window: 2 ears, [samples]
   /// @param result   what it made of that, before ambient sound is added
@@ -37,13 +38,16 @@ class TargetStream {
   /// Lets the file appear under its name; after finish().
   void commit() { sink_->commit(); }
 
-  /// Samples written so far, at the recording's rate.
+  /// Samples made so far, at the recording's rate.
   [[nodiscard]] std::ptrdiff_t written() const { return written_; }
   [[nodiscard]] const WaveformOutline& outline() const { return outline_; }
+  /// By how much peaks exceeded full scale before they were limited, in decibels.
+  [[nodiscard]] double limited_db() const { return limiter_ ? limiter_->excess_db() : 0.0; }
 
  private:
   void write(const Waveform& block, bool last, SourceStream& source);
   void emit(const Waveform& block, SourceStream& source);
+  void put(const Waveform& block);
 
   std::unique_ptr<SoundSink> sink_;
   std::ptrdiff_t samples_;  // the recording's length
@@ -52,6 +56,7 @@ class TargetStream {
   OverlapAdder adder_;
   std::unique_ptr<StreamResampler> up_;          // null if the rates are equal
   std::optional<BandExtension> band_extension_;  // none if the rates are equal or not wished
+  std::optional<PeakLimiter> limiter_;           // none if not wished
   WaveformOutline outline_;
   std::ptrdiff_t written_ = 0;
 };

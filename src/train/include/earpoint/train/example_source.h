@@ -47,7 +47,9 @@ struct PairOptions {
   std::uint64_t seed = 1;               ///< of the draws in training
   std::ptrdiff_t samples = 16000;       ///< of a training window; validation takes a second
   bool any_speech = false;              ///< whoever speaks says what anyone of the split said
-  bool mirror = true;  ///< half of the training examples are mirrored, left to right
+  bool mirror = true;            ///< half of the training examples are mirrored, left to right
+  double spoilt_pictures = 0.0;  ///< share of training examples whose picture tells nothing
+  double hidden_boxes = 0.0;     ///< share of training examples without the speaker's box
   PairTarget target = PairTarget::viewpoint;   ///< in validation too
   Alignment alignment = Alignment::responses;  ///< in training; validation pairs are aligned
   /// Level of room noise in both sounds, dB re full scale; near microphones hear none.
@@ -90,8 +92,8 @@ class PairExamples : public ExampleSource {
 class ReplayExamples : public ExampleSource {
  public:
   /// @throws InputError if the data set is missing or malformed, or an option asks for what
-  ///         recordings do not tell: responses, near microphones, room noise, other speech, another
-  ///         window
+  ///         recordings do not tell (responses, near microphones, room noise, other speech), for
+  ///         another window, or for spoilt views
   ReplayExamples(PairOptions options, PairEncoder encode);
 
   [[nodiscard]] TrainingExample training(std::uint64_t number) const override;

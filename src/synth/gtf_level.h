@@ -1,0 +1,35 @@
+#pragma once
+
+#include <span>
+
+#include <earpoint/core/pose.h>
+#include <earpoint/core/waveform.h>
+
+namespace earpoint {
+
+/// By how much gtf's level may differ from what geometry expects of a move, in decibels, >= 0.
+struct LevelTolerance {
+  double louder_db = 0.0;
+  double quieter_db = 0.0;
+};
+
+/// Hardly anything where nothing moves; more with distance, since walls and the speaker's heading
+/// may count for much; and again little beyond the range that the network was trained on, where
+/// geometry is all that is known. Continuous in the pose.
+[[nodiscard]] LevelTolerance gtf_level_tolerance(const Pose& source_from_target);
+
+/// The same of a window whose target moves: the mean over its poses.
+/// @param path  not empty
+[[nodiscard]] LevelTolerance gtf_level_tolerance(std::span<const Pose> path);
+
+/// Scales a window where its level differs from the expected one by more than it may. Nothing gets
+/// louder than the source by more than 12 dB, unless the speaker's place is known and geometry
+/// itself expects that.
+/// @param source         2 ears, [samples], what the network heard
+/// @param expected_gain  of power, both ears together, as Gtf::expected_gain() has it
+/// @param knows_place    whether the speaker's place was given and not estimated
+/// @param result         the same size, what it made of that
+void limit_level(const Waveform& source, double expected_gain, const LevelTolerance& tolerance,
+                 bool knows_place, Waveform& result);
+
+}  // namespace earpoint
