@@ -70,8 +70,7 @@ TEST_F(ReplayExamplesTest, ExamplesAreTheLoadersNumbers) {
     // Which pair it is tells the height of the loader's first number.
     int matches = 0;
     for (int source = 0; source < 2; ++source) {
-      const NvasSample sample =
-          dataset.sample(dataset.clips()[0], {source, 1 - source}, false);
+      const NvasSample sample = dataset.sample(dataset.clips()[0], {source, 1 - source}, false);
       const auto near = [](const std::vector<float>& found, const std::vector<double>& wanted) {
         return std::ranges::equal(found, wanted, [](float a, double b) {
           return std::abs(a - b) < 1e-3;  // float rounding of hundreds of centimetres
@@ -117,14 +116,14 @@ TEST_F(ReplayExamplesTest, WhatRecordingsDoNotTellIsRefused) {
   EXPECT_EQ(refusal(with(vigas, R"({"align": "gcc_phat"})"), replay), "accepted");
   EXPECT_NE(refusal(with(vigas, "{}"), replay).find("'align': expected \"gcc_phat\""),
             std::string::npos);
-  EXPECT_NE(refusal(with(vigas, R"({"align": "none", "ambient_db": -40})"), replay)
-                .find("'ambient_db'"),
-            std::string::npos);
-  EXPECT_NE(refusal(with(R"({"kind": "vigas", "picture": null, "place": 0.1})",
-                         R"({"align": "none"})"),
-                    replay)
-                .find("'place'"),
-            std::string::npos);
+  EXPECT_NE(
+      refusal(with(vigas, R"({"align": "none", "ambient_db": -40})"), replay).find("'ambient_db'"),
+      std::string::npos);
+  EXPECT_NE(
+      refusal(with(R"({"kind": "vigas", "picture": null, "place": 0.1})", R"({"align": "none"})"),
+              replay)
+          .find("'place'"),
+      std::string::npos);
   EXPECT_NE(refusal(with(R"({"kind": "gtf"})", R"({"align": "none"})"), replay)
                 .find("which recordings do not tell"),
             std::string::npos);
@@ -137,8 +136,8 @@ TEST_F(ReplayExamplesTest, NetworksOfThePublishedSizeAreCheckpointsOfTheReleased
                                                  (std::string(name) + ".json"));
     TaskOptions task_options;
     task_options.data = folder_;
-    task_options.layout = name == std::string("vigas-replay") ? DatasetLayout::replay
-                                                              : DatasetLayout::soundspaces;
+    task_options.layout =
+        name == std::string("vigas-replay") ? DatasetLayout::replay : DatasetLayout::soundspaces;
     const TrainingTask task = make_training_task(config, name, task_options);
     ASSERT_GT(task.examples->validations(), 0U);
     const TrainingExample example = task.examples->training(0);
@@ -160,8 +159,7 @@ TEST_F(ReplayExamplesTest, NetworksLearnInTheEncodingsOfBothDataSets) {
             encoding + R"(", "blocks": 1, "layers_per_block": 2, "channels": 8, "init": "released",
             "picture": {"width_px": 32, "height_px": 32, "trunk_channels": 4}},
             "data": {"align": ")" +
-            (replay ? "gcc_phat" : "responses") +
-            R"("}, "training": {"steps": 1, "batch": 2}})",
+            (replay ? "gcc_phat" : "responses") + R"("}, "training": {"steps": 1, "batch": 2}})",
         "c.json");
     TaskOptions task_options;
     task_options.data = folder_;
