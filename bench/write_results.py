@@ -211,9 +211,9 @@ def simulation_table(text):
 
 
 EVALUATION_WORDS = (
-    "`earpoint evaluate --oracles --json` on the frozen pairs of the test split. Intervals are drawn by "
-    "conversation, since the clips of one share room, places and voices. Oracles are shown part of the "
-    "answer: they tell how much of the way to zero is to be had. ")
+    "`earpoint evaluate --oracles --json` on the frozen pairs of the test split. Intervals are drawn by home "
+    "where there are several, else by conversation, since the clips of one share room, places and voices. "
+    "Oracles are shown part of the answer: they tell how much of the way to zero is to be had. ")
 
 SECTIONS = [
     ("Methods in one home", "evaluate-single.json", evaluation_table,

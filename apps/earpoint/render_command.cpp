@@ -220,6 +220,9 @@ void run_render(RenderArguments arguments) {
   if (arguments.json && writes_to_stdout(arguments)) {
     throw InputError("--json", "standard output takes the sound already", "write it to a file");
   }
+  if (!arguments.hrtf.empty() && arguments.model != "dsp") {
+    throw InputError("--hrtf", "only --model dsp takes head filters", "leave it out");
+  }
   const std::vector<EarpointPath> paths = parse_targets(arguments);
   if (!arguments.plot.empty()) check_image_path(arguments.plot);
   const RenderSource source = parse_source(arguments.source);

@@ -195,7 +195,11 @@ TEST_F(RenderCommand, BadArgumentsGetOneLine) {
   expect_refused({input, "--yaw", "90", "--speaker-box", "0.5,0.2,1.2,0.9"}, "leaves the picture");
   expect_refused({input, "--yaw", "90", "--model", "nothing.safetensors"}, "neither a known name");
   expect_refused({input, "--yaw", "90", "--model", input}, "in.wav");
-  expect_refused({input, "--yaw", "90", "--hrtf", input}, "in.wav");
+  expect_refused({input, "--yaw", "90", "--model", "dsp", "--hrtf", input}, "in.wav");
+  expect_refused({input, "--yaw", "90", "--model", "dsp", "--hrtf", at("missing.sofa")},
+                 "missing.sofa: no such file");
+  expect_refused({input, "--yaw", "90", "--model", "input", "--hrtf", at("missing.sofa")},
+                 "only --model dsp takes head filters");
   expect_refused({input, "--to", at("missing.json")}, "no such file");
   expect_refused({input, "--translate", "1,0,0", "--colour", "red"}, "--colour");
   expect_refused({at("missing.wav"), "--yaw", "90", "--speaker", "2,0,0"}, "missing.wav");

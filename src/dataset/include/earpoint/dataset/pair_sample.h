@@ -104,10 +104,4 @@ class PairSampler {
 /// Heads are nearly symmetric, so it could have been heard.
 PairSample mirrored(const PairSample& sample);
 
-/// Where things lie in a folder that `earpoint simulate` wrote (told by its dataset.json), or else
-/// in one that holds the published layout.
-/// @throws InputError if it is neither
-SoundSpacesDataset::Options soundspaces_options(const std::filesystem::path& folder,
-                                                const std::string& split);
-
 }  // namespace earpoint
