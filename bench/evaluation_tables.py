@@ -32,13 +32,35 @@ def table(rows, metrics, cell):
     return "\n".join(lines)
 
 
+def extent(run):
+    """What was measured: clips, conversations, homes and voices."""
+    def counted(count, noun):
+        return f"{count} {noun}" + ("" if count == 1 else "s")
+
+    text = f"{counted(run['clips'], 'clip')} of {counted(run['conversations'], 'conversation')}"
+    if run.get("homes"):
+        text += f" in {counted(run['homes'], 'home')}"
+    if run.get("voices"):
+        text += f", {counted(run['voices'], 'voice')}"
+    return text + f", split {run['split']}"
+
+
+def intervals(run):
+    """What the intervals are drawn by, and which means are over fewer clips."""
+    fewer = {heading: min(row[key]["clips"] for row in run["rows"] if row.get(key))
+             for key, heading, _ in METRICS if any(row.get(key) for row in run["rows"])}
+    text = f"Intervals are drawn by {run.get('intervals_by', 'conversation')}."
+    few = [f"{heading} {count}" for heading, count in fewer.items() if count < run["clips"]]
+    return text + (f" Means over fewer clips, those that have a value: {', '.join(few)}." if few else "")
+
+
 def enhancement_table(text):
     """Means and ratios to `input` of what enhancement is measured by."""
     run = json.loads(text)
     metrics = [("mag", "Mag", 4), ("rte_s", "RTE (s)", 4), ("level_db", "level (dB)", 2)]
     return "\n".join([
-        f"{run['clips']} clips of {run['conversations']} conversations, split {run['split']}, room noise of "
-        f"{run['ambient_db']:g} dB. Mean error with its 95 % interval; 0 is best.", "",
+        f"{extent(run)}, room noise of {run['ambient_db']:g} dB. Mean error with its 95 % interval; 0 is best. "
+        f"{intervals(run)}", "",
         table(run["rows"], metrics, lambda row, key, d: with_range(row.get(key), "mean", d)), "",
         "As ratio to `input` (the paper's on Replay-NVAS: Mag 0.84, RTE 0.32):", "",
         table(run["rows"], metrics,
@@ -49,8 +71,7 @@ def evaluation_table(text):
     """Means, ratios to `input` and the released evaluation's numbers, one table each."""
     run = json.loads(text)
     rows = run["rows"]
-    parts = [f"{run['clips']} clips of {run['conversations']} conversations, split {run['split']}. "
-             "Mean error with its 95 % interval; 0 is best.", "",
+    parts = [f"{extent(run)}. Mean error with its 95 % interval; 0 is best. {intervals(run)}", "",
              table(rows, METRICS, lambda row, key, d: with_range(row.get(key), "mean", d)), "",
              "As ratio to `input`:", "",
              table(rows, METRICS,

@@ -174,6 +174,12 @@ measure_simulator() {
   build/release/bench/trace_gates >out/bench/trace_gates.md || true
   say "Speed of the path tracer"
   build/release/bench/trace_bench --plot docs/images/trace-cost.png >out/bench/trace_bench.json
+  if python3 -c 'import pyroomacoustics' 2>/dev/null; then
+    say "The path tracer beside pyroomacoustics"
+    python3 bench/compare_tracers.py "$earpoint" >out/bench/compare_tracers.json
+  else
+    say "Not compared with pyroomacoustics, which this python3 does not have (pip install pyroomacoustics)"
+  fi
   say "Pictures per second"
   build/release/bench/camera_bench >out/bench/camera_bench.jsonl
   say "Reverberation of 120 homes"
@@ -181,6 +187,13 @@ measure_simulator() {
   say "Cost of simulated data"
   [ -f "$speech_folder/speech.csv" ] || gather_speech "$speech_folder"
   python3 bench/simulate_cost.py "$earpoint" "$speech_folder" >out/bench/simulate_cost.jsonl
+}
+
+# Whether anything is lost or left where a command is killed.
+measure_kills() {
+  [ -f "$speech_folder/speech.csv" ] || gather_speech "$speech_folder"
+  say "Killing commands at random moments"
+  python3 bench/kill_anywhere.py "$1" "$speech_folder" examples/clip.mp4 out/kills >out/bench/kills.json
 }
 
 # Everything that docs/results.md shows. The exactness table needs the reference outputs.
@@ -194,6 +207,7 @@ results() {
   measure_demo "$earpoint" >out/bench/demo.jsonl
   cp out/demo/ears-gtf.png docs/images/demo.png
   measure_simulator "$earpoint"
+  measure_kills "$earpoint"
   simulate_data "$earpoint"
   say "Training steps of gtf"
   python3 bench/gtf_training.py "$earpoint" configs/gtf-novel.json out/data/novel out/bench

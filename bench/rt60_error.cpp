@@ -17,6 +17,7 @@
 #include <nlohmann/json.hpp>
 
 #include <earpoint/core/error.h>
+#include <earpoint/dataset/dataset_folder.h>
 #include <earpoint/dataset/pair_sample.h>
 #include <earpoint/dataset/reverberant_speech.h>
 #include <earpoint/infer/rt60_estimator.h>

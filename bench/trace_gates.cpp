@@ -23,10 +23,13 @@ int main() {
   print(gates::free_field_gate(pool));
   print(gates::image_source_gate(pool));
   print(gates::reverberation_gate(pool));
+  print(gates::uneven_gate(pool, gates::Effort::thorough));
   print(gates::reciprocity_gate(pool));
   print(gates::ray_count_gate(pool, gates::Effort::thorough));
   print(gates::ear_gate());
+  print(gates::motion_gate(pool));
   print(gates::diffraction_gate(pool));
+  print(gates::thick_wall_gate(pool));
   print(gates::determinism_gate());
   return passed ? 0 : 1;
 }

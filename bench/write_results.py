@@ -5,8 +5,8 @@ usage: bench/write_results.py MEASURED RESULTS.md [--measured-only]
 
 MEASURED holds vigas.md, gtf_bench.json, training.json, training_gtf.json, oracle_errors.md, render_speed.jsonl,
 render_memory.jsonl, demo.jsonl, trace_gates.md, learning_curves-single.md, learning_curves-novel.md,
-rt60_error.json, home_reverberation.jsonl, camera_bench.jsonl, simulate_cost.jsonl, evaluate-single.json,
-evaluate-novel.json, ablations-single.json, ablations-novel.json, generalisation.json,
+rt60_error.json, home_reverberation.jsonl, compare_tracers.json, kills.json,
+camera_bench.jsonl, simulate_cost.jsonl, evaluate-single.json, evaluate-novel.json, ablations-single.json, ablations-novel.json, generalisation.json,
 generalisation_heads.json, ambient-single.json, ambient-novel.json and enhance-novel.json; a section
 whose file is missing stays as it is in RESULTS.md, or says so where it is new; with --measured-only it
 is left out.
@@ -171,6 +171,30 @@ def trace_table(text):
     return "\n".join(rows)
 
 
+def tracer_comparison(text):
+    run = json.loads(text)
+    rows = ["| room | program | rays | T30 off by | its spread | reverberation re direct sound off by "
+            "| processor-s |", "|---|---|---|---|---|---|---|"]
+    for case in run["rows"]:
+        room = "box" if case["box"] else f"mesh of {case['triangles']} triangles"
+        for name, key in ((f"Earpoint {run['earpoint']}", "earpoint"),
+                          (f"pyroomacoustics {run['pyroomacoustics']}", "peer")):
+            found = case[key]
+            rows.append(f"| {room} | {name} | {found['rays']} | {found['t30_error_percent']:+.1f} % | "
+                        f"{found['t30_spread_percent']:.1f} % | {found['level_error_db']:+.1f} dB | "
+                        f"{found['processor_s']:.2f} |")
+    return "\n".join(rows + ["", f"{run['runs']} seeds each. By the particles: T30 {run['t30_s']:.3f} s, "
+                             f"reverberation {run['level_db']:.1f} dB over the direct sound."])
+
+
+def kill_table(text):
+    rows = ["| command | killed | files | lost, left over or different | undisturbed |", "|---|---|---|---|---|"]
+    for run in json.loads(text):
+        rows.append(f"| {run['command']} | {run['kills']} times | {run['files']} | {len(run['faults'])} | "
+                    f"{run['undisturbed_s']:.1f} s |")
+    return "\n".join(rows)
+
+
 def camera_table(text):
     rows = ["| homes | triangles | light of a home | with two people | views/s | views/s, light included |",
             "|---|---|---|---|---|---|"]
@@ -199,9 +223,9 @@ def simulation_table(text):
 
 
 EVALUATION_WORDS = (
-    "`earpoint evaluate --oracles --json` on the frozen pairs of the test split. Intervals are drawn by "
-    "conversation, since the clips of one share room, places and voices. Oracles are shown part of the "
-    "answer: they tell how much of the way to zero is to be had. ")
+    "`earpoint evaluate --oracles --json` on the frozen pairs of the test split. Intervals are drawn by home "
+    "where there are several, else by conversation, since the clips of one share room, places and voices. "
+    "Oracles are shown part of the answer: they tell how much of the way to zero is to be had. ")
 
 SECTIONS = [
     ("Methods in one home", "evaluate-single.json", evaluation_table,
@@ -279,10 +303,21 @@ SECTIONS = [
     ("Speed: tracing a furnished home", "trace_bench.json", trace_table,
      "`trace_bench`: medians on one core. Both the tracer's rays and Embree's own end at the nearest "
      "surface; the tracer's include those that ask whether a listener is in sight."),
+    ("The path tracer beside pyroomacoustics", "compare_tracers.json", tracer_comparison,
+     "`bench/compare_tracers.py`: a room of 6 x 5 x 3 m, absorption 0.2, scattering 0.5, as a box and as "
+     "meshes of the same walls; a mono response of 1 s in the octave of 1 kHz, both programs on one core in "
+     "one run. What is right comes from neither: 400,000 particles that bounce between the walls, counted in a "
+     "sphere at the microphone. The time of Earpoint is that of the whole process, that of pyroomacoustics "
+     "(hybrid: image sources to order 3 in the box, rays) without starting Python. It has no tree over the "
+     "walls, so that it gets fewer rays where there are many triangles."),
     ("Pictures per second on one core", "camera_bench.jsonl", camera_table,
      "`camera_bench`: 256 x 256 pixels, 4 rays per pixel, smoothed; seconds of processor time of one "
      "thread. The light of a home is solved once for its 10 conversations, that of two people once "
      "for the 4 views of a conversation; the last column counts both."),
+    ("Killed at random moments", "kills.json", kill_table,
+     "`bench/kill_anywhere.py`: each command is killed (SIGKILL) after a random part of its time and started "
+     "again until it ends by itself. All files must then equal those of an undisturbed run, byte for byte (of weight "
+     "files the tensors), with no file beside them."),
     ("Cost of simulated data", "simulate_cost.jsonl", simulation_table,
      "`bench/simulate_cost.py`: processor time of `earpoint simulate` in two homes, six conversations "
      "each; two speakers and four viewpoints a conversation, 5000 rays from each mouth, 256 x 256 "

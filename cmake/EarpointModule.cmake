@@ -79,7 +79,7 @@ function(earpoint_add_fuzz name)
     list(APPEND arg_SOURCES ${PROJECT_SOURCE_DIR}/cmake/fuzz_replay.cpp)
   endif()
   add_executable(${program} ${arg_SOURCES})
-  target_include_directories(${program} PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
+  target_include_directories(${program} PRIVATE ${CMAKE_CURRENT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/cmake)
   target_link_libraries(${program} PRIVATE ${arg_DEPENDS} earpoint_flags fmt::fmt
                         nlohmann_json::nlohmann_json)
   if(EARPOINT_FUZZ)

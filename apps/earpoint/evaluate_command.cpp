@@ -22,6 +22,8 @@
 #include <earpoint/core/error.h>
 #include <earpoint/core/parallel.h>
 #include <earpoint/core/progress.h>
+#include <earpoint/dataset/dataset_folder.h>
+#include <earpoint/dataset/pair_list.h>
 #include <earpoint/evaluate/evaluation.h>
 #include <earpoint/evaluate/evaluation_table.h>
 #include <earpoint/evaluate/report.h>
@@ -34,6 +36,9 @@ namespace fs = std::filesystem;
 using earpoint::InputError;
 
 constexpr std::size_t kCacheBytes = std::size_t{512} << 20U;
+
+// White noise at full scale against silence has a Mag of about 25.
+constexpr double kAbsurdMag = 100.0;
 
 // As loud as in the configurations that learn enhancement.
 constexpr double kEnhancedAmbientDb = -40.0;
@@ -60,6 +65,12 @@ Oracles, which are shown part of the answer (--oracles: all), from the lowest ru
   oracle-dry-direct  true dry speech and direct path, tail of noise with the true decay
   oracle-expected    the same, but the magnitudes to be expected over many such tails: best by Mag
   oracle-all         everything known: 0
+Data sets (docs/datasets.md): one of `earpoint simulate`, or a download of SoundSpaces-NVAS or Replay-NVAS,
+named by the folder that holds data/synthetic_dataset/v16 or data/appen_dataset/v3, or by one of these.
+Pairs come from pairs-<split>.json. Where there is none, as in the downloads, they are drawn: every viewpoint
+of SoundSpaces-NVAS the target once, in random seconds; of Replay-NVAS as the released test draws them. The
+paper's numbers on SoundSpaces-NVAS are of first seconds: --draw released draws those. Absolute values of
+different seconds do not compare; ratios to input do better.
 Room noise (--ambient -40) falls by 6 dB an octave from 20 Hz on and is independent at each ear. It is
 separated as the paper separates ambient sound, by a high-pass at 80 Hz: methods hear what is above, and
 answer what the clean target is compared with. A network that was trained without separation hears all of
@@ -67,13 +78,16 @@ the noise, and what it answers goes through the same high-pass.
 Enhancement (--enhance) asks for the dry speech as a microphone close before the mouth records it, as loud as
 it is 1 m away in free field, in room noise of -40 dB unless --ambient says otherwise. Methods are not told
 where that microphone is; tf and dsp, which answer for a place, have no row.
-Every number is an error: 0 is best. Intervals hold the mean at 95 % confidence, drawn by conversation.
+Every number is an error: 0 is best. Intervals hold the mean at 95 % confidence, drawn by home where there
+are several, else by conversation.
 )";
 
 struct Options {
   fs::path data;
   std::string split = "test";
+  std::string layout;  ///< empty: whichever there is
   std::optional<fs::path> pairs;
+  std::string draw;  ///< empty: the list
   MethodRequest methods;
   std::optional<std::size_t> limit;
   int jobs = 0;
@@ -111,22 +125,55 @@ std::optional<double> ambient_db(const Options& options) {
   return kEnhancedAmbientDb;
 }
 
-std::unique_ptr<earpoint::EvaluationSet> evaluation_set(const Options& options) {
-  if (earpoint::is_replay_folder(options.data)) {
-    if (options.enhance) {
-      throw InputError("--enhance", "wants simulated data, whose dry speech is known",
-                       "make some with `earpoint simulate`");
-    }
-    if (options.ambient_db) {
-      throw InputError("--ambient", "recordings have ambient sound of their own",
-                       "leave it out, or take simulated data");
-    }
-    return earpoint::replay_evaluation_set(options.data, options.split, options.limit);
+std::unique_ptr<earpoint::EvaluationSet> recorded_set(const Options& options) {
+  if (options.enhance) {
+    throw InputError("--enhance", "wants simulated data, whose dry speech is known",
+                     "make some with `earpoint simulate`");
   }
-  auto set = earpoint::soundspaces_evaluation_set(options.data, options.split, options.pairs,
-                                                  options.limit, kCacheBytes, target_of(options));
+  if (options.ambient_db) {
+    throw InputError("--ambient", "recordings have ambient sound of their own",
+                     "leave it out, or take simulated data");
+  }
+  if (options.pairs) {
+    throw InputError("--pairs",
+                     "Replay-NVAS has no pair lists; its pairs are drawn as the released "
+                     "test draws them",
+                     "leave it out");
+  }
+  if (options.draw == "every-target") {
+    throw InputError("--draw every-target", "Replay-NVAS is drawn as the released test draws it",
+                     "leave it out");
+  }
+  return earpoint::replay_evaluation_set(options.data, options.split, options.limit);
+}
+
+std::unique_ptr<earpoint::EvaluationSet> evaluation_set(const Options& options) {
+  std::optional<earpoint::DatasetLayout> asked;
+  if (!options.layout.empty()) asked = earpoint::layout_named(options.layout);
+  if (dataset_layout(options.data, asked) == earpoint::DatasetLayout::replay) {
+    return recorded_set(options);
+  }
+  earpoint::PairChoice pairs{.list = options.pairs, .draw = std::nullopt};
+  if (!options.draw.empty()) pairs.draw = earpoint::draw_named(options.draw);
+  auto set = earpoint::soundspaces_evaluation_set(options.data, options.split, pairs, options.limit,
+                                                  kCacheBytes, target_of(options));
   const std::optional<double> level_db = ambient_db(options);
   return level_db ? with_ambient(std::move(set), *level_db) : std::move(set);
+}
+
+/// The released loader takes the samples of 16-bit speech as integers, 32768 times too loud.
+void warn_of_levels(const earpoint::EvaluationTable& table) {
+  for (const earpoint::TableRow& row : table.rows) {
+    const auto& mag = row[earpoint::Metric::mag].mean;
+    if (!mag || mag->value < kAbsurdMag) continue;
+    fmt::print(
+        stderr,
+        "earpoint: a Mag of {:.0f} is of sounds far above full scale: 16-bit speech files are "
+        "taken as whole numbers, as the released loader takes them; convert "
+        "data/LibriSpeech-wav to 32-bit float (docs/datasets.md)\n",
+        mag->value);
+    return;
+  }
 }
 
 void run(const Options& options) {
@@ -139,9 +186,10 @@ void run(const Options& options) {
   MethodRequest request = options.methods;
   request.data = options.data;
   request.enhance = options.enhance;
+  request.recorded = !set->knows_speaker();
   if (request.words.empty()) {
-    request.words = options.enhance ? std::vector<std::string>{"input"}
-                                    : std::vector<std::string>{"input", "dsp"};
+    request.words = {"input"};
+    if (!options.enhance && set->knows_speaker()) request.words.emplace_back("dsp");
   }
   const std::vector<earpoint::MethodEntry> methods = methods_of(request, scenes);
 
@@ -166,14 +214,20 @@ void run(const Options& options) {
       report.data += fmt::format(", room noise {:g} dB", *level_db);
     }
     report.split = options.split;
+    report.pairs = set->pairs();
     write_report(*options.report, *set, methods, result, report, progress);
   }
   const earpoint::EvaluationTable table = make_table(result);
-  const earpoint::EvaluationSubject subject{options.data.string(), options.split,
+  const earpoint::EvaluationSubject subject{options.data.string(), options.split, set->pairs(),
                                             target_of(options), ambient_db(options)};
   const std::span<const earpoint::Metric> told =
       options.enhance ? kEnhancementMetrics : earpoint::told_metrics();
-  fmt::print("{}", options.json ? json_of(table, subject) : text_of(table, told));
+  if (options.json) {
+    fmt::print("{}", json_of(table, subject));
+  } else {
+    fmt::print("{}Pairs: {}.\n", text_of(table, told), set->pairs());
+  }
+  warn_of_levels(table);
 }
 
 }  // namespace
@@ -187,14 +241,23 @@ void add_evaluate_command(CLI::App& app) {
                    "Folder of the data set: of earpoint simulate, SoundSpaces-NVAS or Replay-NVAS")
       ->required();
   command->add_option("--split", options->split, "Whose pairs")->capture_default_str();
-  command->add_option("--pairs", options->pairs,
-                      "Another pair list than pairs-<split>.json of the data set");
-  auto* methods =
-      command
-          ->add_option(
-              "--methods", options->methods.words,
-              "What to compare, separated by commas; default: input,dsp, or input with --enhance")
-          ->delimiter(',');
+  command
+      ->add_option("--layout", options->layout,
+                   "Which data set, where a folder holds SoundSpaces-NVAS and Replay-NVAS")
+      ->check(CLI::IsMember({"soundspaces", "replay"}));
+  auto* pairs = command->add_option("--pairs", options->pairs,
+                                    "Another pair list than pairs-<split>.json of the data set");
+  command
+      ->add_option("--draw", options->draw,
+                   "Draw pairs instead, as `earpoint pairs` does; see below")
+      ->check(CLI::IsMember({"every-target", "released"}))
+      ->excludes(pairs);
+  auto* methods = command
+                      ->add_option("--methods", options->methods.words,
+                                   "What to compare, separated by commas; default: input,dsp; "
+                                   "input alone with --enhance "
+                                   "and on recordings")
+                      ->delimiter(',');
   command
       ->add_flag(
           "--ablations", options->methods.ablations,

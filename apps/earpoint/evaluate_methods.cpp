@@ -36,6 +36,11 @@ MethodEntry method_of(const std::string& word, const MethodRequest& request,
     throw InputError("--methods " + word, "says what a place hears, not what was spoken",
                      "leave it out with --enhance");
   }
+  if (request.recorded && word == "tf") {
+    throw InputError("--methods tf",
+                     "needs simulated data: recordings do not tell where speakers are",
+                     "leave it out");
+  }
   if (word == "dsp") return earpoint::dsp_method();
   if (word == "tf") return transfer_function(request, scenes);
   for (MethodEntry& oracle : earpoint::oracle_methods()) {
@@ -107,6 +112,7 @@ std::vector<std::string> words_of(const MethodRequest& request) {
   }
   if (!request.oracles) return words;
   for (const MethodEntry& oracle : earpoint::oracle_methods()) {
+    if (request.recorded && oracle.needs_truth) continue;
     if (std::ranges::find(words, oracle.name) == words.end()) words.push_back(oracle.name);
   }
   return words;

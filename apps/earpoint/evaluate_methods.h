@@ -15,7 +15,8 @@ struct MethodRequest {
   std::filesystem::path data;  ///< where `tf` finds the training split
   std::string tf_index;        ///< locations, relative, or empty: by whether the scenes are known
   bool enhance = false;        ///< speech is asked for, not what a place hears
-  bool oracles = false;        ///< all of them as well
+  bool recorded = false;       ///< the data tell neither speakers' places nor responses
+  bool oracles = false;        ///< all of them as well, of recordings those that need no more
   /// `input` and every shipped model of the families gtf and vigas, or every run of `runs`,
   /// instead.
   bool ablations = false;

@@ -1,5 +1,6 @@
 #include "locate_command.h"
 
+#include "json_text.h"
 #include "source_arguments.h"
 
 #include <cmath>
@@ -36,7 +37,9 @@ Examples:
   # by ear alone, for a program
   earpoint locate sound.wav --3d --json
 
-Spreads are over the seconds of the recording: how steady the answer is, not how right.)";
+Spreads are over the seconds of the recording: how steady the answer is, not how right. Stereo that is
+not binaural (panned, two equal channels, one channel, one inverted) is told: its direction is not that
+of the speaker, and its spread says so.)";
 
 struct LocateArguments {
   SourceArguments source;
@@ -79,6 +82,8 @@ void print_json(const LocateArguments& arguments, const std::string& model,
   if (arguments.is_3d) speaker["distance_spread"] = std::expm1(located.log_distance_spread);
   nlohmann::json document{{"model", model},
                           {"by", nlohmann::json::array({"sound"})},
+                          {"stereo", name_of(located.survey.stereo)},
+                          {"warnings", located.survey.warnings},
                           {"speaker", speaker},
                           {"windows", nlohmann::json::array()}};
   if (located.has_picture) document["by"].push_back("picture");
@@ -89,7 +94,7 @@ void print_json(const LocateArguments& arguments, const std::string& model,
     window["level_db"] = 20.0 * std::log10(sighting.level);
     document["windows"].push_back(std::move(window));
   }
-  fmt::print("{}\n", document.dump(2));
+  fmt::print("{}\n", json_text(document));
 }
 
 /// "12.3 degrees left"
@@ -118,11 +123,14 @@ void run_locate(const LocateArguments& arguments) {
   const std::string model = model_of(arguments);
   const RenderSource source = parse_source(arguments.source);
   const GtfWeights weights = read_gtf_weights(model);
-  const double fov_rad = radians_from_degrees(arguments.source.fov_deg);
+  if (!arguments.plot.empty()) check_image_path(arguments.plot);
+  const double fov_rad =
+      radians_from_degrees(fov_deg_of(arguments.source, source, !arguments.quiet));
   SilentProgress silent;
   StreamProgress stream(stderr);
   ProgressSink& progress = arguments.quiet ? static_cast<ProgressSink&>(silent) : stream;
   const LocatedSpeaker located = locate_speaker(source, weights, fov_rad, progress);
+  print_warnings(arguments.source, located.survey);
   if (arguments.json) {
     print_json(arguments, model, located);
   } else {

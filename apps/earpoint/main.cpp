@@ -2,6 +2,7 @@
 #include "locate_command.h"
 #include "metrics_command.h"
 #include "model_command.h"
+#include "pairs_command.h"
 #include "render_command.h"
 #include "run_app.h"
 #include "simulate_command.h"
@@ -20,6 +21,7 @@ int main(int argc, char** argv) {
   add_evaluate_command(app);
   earpoint::add_locate_command(app);
   add_metrics_command(app);
+  add_pairs_command(app);
   earpoint::add_render_command(app);
   add_model_command(app);
   add_simulate_command(app);

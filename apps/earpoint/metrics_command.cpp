@@ -1,5 +1,6 @@
 #include "metrics_command.h"
 
+#include "json_text.h"
 #include "rt60_model.h"
 
 #include <algorithm>
@@ -18,6 +19,7 @@
 #include <earpoint/audio/resample.h>
 #include <earpoint/audio/sound_file.h>
 #include <earpoint/core/error.h>
+#include <earpoint/core/file.h>
 #include <earpoint/evaluate/decay_metrics.h>
 #include <earpoint/evaluate/metrics.h>
 #include <earpoint/evaluate/reverberation_error.h>
@@ -100,7 +102,8 @@ struct Pair {
 };
 
 Pair read_pair(const MetricsOptions& options, Report& report) {
-  Pair pair{earpoint::read_sound(options.reference), earpoint::read_sound(options.estimate)};
+  Pair pair{earpoint::read_sound(earpoint::stored_input(options.reference)),
+            earpoint::read_sound(earpoint::stored_input(options.estimate))};
   const int rate_hz = options.variant == "rwavs" ? earpoint::kRwavsRateHz : earpoint::kMetricRateHz;
   to_rate(pair.reference, rate_hz, options.reference, report);
   to_rate(pair.estimate, rate_hz, options.estimate, report);
@@ -173,9 +176,9 @@ Json json_of(const std::vector<earpoint::ChannelDecay>& channels) {
 }
 
 Report compare_impulse_responses(const MetricsOptions& options) {
-  const earpoint::DecayComparison found =
-      earpoint::compare_decays(earpoint::read_sound(options.reference), options.reference.string(),
-                               earpoint::read_sound(options.estimate), options.estimate.string());
+  const earpoint::DecayComparison found = earpoint::compare_decays(
+      earpoint::read_sound(earpoint::stored_input(options.reference)), options.reference.string(),
+      earpoint::read_sound(earpoint::stored_input(options.estimate)), options.estimate.string());
   const bool t30 = found.range == earpoint::DecayRange::t30;
   Report report;
   report.rows = {{"t60_error_s", found.t60_error_s, "s"},
@@ -196,7 +199,7 @@ void print(const Report& report, bool as_json) {
     for (const Row& row : report.rows) json[row.key] = row.value;
     json.update(report.extra);
     json["notes"] = report.notes;
-    fmt::print("{}\n", json.dump(2));
+    fmt::print("{}\n", earpoint::json_text(json));
     return;
   }
   for (const Row& row : report.rows) {

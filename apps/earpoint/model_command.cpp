@@ -1,5 +1,6 @@
 #include "model_command.h"
 
+#include "json_text.h"
 #include "model_run_command.h"
 
 #include <cstdint>
@@ -13,7 +14,9 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include <earpoint/core/file.h>
 #include <earpoint/model/checkpoint.h>
+#include <earpoint/model/checkpoint_export.h>
 #include <earpoint/model/gtf.h>
 #include <earpoint/model/network.h>
 #include <earpoint/model/safetensors.h>
@@ -29,6 +32,11 @@ struct ImportOptions {
   fs::path checkpoint;
   fs::path output;
   bool keep_all = false;
+};
+
+struct ExportOptions {
+  fs::path file;
+  fs::path output;
 };
 
 struct InfoOptions {
@@ -57,6 +65,24 @@ void import_model(const ImportOptions& options) {
                found - file.tensors.size());
   }
   fmt::print("\n");
+}
+
+void export_model(const ExportOptions& options) {
+  const earpoint::ReleasedCheckpoint checkpoint = earpoint::released_checkpoint(
+      earpoint::read_safetensors(options.file), options.file.string());
+  earpoint::write_file(options.output,
+                       serialize_checkpoint(checkpoint, options.output.stem().string()));
+  fmt::print("wrote {}: {} tensors, {} options", options.output.string(),
+             checkpoint.state_dict.size(), checkpoint.hparams.size());
+  if (!checkpoint.filled.empty()) {
+    fmt::print("; {} tensors that inference never reads are zero", checkpoint.filled.size());
+  }
+  fmt::print("\n");
+  if (!checkpoint.differences.empty()) {
+    fmt::print(stderr,
+               "earpoint: the released class builds another network and will not load it: {}\n",
+               fmt::join(checkpoint.differences, "; "));
+  }
 }
 
 /// What `model info` says about a file, of any network.
@@ -110,12 +136,11 @@ std::string text_of(const Json& value) {
 void print_info(const InfoOptions& options) {
   const ModelFacts facts = facts_of(options.file);
   if (options.json) {
-    fmt::print("{}\n", Json{{"file", options.file.string()},
-                            {"description", facts.description},
-                            {"tensors", facts.tensors},
-                            {"values", facts.values},
-                            {"unused_tensors", facts.unused}}
-                           .dump(2));
+    fmt::print("{}\n", earpoint::json_text(Json{{"file", options.file.string()},
+                                                {"description", facts.description},
+                                                {"tensors", facts.tensors},
+                                                {"values", facts.values},
+                                                {"unused_tensors", facts.unused}}));
     return;
   }
   fmt::print("{}\n", options.file.string());
@@ -139,6 +164,16 @@ void add_import(CLI::App& model) {
   command->callback([options] { import_model(*options); });
 }
 
+void add_export(CLI::App& model) {
+  auto options = std::make_shared<ExportOptions>();
+  CLI::App* command = model.add_subcommand(
+      "export", "Make a PyTorch checkpoint that the released code loads of a ViGAS weight file.");
+  command->add_option("file", options->file, "Weight file (.safetensors)")->required();
+  command->add_option("-o,--output", options->output, "Checkpoint to write, e.g. best_val.ckpt")
+      ->required();
+  command->callback([options] { export_model(*options); });
+}
+
 void add_info(CLI::App& model) {
   auto options = std::make_shared<InfoOptions>();
   CLI::App* command =
@@ -151,8 +186,9 @@ void add_info(CLI::App& model) {
 }  // namespace
 
 void add_model_command(CLI::App& app) {
-  CLI::App* model = app.add_subcommand("model", "Networks: import, inspect, run.");
+  CLI::App* model = app.add_subcommand("model", "Networks: import, export, inspect, run.");
   model->require_subcommand(1);
+  add_export(*model);
   add_import(*model);
   add_info(*model);
   add_model_run_command(*model);

@@ -66,6 +66,21 @@ TEST_F(ModelCommand, KeepAllKeepsEverything) {
   EXPECT_EQ(nlohmann::json::parse(info.output).at("unused_tensors").size(), 14U);
 }
 
+TEST_F(ModelCommand, ExportMakesACheckpointThatImportReadsBack) {
+  ASSERT_EQ(run_earpoint({"model", "import", kCheckpoint, "-o", output_, "--keep-all"}).exit_code,
+            0);
+  const std::string checkpoint = (folder_ / "again.ckpt").string();
+  const ProgramOutcome exported = run_earpoint({"model", "export", output_, "-o", checkpoint});
+  EXPECT_EQ(exported.exit_code, 0) << exported.errors;
+  EXPECT_NE(exported.output.find("70 tensors, 146 options"), std::string::npos) << exported.output;
+  // The released class has 64 channels.
+  EXPECT_NE(exported.errors.find("channels: 64 there, 8 here"), std::string::npos)
+      << exported.errors;
+  const std::string again = (folder_ / "again.safetensors").string();
+  ASSERT_EQ(run_earpoint({"model", "import", checkpoint, "-o", again, "--keep-all"}).exit_code, 0);
+  EXPECT_EQ(earpoint::read_text_file(again), earpoint::read_text_file(output_));
+}
+
 TEST_F(ModelCommand, BadFilesGiveOneLineAndNoOutput) {
   expect_refused({"model", "import", "/missing.ckpt", "-o", output_},
                  "earpoint: /missing.ckpt: no such file");

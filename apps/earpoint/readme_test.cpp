@@ -57,6 +57,8 @@ void fill(const fs::path& folder) {
   write_sound(folder / "estimate.wav", beginning_of(read_sound(examples / "truth-turned.flac")));
   write_gtf_file(folder / "gtf.safetensors");
   fs::copy_file(EARPOINT_SOURCE_DIR "/src/scene/testdata/room.glb", folder / "flat.glb");
+  write_file(folder / "room-walk.csv",
+             "time_s,x,y,z,yaw_deg,pitch_deg,roll_deg\n0,5,1,1.6,90,0,0\n2,3,4,1.6,180,0,0\n");
   fs::create_directory(folder / "speech");
   write_file(folder / "speech" / "speech.csv",
              "file,speaker,gender,split\n"

@@ -1,6 +1,7 @@
 #include "render_command.h"
 
 #include "arguments.h"
+#include "json_text.h"
 #include "source_arguments.h"
 
 #include <algorithm>
@@ -87,7 +88,11 @@ std::vector<EarpointPath> parse_targets(const RenderArguments& arguments) {
   const bool turned =
       !arguments.yaw_deg.empty() || !arguments.pitch_deg.empty() || !arguments.roll_deg.empty();
   // Turning the head on the spot needs no --translate.
-  if (turned && translations.empty()) translations.emplace_back("0,0,0");
+  if (turned && translations.empty()) {
+    translations.resize(
+        std::max({arguments.yaw_deg.size(), arguments.pitch_deg.size(), arguments.roll_deg.size()}),
+        "0,0,0");
+  }
   for (std::size_t i = 0; i < translations.size(); ++i) {
     const auto count = translations.size();
     targets.emplace_back(
@@ -130,6 +135,8 @@ void print_json(const RenderArguments& arguments, const RenderReport& report) {
                           {"windows", report.windows},
                           {"source", levels(report.source)},
                           {"doubts", report.doubts},
+                          {"stereo", name_of(report.survey.stereo)},
+                          {"warnings", report.survey.warnings},
                           {"targets", nlohmann::json::array()}};
   for (std::size_t i = 0; i < report.targets.size(); ++i) {
     nlohmann::json target = levels(report.targets[i]);
@@ -137,13 +144,19 @@ void print_json(const RenderArguments& arguments, const RenderReport& report) {
     target["limited_db"] = report.limited_db[i];
     document["targets"].push_back(std::move(target));
   }
-  fmt::print("{}\n", document.dump(2));
+  fmt::print("{}\n", json_text(document));
+}
+
+/// Whether sound goes to standard output, which then takes nothing else.
+bool writes_to_stdout(const RenderArguments& arguments) {
+  return std::ranges::find(arguments.outputs, "-") != arguments.outputs.end();
 }
 
 void print_table(const RenderArguments& arguments, const RenderReport& report) {
-  fmt::print("{:<24} {}\n", "source", describe(report.source));
+  std::FILE* const to = writes_to_stdout(arguments) ? stderr : stdout;
+  fmt::print(to, "{:<24} {}\n", "source", describe(report.source));
   for (std::size_t i = 0; i < report.targets.size(); ++i) {
-    fmt::print("{:<24} {}\n", arguments.outputs[i], describe(report.targets[i]));
+    fmt::print(to, "{:<24} {}\n", arguments.outputs[i], describe(report.targets[i]));
   }
 }
 
@@ -204,16 +217,26 @@ std::string resolve_model(const std::string& word) {
 void run_render(RenderArguments arguments) {
   const bool takes_default = arguments.model.empty();
   arguments.model = resolve_model(arguments.model);
+  if (arguments.json && writes_to_stdout(arguments)) {
+    throw InputError("--json", "standard output takes the sound already", "write it to a file");
+  }
+  if (!arguments.hrtf.empty() && arguments.model != "dsp") {
+    throw InputError("--hrtf", "only --model dsp takes head filters", "leave it out");
+  }
   const std::vector<EarpointPath> paths = parse_targets(arguments);
+  if (!arguments.plot.empty()) check_image_path(arguments.plot);
   const RenderSource source = parse_source(arguments.source);
   std::vector<RenderTarget> targets;
   for (std::size_t i = 0; i < paths.size(); ++i) {
     targets.push_back({paths[i], arguments.outputs[i]});
   }
 
+  const bool uses_fov =
+      arguments.model != "input" && (arguments.model != "dsp" || source.speaker_track);
   SynthesizerOptions synthesizer_options;
   if (!arguments.hrtf.empty()) synthesizer_options.hrtf = arguments.hrtf;
-  synthesizer_options.horizontal_fov_rad = radians_from_degrees(arguments.source.fov_deg);
+  synthesizer_options.horizontal_fov_rad =
+      radians_from_degrees(fov_deg_of(arguments.source, source, uses_fov && !arguments.quiet));
   synthesizer_options.threads = arguments.threads;
   const auto synthesizer = make_synthesizer(arguments.model, synthesizer_options);
 
@@ -233,6 +256,7 @@ void run_render(RenderArguments arguments) {
   } else if (!arguments.quiet) {
     print_table(arguments, report);
   }
+  print_warnings(arguments.source, report.survey);
   if (takes_default && arguments.model == "dsp") warn_of_missing_network();
   warn_of_doubts(arguments, report);
   warn_of_peaks(arguments, report);
@@ -241,9 +265,10 @@ void run_render(RenderArguments arguments) {
 
 void add_target_options(CLI::App& command, RenderArguments& arguments) {
   command
-      .add_option("-o,--output", arguments.outputs,
-                  "Where an earpoint's sound goes: .wav .flac .ogg .w64, or .mp4 with the "
-                  "picture; once per earpoint")
+      .add_option(
+          "-o,--output", arguments.outputs,
+          "Where an earpoint's sound goes: .wav .flac .ogg .mp3 .w64, or .mp4 .mov .mkv with "
+          "the picture, or - for standard output (WAV); once per earpoint")
       ->required()
       ->allow_extra_args(false);
   const char* group = "Earpoints (all relative to the source view; repeat for several)";

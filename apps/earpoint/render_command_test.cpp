@@ -195,7 +195,11 @@ TEST_F(RenderCommand, BadArgumentsGetOneLine) {
   expect_refused({input, "--yaw", "90", "--speaker-box", "0.5,0.2,1.2,0.9"}, "leaves the picture");
   expect_refused({input, "--yaw", "90", "--model", "nothing.safetensors"}, "neither a known name");
   expect_refused({input, "--yaw", "90", "--model", input}, "in.wav");
-  expect_refused({input, "--yaw", "90", "--hrtf", input}, "in.wav");
+  expect_refused({input, "--yaw", "90", "--model", "dsp", "--hrtf", input}, "in.wav");
+  expect_refused({input, "--yaw", "90", "--model", "dsp", "--hrtf", at("missing.sofa")},
+                 "missing.sofa: no such file");
+  expect_refused({input, "--yaw", "90", "--model", "input", "--hrtf", at("missing.sofa")},
+                 "only --model dsp takes head filters");
   expect_refused({input, "--to", at("missing.json")}, "no such file");
   expect_refused({input, "--translate", "1,0,0", "--colour", "red"}, "--colour");
   expect_refused({at("missing.wav"), "--yaw", "90", "--speaker", "2,0,0"}, "missing.wav");
@@ -239,6 +243,116 @@ TEST_F(RenderCommand, HelpTeachesByExample) {
   const ProgramOutcome outcome = run_earpoint({"render", "--help"});
   EXPECT_EQ(outcome.exit_code, 0);
   EXPECT_NE(outcome.output.find("earpoint render clip.mp4 --translate"), std::string::npos);
+}
+
+/// What a shell makes of a command line in which EARPOINT stands for the program.
+ProgramOutcome run_shell(std::string line) {
+  const std::string program = "EARPOINT";
+  for (std::size_t at = line.find(program); at != std::string::npos; at = line.find(program, at)) {
+    line.replace(at, program.size(), EARPOINT_PROGRAM);
+    at += std::string(EARPOINT_PROGRAM).size();
+  }
+  return run_program("/bin/bash", {"-c", line});
+}
+
+TEST_F(RenderCommand, PipesGoInAndOut) {
+  const std::string in = sound();
+  const std::string render = " --model input --yaw 0 --quiet";
+  ProgramOutcome outcome =
+      run_shell("set -o pipefail; cat " + in + " | EARPOINT render -" + render +
+                " -o - | EARPOINT render -" + render + " -o " + at("out.wav"));
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
+  const Waveform there = read_sound(at("out.wav"));
+  EXPECT_TRUE(std::ranges::equal(there.planar(), read_sound(in).planar()));
+
+  // Nothing but the sound goes to standard output.
+  outcome = run_shell("EARPOINT render " + in +
+                      " --model input --yaw 0 -o - | { head -c 4; cat > /dev/null; }");
+  EXPECT_EQ(outcome.output, "RIFF");
+  EXPECT_NE(outcome.errors.find("source"), std::string::npos) << outcome.errors;
+}
+
+TEST_F(RenderCommand, AFullStandardOutputIsAnError) {
+  const std::string in = sound();
+  for (const std::string& command :
+       {"render " + in + " --model input --yaw 0 -o " + at("out.wav"),
+        "render " + in + " --model input --yaw 0 --quiet -o -", "metrics " + in + " " + in,
+        std::string("--help"), std::string("render --help"), std::string("--version")}) {
+    const ProgramOutcome outcome = run_shell("EARPOINT " + command + " > /dev/full");
+    EXPECT_EQ(outcome.exit_code, 2) << command;
+    EXPECT_NE(outcome.errors.find("standard output"), std::string::npos) << outcome.errors;
+  }
+}
+
+TEST_F(RenderCommand, ASignalLeavesNothing) {
+  const std::string in = sound(60.0);
+  for (const std::string signal : {"INT", "TERM", "HUP"}) {
+    // It ends by the signal, after the hidden file is there and before it is whole.
+    const ProgramOutcome outcome = run_shell(
+        "cd " + folder_.string() +
+        "; set -m; EARPOINT render in.wav --model dsp --speaker 2,0,0 --yaw 10 --quiet -o out.wav "
+        "&\n"
+        "for i in $(seq 500); do ls .out*.partial.wav >/dev/null 2>&1 && break; sleep 0.01; done\n"
+        "ls -A | grep -q partial && echo begun; kill -" +
+        signal + " $!; wait $!; echo $?");
+    EXPECT_TRUE(outcome.output.starts_with("begun\n1")) << outcome.output << outcome.errors;
+    EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 1) << signal;
+  }
+}
+
+TEST_F(RenderCommand, OneFileUnderTwoNamesIsRefusedBeforeRendering) {
+  const std::string in = sound();
+  fs::create_symlink("same.wav", at("link.wav"));
+  for (const std::string& other : {folder_.string() + "/./same.wav", at("link.wav")}) {
+    const ProgramOutcome outcome =
+        run_earpoint({"render", in, "--model", "input", "--yaw", "1", "--yaw", "2", "-o",
+                      at("same.wav"), "-o", other, "--quiet"});
+    EXPECT_EQ(outcome.exit_code, 2);
+    EXPECT_NE(outcome.errors.find("two earpoints would write this file"), std::string::npos)
+        << outcome.errors;
+  }
+}
+
+TEST_F(RenderCommand, ThePlotIsCheckedBeforeRendering) {
+  expect_refused({sound(), "--model", "input", "--yaw", "1", "--plot", at("no/ears.png")},
+                 "folder");
+  expect_refused({sound(), "--model", "input", "--yaw", "1", "--plot", at("ears.txt")}, ".png");
+}
+
+TEST_F(RenderCommand, AYawForEachEarpointNeedsNoTranslation) {
+  const ProgramOutcome outcome =
+      run_earpoint({"render", sound(), "--model", "input", "--yaw", "10", "--yaw", "20", "--yaw",
+                    "30", "-o", at("1.wav"), "-o", at("2.flac"), "-o", at("3.mp3"), "--quiet"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
+  EXPECT_EQ(read_sound(at("3.mp3")).samples(), read_sound(at("1.wav")).samples());
+}
+
+TEST_F(RenderCommand, ANameThatIsNoUtf8IsReplacedInJson) {
+  const std::string out = folder_.string() + "/o\xff.wav";
+  const ProgramOutcome outcome = run_earpoint(
+      {"render", sound(), "--model", "input", "--yaw", "1", "-o", out, "--json", "--quiet"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
+  EXPECT_TRUE(nlohmann::json::accept(outcome.output));
+  EXPECT_TRUE(fs::exists(out));
+}
+
+TEST_F(RenderCommand, TheFieldOfViewIsTakenFromThePictureOrSaid) {
+  const std::string in = sound();
+  write_image(at("frame.jpg"), Image(64, 48, 3));
+  const std::vector<std::string> command = {
+      "render",      at("frame.jpg"), in,  "--model", "dsp",        "--speaker-box",
+      "16,12,32,36", "--yaw",         "1", "-o",      at("out.wav")};
+  EXPECT_NE(run_earpoint(command).errors.find("field of view not known, 90 degrees assumed"),
+            std::string::npos);
+  // 24 mm on 35 mm film: 71.6 degrees from side to side.
+  const char exif[] =
+      "\xff\xe1\0\x34"
+      "Exif\0\0MM\0*\0\0\0\x08\0\1\x87\x69\0\4\0\0\0\1\0\0\0\x1a\0\0\0\0"
+      "\0\1\xa4\5\0\3\0\0\0\1\0\x18\0\0\0\0\0\0";
+  std::string jpeg = read_text_file(at("frame.jpg"));
+  write_file(at("frame.jpg"), jpeg.insert(2, std::string(exif, sizeof(exif) - 1)));
+  EXPECT_NE(run_earpoint(command).errors.find("field of view 72 degrees"), std::string::npos)
+      << run_earpoint(command).errors;
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "scene_argument.h"
 
+#include "flag_checks.h"
 #include "trace_arguments.h"
 
 #include <CLI/CLI.hpp>
@@ -43,7 +44,7 @@ NamedScene read_scene_file(const SceneArgument& argument) {
     options.materials = &*table;
   }
   earpoint::ImportedScene imported = earpoint::import_scene(argument.file, options);
-  return {std::move(imported.scene), imported.report.warnings()};
+  return {std::move(imported.scene), imported.origin_m, imported.report.warnings()};
 }
 
 }  // namespace
@@ -59,7 +60,7 @@ void add_scene_argument(CLI::App& command, SceneArgument& argument) {
       .add_option("--home", argument.home_seed,
                   "A furnished home instead of a file, drawn from this seed with the furniture "
                   "that is installed")
-      ->check(CLI::NonNegativeNumber);
+      ->check(whole_number());
   command.add_option("--materials", argument.materials,
                      "JSON table of acoustic materials for the file's surfaces");
   command.add_option("--up", argument.up_axis, "Axis that points up in the file")
@@ -76,7 +77,7 @@ NamedScene read_scene(const SceneArgument& argument) {
   check_that_file_options_have_a_file(argument);
   if (argument.home_seed) {
     const earpoint::FurnitureLibrary library(earpoint::installed_models().furniture);
-    return {earpoint::make_home(*argument.home_seed, {}, library).scene, {}};
+    return {earpoint::make_home(*argument.home_seed, {}, library).scene, {}, {}};
   }
-  return {parse_shoebox("--shoebox", argument.shoebox), {}};
+  return {parse_shoebox("--shoebox", argument.shoebox), {}, {}};
 }

@@ -29,6 +29,7 @@ void add_scene_argument(CLI::App& command, SceneArgument& argument);
 
 struct NamedScene {
   earpoint::Scene scene;
+  earpoint::Vector3 origin_m;         ///< of the scene, in the user's coordinates
   std::vector<std::string> warnings;  ///< one line each, for standard error
 };
 

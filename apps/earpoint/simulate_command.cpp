@@ -1,5 +1,6 @@
 #include "simulate_command.h"
 
+#include "flag_checks.h"
 #include "simulate_report.h"
 
 #include <cstdio>
@@ -159,7 +160,7 @@ void add_what(CLI::App& command, Options& options) {
 void add_how(CLI::App& command, Options& options) {
   earpoint::GenerationOptions& generation = options.generation;
   command.add_option("--seed", generation.seed, "The same seed gives the same bytes")
-      ->check(CLI::NonNegativeNumber)
+      ->check(whole_number())
       ->capture_default_str();
   command.add_option("--viewpoints", generation.conversation.viewpoints, "Of each conversation")
       ->capture_default_str();

@@ -2,10 +2,16 @@
 
 #include "arguments.h"
 
+#include <algorithm>
+#include <array>
+#include <cstdio>
 #include <filesystem>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include <earpoint/core/error.h>
+#include <earpoint/core/file.h>
 #include <earpoint/video/media.h>
 
 namespace earpoint {
@@ -17,12 +23,24 @@ bool is_picture(const std::filesystem::path& path) {
   return probe_media(path).kind == MediaKind::picture;
 }
 
+/// The picture that goes with the sound; nothing if there is none.
+std::optional<StreamInfo> picture_of(const RenderSource& source) {
+  const MediaInfo info = probe_media(source.picture.value_or(source.sound.path));
+  const StreamInfo* picture = info.preferred(StreamKind::video);
+  return picture == nullptr ? std::nullopt : std::optional(*picture);
+}
+
+SpeakerTrack::PictureSize picture_size(const std::optional<StreamInfo>& picture) {
+  if (!picture || picture->width <= 0 || picture->height <= 0) return std::nullopt;
+  return std::array{picture->width, picture->height};
+}
+
 }  // namespace
 
 void add_source_inputs(CLI::App& command, SourceArguments& arguments) {
   command
       .add_option("inputs", arguments.inputs,
-                  "A movie, a sound file, or a picture and a sound file")
+                  "A movie, a sound file, or a picture and a sound file; - is standard input")
       ->required()
       ->expected(1, 2);
 }
@@ -30,27 +48,33 @@ void add_source_inputs(CLI::App& command, SourceArguments& arguments) {
 void add_box_options(CLI::App& command, SourceArguments& arguments) {
   auto* box = command
                   .add_option("--speaker-box", arguments.speaker_box,
-                              "x0,y0,x1,y1 of the person in the picture, 0 to 1 from top left")
+                              "x0,y0,x1,y1 of the person in the picture, 0 to 1 from top left, or "
+                              "in pixels")
                   ->group(kSpeakerGroup);
   command.add_option("--speaker-boxes", arguments.speaker_boxes, "CSV file with boxes over time")
       ->group(kSpeakerGroup)
       ->excludes(box);
-  command.add_option("--fov", arguments.fov_deg, "The camera's horizontal field of view, degrees")
+  command
+      .add_option(
+          "--fov", arguments.fov_deg,
+          "The camera's horizontal field of view, degrees; default: what the picture's file "
+          "tells of the lens, else 90")
       ->check(within(10.0, 170.0))
-      ->capture_default_str()
       ->group(kSpeakerGroup);
 }
 
 void add_channel_option(CLI::App& command, SourceArguments& arguments) {
   command.add_option("--binaural-channels", arguments.binaural_channels,
                      "left,right: which channels are the ears, counted from 0");
+  command.add_option("--audio-stream", arguments.audio_stream,
+                     "Which of a movie's streams to hear, counted from 0; default: the preferred");
 }
 
 RenderSource parse_source(const SourceArguments& arguments) {
   RenderSource source;
-  source.sound.path = arguments.inputs.back();
+  source.sound.path = stored_input(arguments.inputs.back());
   if (arguments.inputs.size() == 2) {
-    source.picture = arguments.inputs.front();
+    source.picture = stored_input(arguments.inputs.front());
     if (is_picture(source.sound.path) && !is_picture(*source.picture)) {
       std::swap(*source.picture, source.sound.path);
     }
@@ -59,6 +83,7 @@ RenderSource parse_source(const SourceArguments& arguments) {
     throw InputError(source.sound.path.string(), "is a picture without sound",
                      "give its sound too: frame.png sound.flac");
   }
+  source.sound.audio_stream = arguments.audio_stream;
   if (!arguments.binaural_channels.empty()) {
     const auto channels = parse_numbers(arguments.binaural_channels, 2, "--binaural-channels");
     source.sound.binaural_channels = {static_cast<int>(channels[0]), static_cast<int>(channels[1])};
@@ -68,12 +93,42 @@ RenderSource parse_source(const SourceArguments& arguments) {
   }
   if (!arguments.speaker_box.empty()) {
     const auto box = parse_numbers(arguments.speaker_box, 4, "--speaker-box");
-    source.speaker_track = SpeakerTrack(Box{box[0], box[1], box[2], box[3]});
+    source.speaker_track =
+        SpeakerTrack(Box{box[0], box[1], box[2], box[3]}, picture_size(picture_of(source)));
   }
   if (!arguments.speaker_boxes.empty()) {
-    source.speaker_track = SpeakerTrack::from_csv(arguments.speaker_boxes);
+    source.speaker_track =
+        SpeakerTrack::from_csv(arguments.speaker_boxes, picture_size(picture_of(source)));
   }
   return source;
+}
+
+double fov_deg_of(const SourceArguments& arguments, const RenderSource& source, bool tells) {
+  constexpr double kAssumed_deg = 90.0;
+  if (arguments.fov_deg) return *arguments.fov_deg;
+  const std::optional<StreamInfo> picture = picture_of(source);
+  if (!picture) return kAssumed_deg;
+  const std::string& name = arguments.inputs.front();
+  if (picture->horizontal_fov_rad) {
+    const double fov_deg =
+        std::clamp(degrees_from_radians(*picture->horizontal_fov_rad), 10.0, 170.0);
+    if (tells) {
+      fmt::print(stderr, "earpoint: {}: field of view {:.0f} degrees, by its lens\n", name,
+                 fov_deg);
+    }
+    return fov_deg;
+  }
+  if (tells) {
+    fmt::print(stderr, "earpoint: {}: field of view not known, 90 degrees assumed; --fov sets it\n",
+               name);
+  }
+  return kAssumed_deg;
+}
+
+void print_warnings(const SourceArguments& arguments, const SoundSurvey& survey) {
+  for (const std::string& warning : survey.warnings) {
+    fmt::print(stderr, "earpoint: warning: {}: {}\n", arguments.inputs.back(), warning);
+  }
 }
 
 }  // namespace earpoint

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,16 +17,27 @@ struct SourceArguments {
   std::string speaker_box;
   std::string speaker_boxes;
   std::string binaural_channels;
-  double fov_deg = 90.0;
+  std::optional<int> audio_stream;
+  std::optional<double> fov_deg;
 };
 
 /// A movie, a sound, or a picture and a sound in either order.
 void add_source_inputs(CLI::App& command, SourceArguments& arguments);
 /// Boxes and the field of view, under the heading "Who speaks".
 void add_box_options(CLI::App& command, SourceArguments& arguments);
+/// Which stream and which channels of it.
 void add_channel_option(CLI::App& command, SourceArguments& arguments);
 
 /// @throws InputError naming the flag or file
 [[nodiscard]] RenderSource parse_source(const SourceArguments& arguments);
+
+/// The camera's horizontal field of view: as --fov says, else as the picture's file tells, else 90
+/// degrees.
+/// @param tells  say on stderr which of the latter two it is, if there is a picture
+[[nodiscard]] double fov_deg_of(const SourceArguments& arguments, const RenderSource& source,
+                                bool tells);
+
+/// Says on stderr what the survey warns of.
+void print_warnings(const SourceArguments& arguments, const SoundSurvey& survey);
 
 }  // namespace earpoint

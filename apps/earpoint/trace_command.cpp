@@ -1,126 +1,46 @@
 #include "trace_command.h"
 
+#include "flag_checks.h"
 #include "scene_argument.h"
 #include "trace_arguments.h"
+#include "trace_motion_command.h"
 #include "trace_report.h"
+#include "trace_setup.h"
 
 #include <chrono>
-#include <cstdio>
-#include <filesystem>
 #include <memory>
 #include <optional>
-#include <string>
+#include <utility>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include <earpoint/audio/sound_file.h>
 #include <earpoint/core/error.h>
-#include <earpoint/spatial/hrtf.h>
 #include <earpoint/trace/response_renderer.h>
 #include <earpoint/trace/tracer.h>
 
 namespace {
 
-namespace fs = std::filesystem;
 using earpoint::InputError;
 
-struct Options {
-  SceneArgument scene;
-  std::string source;
-  std::string directivity = "omni";
-  std::string listener;
-  fs::path output;
-  std::optional<fs::path> hrtf;
-  std::optional<int> ambisonics;
-  bool mono = false;
-  bool report = false;
-  int rate_hz = 16000;
-  int jobs = 0;
-  earpoint::TraceOptions trace;
-};
-
-void check(const Options& options) {
-  const auto at_least = [](const char* flag, double value, double least) {
-    if (value >= least) return;
-    throw InputError(flag, fmt::format("expected {:g} or more, found {:g}", least, value));
-  };
-  at_least("--rays", options.trace.rays, 1);
-  at_least("--bounces", options.trace.max_bounces, 1);
-  at_least("--rate", options.rate_hz, 8000);
-  at_least("--jobs", options.jobs, 0);
-  if (!(options.trace.duration_s > 0.0 && options.trace.duration_s <= 30.0)) {
-    throw InputError("--duration", fmt::format("expected more than 0 and at most 30 s, found {:g}",
-                                               options.trace.duration_s));
-  }
-  if (options.ambisonics) {
-    if (*options.ambisonics < 1 || *options.ambisonics > 7) {
-      throw InputError("--ambisonics",
-                       fmt::format("expected an order of 1 to 7, found {}", *options.ambisonics));
-    }
-    if (options.mono || options.hrtf) {
-      throw InputError("--ambisonics", "is another kind of microphone than --mono and --hrtf",
-                       "give one of the three");
-    }
-  }
-  if (options.mono && options.hrtf) {
-    throw InputError("--mono", "a single microphone has no HRTF", "leave out --mono or --hrtf");
-  }
-}
-
-// A place outside of the model hears nothing, whatever the mesh.
-void check_place(const char* flag, const earpoint::Vector3& place, const earpoint::Scene& scene) {
-  const earpoint::Bounds box = bounds(scene.mesh);
-  const bool inside = place.x > box.low.x && place.x < box.high.x && place.y > box.low.y &&
-                      place.y < box.high.y && place.z > box.low.z && place.z < box.high.z;
-  if (inside) return;
-  throw InputError(
-      flag,
-      fmt::format("({:g}, {:g}, {:g}) is outside of the scene, which spans x {:.4g} to {:.4g}, y "
-                  "{:.4g} to {:.4g}, z {:.4g} to {:.4g} m",
-                  place.x, place.y, place.z, box.low.x, box.high.x, box.low.y, box.high.y,
-                  box.low.z, box.high.z),
-      "place it inside");
-}
-
-bool is_silent(const earpoint::PointResponse& response) {
-  if (!response.arrivals.empty()) return false;
-  for (int bin = 0; bin < response.late.bins(); ++bin) {
-    for (const float energy : response.late.bin_energy(bin)) {
-      if (energy > 0.0F) return false;
-    }
-  }
-  return true;
-}
-
-earpoint::Waveform render(const Options& options, const earpoint::ResponseRenderer& renderer,
-                          const earpoint::PointResponse& response,
-                          const earpoint::Quaternion& world_from_listener) {
-  if (options.mono) return renderer.mono(response, 0);
-  if (options.ambisonics) {
-    return renderer.ambisonic(response, world_from_listener, *options.ambisonics, 0);
-  }
-  const earpoint::HrtfSet hrtf = options.hrtf
-                                     ? earpoint::HrtfSet::load(*options.hrtf, options.rate_hz)
-                                     : earpoint::HrtfSet::load(options.rate_hz);
-  return renderer.binaural(response, world_from_listener, hrtf, 0);
-}
-
-void run(const Options& options) {
-  check(options);
+void run_still(const TraceSetup& options) {
   const auto start = std::chrono::steady_clock::now();
-  earpoint::Source source{.world_from_source = parse_pose("--source", options.source)};
-  if (options.directivity == "speech") source.directivity = earpoint::speech_directivity();
-  const earpoint::Pose listener = parse_pose("--listener", options.listener);
-  if (norm(listener.position_m - source.world_from_source.position_m) < 1e-3) {
+  earpoint::Source source = make_source(options);
+  source.world_from_source = parse_pose("--source", options.source);
+  earpoint::Pose listener = parse_pose("--listener", options.listener);
+  earpoint::Vector3& source_m = source.world_from_source.position_m;
+  const double distance_m = norm(listener.position_m - source_m);
+  if (distance_m < 1e-3) {
     throw InputError("--listener", "stands where the source is", "move one of them");
   }
-  const NamedScene named = read_scene(options.scene);
-  for (const std::string& warning : named.warnings) {
-    fmt::print(stderr, "earpoint: {}: {}\n", options.scene.file.string(), warning);
-  }
-  check_place("--source", source.world_from_source.position_m, named.scene);
-  check_place("--listener", listener.position_m, named.scene);
+  const std::optional<earpoint::HrtfSet> ears = load_ears(options);
+  const NamedScene named = read_scene_with_warnings(options.scene);
+  check_place("--source", source_m, named);
+  check_place("--listener", listener.position_m, named);
+  check_long_enough(options, distance_m);
+  source_m = source_m - named.origin_m;
+  listener.position_m = listener.position_m - named.origin_m;
   const earpoint::AcousticScene scene(named.scene);
 
   const int jobs = options.jobs > 0 ? options.jobs : earpoint::available_cores();
@@ -134,8 +54,10 @@ void run(const Options& options) {
   const earpoint::ResponseRenderer renderer({.sample_rate_hz = options.rate_hz,
                                              .duration_s = options.trace.duration_s,
                                              .seed = options.trace.seed});
-  earpoint::write_sound(options.output, render(options, renderer, response, listener.orientation),
+  earpoint::write_sound(options.output,
+                        render_response(options, renderer, response, listener.orientation, ears),
                         earpoint::SampleFormat::float32);
+  warn_of_early_end(response, options.trace.duration_s);
   const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - start;
   if (options.report) {
     const earpoint::Waveform mono = renderer.mono(response, 0);
@@ -143,7 +65,33 @@ void run(const Options& options) {
   }
 }
 
-void add_physics(CLI::App& command, Options& options) {
+void run(const TraceSetup& options, bool rate_given) {
+  check_trace_setup(options);
+  const bool moves = !options.source_path.empty() || !options.listener_path.empty();
+  if (moves || !options.sound.empty()) {
+    run_trace_motion(options, rate_given);
+  } else {
+    run_still(options);
+  }
+}
+
+void add_motion(CLI::App& command, TraceSetup& options) {
+  command.add_option("--source-path", options.source_path,
+                     "The source moves, in place of --source: CSV with the header "
+                     "time_s,x,y,z,yaw_deg,pitch_deg,roll_deg, in the scene's coordinates");
+  command.add_option("--listener-path", options.listener_path,
+                     "The listener moves, in place of --listener: the same");
+  command.add_option("--sound", options.sound,
+                     "A dry sound to play at the source: what is heard of it is written in place "
+                     "of the response, at its own rate unless --rate is given");
+  command
+      .add_option("--step", options.step_s,
+                  "Seconds between the responses along a path; without --sound they are written "
+                  "into a folder")
+      ->capture_default_str();
+}
+
+void add_physics(CLI::App& command, TraceSetup& options) {
   earpoint::TraceOptions& trace = options.trace;
   command.add_option("--rays", trace.rays, "Rays that leave the source")->capture_default_str();
   command.add_option("--bounces", trace.max_bounces, "Most reflections of a ray")
@@ -151,7 +99,7 @@ void add_physics(CLI::App& command, Options& options) {
   command.add_option("--duration", trace.duration_s, "Length of the response, seconds")
       ->capture_default_str();
   command.add_option("--seed", trace.seed, "The same seed gives the same response")
-      ->check(CLI::NonNegativeNumber)
+      ->check(whole_number())
       ->capture_default_str();
   command.add_option("--temperature", trace.air.temperature_celsius, "Of the air, degrees Celsius")
       ->capture_default_str();
@@ -165,36 +113,37 @@ void add_physics(CLI::App& command, Options& options) {
 }  // namespace
 
 void add_trace_command(CLI::App& app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<TraceSetup>();
   CLI::App* command =
       app.add_subcommand("trace",
                          "Trace sound through a scene: the impulse response from a source "
                          "to a listener's two ears.");
   add_scene_argument(*command, options->scene);
-  command
-      ->add_option("--source", options->source,
-                   "Where the sound starts: X,Y,Z[,yaw=DEG][,pitch=DEG][,roll=DEG], metres, z up; "
-                   "its level is that in front")
-      ->required();
+  command->add_option(
+      "--source", options->source,
+      "Where the sound starts: X,Y,Z[,yaw=DEG][,pitch=DEG][,roll=DEG], metres, z up; "
+      "its level is that in front");
   command
       ->add_option("--directivity", options->directivity,
                    "How it spreads: omni, or speech, louder in front")
       ->check(CLI::IsMember({"omni", "speech"}))
       ->capture_default_str();
+  command->add_option(
+      "--listener", options->listener,
+      "Where it is heard: X,Y,Z[,yaw=DEG][,pitch=DEG][,roll=DEG]; yaw 0 looks along x, "
+      "90 along y");
   command
-      ->add_option(
-          "--listener", options->listener,
-          "Where it is heard: X,Y,Z[,yaw=DEG][,pitch=DEG][,roll=DEG]; yaw 0 looks along x, "
-          "90 along y")
-      ->required();
-  command->add_option("-o,--output", options->output, "Sound file to write (.wav or .w64)")
+      ->add_option("-o,--output", options->output,
+                   "Sound file to write (.wav or .w64); a folder for the responses along a path")
       ->required();
   command->add_flag("--mono", options->mono, "One omnidirectional microphone instead of two ears");
   command->add_option("--ambisonics", options->ambisonics,
                       "An ambisonic microphone of this order, 1 to 7: channels as ACN, norm N3D");
-  command->add_option("--rate", options->rate_hz, "Samples per second")->capture_default_str();
+  CLI::Option* rate = command->add_option("--rate", options->rate_hz, "Samples per second");
+  rate->capture_default_str();
   command->add_option("--hrtf", options->hrtf, "Head-related responses (.sofa)");
+  add_motion(*command, *options);
   add_physics(*command, *options);
   command->add_flag("--report", options->report, "Print decay times, levels and cost");
-  command->callback([options] { run(*options); });
+  command->callback([options, rate] { run(*options, rate->count() > 0); });
 }

@@ -112,13 +112,89 @@ TEST_F(TraceCommand, SameSeedGivesTheSameBytesForAnyNumberOfJobs) {
 }
 
 TEST_F(TraceCommand, RefusesBadArgumentsInOneLine) {
-  EXPECT_EQ(refusal("500", "0"), "earpoint: --rays: expected 1 or more, found 0\n");
-  EXPECT_EQ(refusal("0.4", "-1"),
-            "earpoint: --duration: expected more than 0 and at most 30 s, found -1\n");
+  EXPECT_EQ(refusal("500", "0"), "earpoint: --rays: expected 1 to 100000000, found 0\n");
+  for (const char* duration : {"-1", "1e-9", "0.005", "31", "nan"}) {
+    EXPECT_NE(refusal("0.4", duration).find("--duration: expected 0.01 to 30, found "),
+              std::string::npos)
+        << duration;
+  }
+  EXPECT_EQ(refusal(arguments({"--rate", "2000000000"})),
+            "earpoint: --rate: expected 8000 to 192000, found 2000000000\n");
+  EXPECT_EQ(refusal(arguments({"--seed", "-1"})),
+            "earpoint: --seed: expected a whole number of 0 or more, found '-1'; --help tells "
+            "more\n");
   EXPECT_NE(refusal(arguments({"--temperature", "400"})).find("temperature"), std::string::npos);
   EXPECT_EQ(refusal(arguments({"--mono", "--hrtf", "head.sofa"})),
             "earpoint: --mono: a single microphone has no HRTF; leave out --mono or --hrtf\n");
   EXPECT_NE(refusal(arguments({"--hrtf", "nothing.sofa"})).find("nothing.sofa"), std::string::npos);
+}
+
+TEST_F(TraceCommand, RefusesAResponseThatEndsBeforeTheSoundComes) {
+  // 50 m take 146 ms.
+  EXPECT_EQ(refusal({"trace", "--shoebox", "60,5,3", "--source", "1,1,1", "--listener", "51,1,1",
+                     "--duration", "0.1", "-o", output_}),
+            "earpoint: --duration: ends after 0.1 s, before the sound arrives after 0.146 s; use "
+            "--duration 0.2 or more\n");
+}
+
+TEST_F(TraceCommand, WarnsWhereTheResponseIsCutOff) {
+  const auto warning = [&](const std::string& room) {
+    std::vector<std::string> all = arguments({"--mono"});
+    std::replace(all.begin(), all.end(), std::string("6,5,3,absorption=0.3,scattering=0.4"), room);
+    const ProgramOutcome outcome = run_earpoint(all);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
+    return outcome.errors;
+  };
+  EXPECT_EQ(warning("6,5,3,absorption=0.9,scattering=0.4"), "");
+  const std::string line = warning("6,5,3,absorption=0.1,scattering=0.4");
+  EXPECT_EQ(line.find("earpoint: warning: the response ends at -"), 0U) << line;
+  const std::string flag = "use --duration ";
+  ASSERT_NE(line.find(flag), std::string::npos) << line;
+  // Eyring's time is 1 s; -60 dB under the loudest is a little earlier or later.
+  EXPECT_NEAR(std::stod(line.substr(line.find(flag) + flag.size())), 1.1, 0.35) << line;
+}
+
+TEST_F(TraceCommand, SaysThatASourceIsOutsideOfTheWallsOrInOne) {
+  // A room of 5 x 4 x 3 m with a garden wall 10 m away.
+  const std::string model = (folder_ / "garden.obj").string();
+  earpoint::write_file(model, std::string_view("v 0 0 0\nv 5 0 0\nv 5 4 0\nv 0 4 0\nv 0 0 3\n"
+                                               "v 5 0 3\nv 5 4 3\nv 0 4 3\nv 15 0 0\nv 15 4 0\n"
+                                               "v 15 4 3\ng brick\nf 1 2 3 4\nf 5 6 7 8\n"
+                                               "f 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n"
+                                               "f 9 10 11\n"));
+  const auto with_source = [&](const std::string& source) {
+    return refusal({"trace", model, "--up", "z", "--source", source, "--listener", "2,2,1.5",
+                    "--rays", "500", "-o", output_});
+  };
+  EXPECT_NE(with_source("10,2,1.5").find("the source: is outside of the walls"), std::string::npos);
+  EXPECT_NE(with_source("5,2,1.5").find("the source: lies on a surface"), std::string::npos);
+}
+
+TEST_F(TraceCommand, TracesAModelInTheCoordinatesOfALandSurvey) {
+  // A room of 5 x 4 x 3 m whose corner lies far from the origin.
+  std::string text;
+  for (const int z : {100, 103}) {
+    for (const auto& [x, y] : {std::pair{0, 0}, {5, 0}, {5, 4}, {0, 4}}) {
+      text += fmt::format("v {} {} {}\n", 500000 + x, 5800000 + y, z);
+    }
+  }
+  const std::string model = (folder_ / "survey.obj").string();
+  earpoint::write_file(model, text +
+                                  "g brick\nf 1 2 3 4\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\n"
+                                  "f 3 4 8 7\nf 4 1 5 8\n");
+  const ProgramOutcome outcome = run_earpoint(
+      {"trace", model, "--up", "z", "--source", "500001,5800002,101.5", "--listener",
+       "500003,5800002,101.5", "--duration", "0.1", "--rays", "200", "--report", "-o", output_});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
+  EXPECT_NE(outcome.output.find("distance 2.000 m"), std::string::npos) << outcome.output;
+  EXPECT_NE(outcome.errors.find("only good to 0.5 m"), std::string::npos) << outcome.errors;
+  const ProgramOutcome outside =
+      run_earpoint({"trace", model, "--up", "z", "--source", "1,2,1.5", "--listener",
+                    "500003,5800002,101.5", "--duration", "30", "-o", output_});
+  EXPECT_EQ(outside.exit_code, 2);
+  EXPECT_NE(outside.errors.find("which spans x 500000 to 500005, y 5800000 to 5800004"),
+            std::string::npos)
+      << outside.errors;
 }
 
 TEST_F(TraceCommand, TracesAModelFileWithItsOptions) {
@@ -255,6 +331,90 @@ TEST_F(TraceCommand, RefusesPlacesThatMakeNoSense) {
             "earpoint: --source: (3, 9, 1.5) is outside of the scene, which spans x 0 to 6, y 0 to "
             "5, z 0 to 3 m; place it inside\n");
   EXPECT_NE(refusal("3,2,1.5", "3,2,-1").find("--listener: (3, 2, -1) is outside"),
+            std::string::npos);
+}
+
+class TraceMotionCommand : public TraceCommand {
+ protected:
+  void SetUp() override {
+    TraceCommand::SetUp();
+    path_ = (folder_ / "walk.csv").string();
+    earpoint::write_file(path_, std::string_view("time_s,x,y,z,yaw_deg,pitch_deg,roll_deg\n"
+                                                 "0,5,2.5,1.5,0,0,0\n"
+                                                 "0.5,1,2.5,1.5,90,0,0\n"));
+  }
+
+  [[nodiscard]] static std::vector<std::string> with(std::vector<std::string> more) {
+    std::vector<std::string> all = {
+        "trace",  "--shoebox", "6,5,3,absorption=0.9,scattering=0.4", "--duration", "0.2",
+        "--rays", "200"};
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+  }
+
+  std::string path_;
+};
+
+TEST_F(TraceMotionCommand, WritesAFolderOfResponsesAlongAPath) {
+  const std::string folder = (folder_ / "responses").string();
+  const std::vector<std::string> all = with(
+      {"--source", "3,4,1.5", "--listener-path", path_, "--step", "0.25", "--mono", "-o", folder});
+  const ProgramOutcome outcome = run_earpoint(all);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
+  EXPECT_EQ(earpoint::read_text_file(fs::path(folder) / "index.csv"),
+            "file,time_s,source_x,source_y,source_z,source_yaw_deg,source_pitch_deg,"
+            "source_roll_deg,listener_x,listener_y,listener_z,listener_yaw_deg,listener_pitch_deg,"
+            "listener_roll_deg\n"
+            "00000.wav,0,3,4,1.5,0,0,0,5,2.5,1.5,0,0,0\n"
+            "00001.wav,0.25,3,4,1.5,0,0,0,3,2.5,1.5,45,0,0\n"
+            "00002.wav,0.5,3,4,1.5,0,0,0,1,2.5,1.5,90,0,0\n");
+  // 2.5, 1.5 and 2.5 m at 343.2 m/s.
+  const double distances_m[] = {2.5, 1.5, 2.5};
+  for (int i = 0; i < 3; ++i) {
+    const earpoint::Waveform response =
+        earpoint::read_sound(fs::path(folder) / fmt::format("{:05}.wav", i));
+    EXPECT_EQ(response.samples(), 3200);
+    const std::span<const float> samples = response.channel(0);
+    const auto peak = std::max_element(samples.begin(), samples.end()) - samples.begin();
+    EXPECT_NEAR(static_cast<double>(peak), distances_m[i] / 343.2 * 16000, 1.0);
+  }
+  // A second time the folder stays as it is.
+  const ProgramOutcome again = run_earpoint(all);
+  EXPECT_EQ(again.exit_code, 2);
+  EXPECT_NE(again.errors.find("is there already"), std::string::npos) << again.errors;
+}
+
+TEST_F(TraceMotionCommand, PlaysASoundToAListenerWhoWalks) {
+  const std::string sound = (folder_ / "dry.wav").string();
+  earpoint::Waveform dry(1, 8820, 22050);
+  for (std::ptrdiff_t i = 0; i < dry.samples(); ++i) {
+    dry.channel(0)[i] = 0.3F * std::sin(0.2F * static_cast<float>(i));
+  }
+  earpoint::write_sound(sound, dry, earpoint::SampleFormat::float32);
+  const ProgramOutcome outcome = run_earpoint(
+      with({"--source", "3,4,1.5", "--listener-path", path_, "--sound", sound, "-o", output_}));
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
+  const earpoint::Waveform heard = earpoint::read_sound(output_);
+  EXPECT_EQ(heard.channels(), 2);
+  EXPECT_EQ(heard.sample_rate_hz(), 22050);
+  EXPECT_EQ(heard.samples(), 8820 + 4410);
+  EXPECT_GT(energy(heard.channel(0)), 0.0);
+}
+
+TEST_F(TraceMotionCommand, RefusesPathsThatLeaveTheSceneOrAreNotAlone) {
+  const auto line = [&](const std::vector<std::string>& more) { return refusal(with(more)); };
+  EXPECT_EQ(line({"--listener-path", path_, "-o", output_}),
+            "earpoint: --source: is missing; give it or --source-path\n");
+  EXPECT_EQ(
+      line({"--source", "3,4,1.5", "--listener", "1,1,1", "--listener-path", path_, "-o", output_}),
+      "earpoint: --listener-path: stands beside --listener; give one of the two\n");
+  earpoint::write_file(path_, std::string_view("time_s,x,y,z,yaw_deg,pitch_deg,roll_deg\n"
+                                               "0,5,2.5,1.5,0,0,0\n1,5,6.5,1.5,0,0,0\n"));
+  EXPECT_NE(line({"--source", "3,4,1.5", "--listener-path", path_, "-o", output_})
+                .find("--listener-path: at 0.7 s: (5, 5.3, 1.5) is outside"),
+            std::string::npos);
+  EXPECT_NE(line({"--source", "3,4,1.5", "--listener-path", "none.csv", "-o", output_})
+                .find("none.csv: no such file"),
             std::string::npos);
 }
 

@@ -45,6 +45,7 @@ machine share its cores.
 struct Options {
   fs::path config;
   fs::path data;
+  std::string layout;  ///< empty: whichever there is
   fs::path out;
   std::string device = "cpu";
   int jobs = 0;
@@ -185,14 +186,18 @@ void run(const Options& options) {
 
   BadExamples bad;
   earpoint::TaskOptions task_options{.data = options.data,
+                                     .layout = std::nullopt,
                                      .device = options.device,
                                      .cache_bytes = static_cast<std::size_t>(options.cache_mib)
                                                     << 20,
                                      .on_bad = {},
                                      .checkpoint = nullptr};
+  if (!options.layout.empty()) task_options.layout = earpoint::layout_named(options.layout);
   if (options.skip_bad) {
     task_options.on_bad = [&bad](const std::string& problem) { bad.add(problem); };
   }
+  std::optional<earpoint::RunLock> lock;  // before the checkpoint is read
+  if (!group || group->is_first()) lock.emplace(options.out);
   const Start start = started(options, config, task_options, processes);
   Learner& learner = *start.task.learner;
 
@@ -236,7 +241,14 @@ void add_train_command(CLI::App& app) {
       ->add_option("config", options->config,
                    "What to learn and how, e.g. configs/vigas-small-single.json")
       ->required();
-  command->add_option("--data", options->data, "Folder that `earpoint simulate` wrote")->required();
+  command
+      ->add_option("--data", options->data,
+                   "Folder of the data set: of earpoint simulate, SoundSpaces-NVAS or Replay-NVAS")
+      ->required();
+  command
+      ->add_option("--layout", options->layout,
+                   "Which data set, where a folder holds SoundSpaces-NVAS and Replay-NVAS")
+      ->check(CLI::IsMember({"soundspaces", "replay"}));
   command->add_option("--out", options->out, "Folder of the run")->required();
   command->add_flag("--resume", options->resume,
                     "Go on with the run in --out, if there is one: also after a kill");

@@ -1,5 +1,6 @@
 #include "view_command.h"
 
+#include "flag_checks.h"
 #include "scene_argument.h"
 #include "trace_arguments.h"
 
@@ -106,11 +107,13 @@ void check(const Options& options) {
 
 void run(const Options& options) {
   check(options);
-  const earpoint::Camera camera = parse_camera(options);
+  earpoint::Camera camera = parse_camera(options);
   const earpoint::RenderQuality quality{.samples_per_side = side_of_samples(options.samples),
                                         .denoise = !options.keep_noise,
                                         .exposure = options.exposure};
   const NamedScene named = read_scene(options.scene);
+  earpoint::Vector3& camera_m = camera.world_from_camera.position_m;
+  camera_m = camera_m - named.origin_m;
   for (const std::string& warning : named.warnings) {
     fmt::print(stderr, "earpoint: {}\n", warning);
   }
@@ -153,7 +156,7 @@ void add_view_command(CLI::App& app) {
   command->add_option("--exposure", options->exposure, "Times the exposure that is found")
       ->capture_default_str();
   command->add_option("--seed", options->seed, "The same seed gives the same picture")
-      ->check(CLI::NonNegativeNumber)
+      ->check(whole_number())
       ->capture_default_str();
   command->add_option("--jobs", options->jobs, "Threads; 0 takes all cores")->capture_default_str();
   command->callback([options] { run(*options); });

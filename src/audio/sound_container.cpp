@@ -4,12 +4,14 @@
 #include <cstdint>
 #include <fstream>
 #include <numeric>
+#include <optional>
 #include <string_view>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include <earpoint/core/error.h>
+#include <earpoint/core/wav_data.h>
 
 namespace earpoint {
 namespace fs = std::filesystem;
@@ -49,36 +51,18 @@ std::uint64_t little_endian(std::string_view bytes) {
       [](std::uint64_t value, char byte) { return value << 8 | static_cast<unsigned char>(byte); });
 }
 
-void check_data_fits(const FileBytes& file, std::uint64_t start, std::uint64_t claimed) {
-  const std::uint64_t present = file.size() - start;
-  if (claimed <= present) return;
+[[noreturn]] void throw_cut(const fs::path& path, std::uint64_t claimed, std::uint64_t present) {
   throw InputError(
-      file.path().string(),
+      path.string(),
       fmt::format("is truncated: its header promises {} bytes of samples, {} are there", claimed,
                   present),
       kMend);
 }
 
-/// Chunks of an 4-byte name, a 4-byte length and the content, padded to an even length.
-void check_wav(FileBytes& file, bool long_form) {
-  constexpr std::uint64_t kOpen = 0x7FFFF000;  // written where the length is not known yet
-  std::uint64_t long_length = 0;
-  for (std::uint64_t position = 12; position + 8 <= file.size();) {
-    const std::string_view head = file.at(position, 24);
-    const std::string_view name = head.substr(0, 4);
-    std::uint64_t length = little_endian(head.substr(4, 4));
-    if (name == "ds64" && head.size() == 24) long_length = little_endian(head.substr(16, 8));
-    if (name == "data") {
-      if (long_form && length == 0xFFFFFFFF) {
-        length = long_length;
-      } else if (length >= kOpen) {
-        return;
-      }
-      return check_data_fits(file, position + 8, length);
-    }
-    position += 8 + length + length % 2;
-  }
-  throw InputError(file.path().string(), "is truncated: it has no data chunk", kMend);
+void check_wav(const fs::path& path) {
+  const std::optional<WavData> data = find_wav_data(path);
+  if (!data) throw InputError(path.string(), "is truncated: it has no data chunk", kMend);
+  if (data->is_cut()) throw_cut(path, data->claimed, data->present);
 }
 
 /// Chunks of a 16-byte name, an 8-byte length that counts both, and the content, padded to 8 bytes.
@@ -87,7 +71,11 @@ void check_w64(FileBytes& file) {
     const std::string_view head = file.at(position, 24);
     const std::uint64_t length = little_endian(head.substr(16, 8));
     if (length < 24) break;
-    if (head.substr(0, 4) == "data") return check_data_fits(file, position + 24, length - 24);
+    if (head.substr(0, 4) == "data") {
+      const std::uint64_t present = file.size() - position - 24;
+      if (length - 24 > present) throw_cut(file.path(), length - 24, present);
+      return;
+    }
     if (length > file.size()) break;
     position += (length + 7) / 8 * 8;
   }
@@ -120,7 +108,7 @@ void check_container_is_whole(const fs::path& path) {
   FileBytes file(path);
   const std::string_view mark = file.at(0, 4);
   if (mark == "RIFF" || mark == "RF64") {
-    check_wav(file, mark == "RF64");
+    check_wav(path);
   } else if (mark == "riff") {
     check_w64(file);
   } else if (mark == "OggS") {

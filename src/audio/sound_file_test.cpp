@@ -100,6 +100,25 @@ TEST_F(SoundFile, OggKeepsWhatOneHears) {
   EXPECT_LT(largest_difference(wave, back), 0.02);
 }
 
+TEST_F(SoundFile, Mp3KeepsWhatOneHears) {
+  Waveform wave(2, 32000, 16000);
+  for (int i = 0; i < 32000; ++i) {
+    wave.channel(0)[i] = 0.5F * std::sin(0.1F * static_cast<float>(i));
+    wave.channel(1)[i] = 0.25F * std::sin(0.05F * static_cast<float>(i));
+  }
+  write_sound(folder_ / "x.mp3", wave);
+  const Waveform back = read_sound(folder_ / "x.mp3");
+  ASSERT_EQ(back.samples(), wave.samples());  // the encoder's delay and filling are told
+  // MP3 is lossy: 2 % of full scale for two tones, their abrupt beginning and end left out.
+  double largest = 0.0;
+  for (int c = 0; c < 2; ++c) {
+    for (int i = 2000; i < 30000; ++i) {
+      largest = std::max(largest, std::abs(double{wave.channel(c)[i]} - back.channel(c)[i]));
+    }
+  }
+  EXPECT_LT(largest, 0.02);
+}
+
 TEST_F(SoundFile, BlocksReadAndWrittenAreTheWhole) {
   const Waveform wave = noise(2, 10000, 16000);
   SoundWriter writer(folder_ / "x.wav", 2, 16000, SampleFormat::float32);
@@ -208,6 +227,8 @@ TEST_F(SoundFile, TruncatedFilesAreRefusedWhereverTheyEnd) {
     const std::string whole = read_text_file(folder_ / name);
     for (const double part : {0.0001, 0.001, 0.01, 0.1, 0.3, 0.5, 0.7, 0.9, 0.99, 0.9999}) {
       const auto size = static_cast<std::size_t>(part * static_cast<double>(whole.size()));
+      // Some programs promise the few bytes of a header as samples: that is no cut.
+      if (std::string_view(name) == "x.wav" && whole.size() - size <= 64) continue;
       put(folder_ / name, std::string_view(whole).substr(0, size));
       const std::string message =
           message_of([&, name = name] { (void)read_sound(folder_ / name); });
@@ -222,7 +243,8 @@ TEST_F(SoundFile, LengthsThatRecordersLeaveOpenAreRead) {
   std::string bytes = read_text_file(folder_ / "x.wav");
   const std::size_t data = bytes.find("data");
   ASSERT_NE(data, std::string::npos);
-  for (const std::uint32_t open : {0xFFFFFFFFU, 0x7FFFF000U}) {
+  const auto samples = static_cast<std::uint32_t>(bytes.size() - data - 8);
+  for (const std::uint32_t open : {0xFFFFFFFFU, 0x7FFFF000U, 0U, samples + 16}) {
     std::memcpy(bytes.data() + data + 4, &open, 4);
     std::memcpy(bytes.data() + 4, &open, 4);
     put(folder_ / "x.wav", bytes);
@@ -287,7 +309,7 @@ TEST_F(SoundFile, SamplesThatAreNoNumbersAreLocated) {
 
 TEST_F(SoundFile, FormatsThatCannotBeWrittenAreRefusedAtOnce) {
   const Waveform wave = noise(2, 10, 16000);
-  EXPECT_NE(message_of([&] { write_sound(folder_ / "x.mp3", wave); }).find("'.mp3'"),
+  EXPECT_NE(message_of([&] { write_sound(folder_ / "x.wma", wave); }).find("'.wma'"),
             std::string::npos);
   EXPECT_NE(message_of([&] { write_sound(folder_ / "x", wave); }).find("use the extension"),
             std::string::npos);

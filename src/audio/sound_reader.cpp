@@ -1,7 +1,9 @@
+#include "open_wav.h"
 #include "sound_container.h"
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -12,6 +14,7 @@
 
 #include <earpoint/audio/sound_file.h>
 #include <earpoint/core/error.h>
+#include <earpoint/core/wav_data.h>
 
 namespace earpoint {
 namespace fs = std::filesystem;
@@ -67,6 +70,7 @@ std::int64_t count_frames(const fs::path& path) {
 
 struct SoundReader::State {
   fs::path path;
+  std::optional<OpenWav> open_wav;  ///< what `file` reads from, if its header says no length
   SoundHandle file;
   SoundInfo info;
   std::int64_t position = 0;
@@ -78,6 +82,12 @@ SoundReader::SoundReader(const fs::path& path) : state_(std::make_unique<State>(
   state_->path = path;
   state_->file = open_sound(path, info);
   check_container_is_whole(path);
+  if (const auto wav = find_wav_data(path); wav && wav->claimed == 0 && wav->goes_to_the_end()) {
+    state_->open_wav.emplace(path, *wav);
+    info = {};
+    SoundHandle file(state_->open_wav->open(info));
+    if (file) state_->file = std::move(file);
+  }
   if (info.channels < 1 || info.samplerate < 1) {
     throw InputError(path.string(),
                      fmt::format("has {} channels at {} Hz", info.channels, info.samplerate));

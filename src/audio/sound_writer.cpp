@@ -24,6 +24,8 @@ namespace {
 constexpr std::ptrdiff_t kBlockFrames = 4096;
 /// Of 0 to 1; transparent for speech and rooms at about 190 kbit/s in stereo.
 constexpr double kVorbisQuality = 0.6;
+/// Of 0 to 1, the best first: LAME's V2, about as many bits.
+constexpr double kMp3Level = 0.2;
 
 std::string lower_extension(const fs::path& path) {
   std::string extension = path.extension().string();
@@ -59,9 +61,10 @@ int quantize(float sample, int bits) {
 /// @return libsndfile's format number
 int format_of(const fs::path& path, SampleFormat format) {
   const std::string extension = lower_extension(path);
-  if (extension == ".wav") return SF_FORMAT_WAV | subtype_of(format);
+  if (extension == ".wav" || path == "-") return SF_FORMAT_WAV | subtype_of(format);
   if (extension == ".w64") return SF_FORMAT_W64 | subtype_of(format);
   if (extension == ".ogg") return SF_FORMAT_OGG | SF_FORMAT_VORBIS;
+  if (extension == ".mp3") return SF_FORMAT_MPEG | SF_FORMAT_MPEG_LAYER_III;
   if (extension == ".flac") {
     if (format == SampleFormat::float32) {
       throw InputError(path.string(), "FLAC cannot hold 32-bit float samples",
@@ -70,7 +73,7 @@ int format_of(const fs::path& path, SampleFormat format) {
     return SF_FORMAT_FLAC | subtype_of(format);
   }
   throw InputError(path.string(), fmt::format("'{}' is not a sound format to write", extension),
-                   "use the extension .wav, .w64, .flac or .ogg");
+                   "use the extension .wav, .w64, .flac, .ogg or .mp3");
 }
 
 /// The file below libsndfile. It remembers the first failure, which the encoders may swallow.
@@ -186,8 +189,10 @@ SoundWriter::SoundWriter(const fs::path& path, int channels, int sample_rate_hz,
   State& s = *state_;
   s.channels = channels;
   s.sample_rate_hz = sample_rate_hz;
-  const bool vorbis = (info.format & SF_FORMAT_SUBMASK) == SF_FORMAT_VORBIS;
-  if (!vorbis) s.integer_bits = integer_bits_of(format);
+  const int subtype = info.format & SF_FORMAT_SUBMASK;
+  const bool vorbis = subtype == SF_FORMAT_VORBIS;
+  const bool mp3 = subtype == SF_FORMAT_MPEG_LAYER_III;
+  if (!vorbis && !mp3) s.integer_bits = integer_bits_of(format);
   const bool wav = (info.format & SF_FORMAT_TYPEMASK) == SF_FORMAT_WAV;
   const int bytes = format == SampleFormat::pcm16 ? 2 : format == SampleFormat::pcm24 ? 3 : 4;
   s.frames_left = wav ? (0xFFFFFFFFLL - 4096) / (std::int64_t{bytes} * channels) : INT64_MAX;
@@ -203,6 +208,12 @@ SoundWriter::SoundWriter(const fs::path& path, int channels, int sample_rate_hz,
   sf_command(s.file, SFC_SET_ADD_PEAK_CHUNK, nullptr, SF_FALSE);
   double quality = kVorbisQuality;
   if (vorbis) sf_command(s.file, SFC_SET_VBR_ENCODING_QUALITY, &quality, sizeof(quality));
+  if (mp3) {
+    int mode = SF_BITRATE_MODE_VARIABLE;
+    double level = kMp3Level;
+    sf_command(s.file, SFC_SET_BITRATE_MODE, &mode, sizeof(mode));
+    sf_command(s.file, SFC_SET_COMPRESSION_LEVEL, &level, sizeof(level));
+  }
 }
 SoundWriter::~SoundWriter() = default;
 SoundWriter::SoundWriter(SoundWriter&&) noexcept = default;

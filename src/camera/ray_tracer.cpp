@@ -5,6 +5,7 @@
 #include <limits>
 
 #include <earpoint/core/error.h>
+#include <earpoint/scene/embree_config.h>
 
 namespace earpoint {
 namespace {
@@ -77,8 +78,7 @@ RayTracer::RayTracer(const Surfaces& surfaces) : positions_(surfaces.positions()
       see_through_.material.push_back(surfaces.material_index(i));
     }
   }
-  // One thread builds the tree, so that it is the same tree every time.
-  device_ = rtcNewDevice("threads=1");
+  device_ = rtcNewDevice(embree_config());
   EARPOINT_CHECK(device_ != nullptr);
   scene_ = rtcNewScene(device_);
   rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);

@@ -1,7 +1,15 @@
+#include <array>
+#include <csignal>
 #include <filesystem>
+#include <fstream>
 #include <string>
+#include <thread>
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
@@ -46,6 +54,92 @@ TEST_F(FileTest, WithoutCommitNothingIsLeftAndTheOldFileStays) {
   }
   EXPECT_EQ(entries(), 1);
   EXPECT_EQ(read_text_file(folder_ / "x.txt"), "old");
+}
+
+/// A process that writes aside and is ended by the signal; @return its status
+int end_while_writing(const fs::path& path, int signal) {
+  std::array<int, 2> pipe{};
+  EXPECT_EQ(::pipe(pipe.data()), 0);
+  const pid_t child = ::fork();
+  if (child == 0) {
+    remove_partial_files_on_signals();
+    const AtomicFile file(path);
+    (void)!::write(pipe[1], "x", 1);
+    while (true) ::pause();
+  }
+  char ready = 0;
+  EXPECT_EQ(::read(pipe[0], &ready, 1), 1);
+  ::kill(child, signal);
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  for (const int end : pipe) ::close(end);
+  return status;
+}
+
+TEST_F(FileTest, SignalsRemoveWhatWasWrittenAsideAndEndTheProcessAsEver) {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGPIPE}) {
+    const int status = end_while_writing(folder_ / "x.txt", signal);
+    EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == signal) << signal;
+    EXPECT_EQ(entries(), 0) << signal;
+  }
+}
+
+TEST_F(FileTest, WhatAKilledProcessLeftTheNextWriterTakes) {
+  end_while_writing(folder_ / "x.txt", SIGKILL);
+  EXPECT_EQ(entries(), 1);
+  // As two that were killed at once leave it.
+  fs::copy(folder_ / ".x.partial.txt", folder_ / ".x.1.partial.txt");
+  write_file(folder_ / "x.txt", "text");
+  EXPECT_EQ(entries(), 1);
+  EXPECT_EQ(read_text_file(folder_ / "x.txt"), "text");
+}
+
+TEST_F(FileTest, TwoWritersOfOneFileDoNotMix) {
+  const AtomicFile one(folder_ / "x.txt");
+  AtomicFile two(folder_ / "x.txt");
+  EXPECT_NE(one.temporary_path(), two.temporary_path());
+  std::ofstream(two.temporary_path()) << "two";
+  std::ofstream(one.temporary_path()) << "one";
+  two.commit();
+  EXPECT_EQ(read_text_file(folder_ / "x.txt"), "two");
+}
+
+TEST_F(FileTest, ASymbolicLinkIsWrittenThrough) {
+  fs::create_directory(folder_ / "there");
+  fs::create_symlink("there/x.txt", folder_ / "link.txt");
+  write_file(folder_ / "link.txt", "text");
+  EXPECT_TRUE(fs::is_symlink(folder_ / "link.txt"));
+  EXPECT_EQ(read_text_file(folder_ / "there/x.txt"), "text");
+  fs::create_symlink("nothing.txt", folder_ / "dangling.txt");
+  EXPECT_EQ(written_place(folder_ / "dangling.txt"), written_place(folder_ / "./nothing.txt"));
+  EXPECT_NE(written_place(folder_ / "dangling.txt"), written_place(folder_ / "link.txt"));
+}
+
+TEST_F(FileTest, APipeGetsTheBytesAndADeviceStays) {
+  const fs::path pipe = folder_ / "pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  std::string got;
+  std::thread reader([&] {
+    std::ifstream stream(pipe);
+    std::getline(stream, got);
+  });
+  write_file(pipe, "text\n");
+  reader.join();
+  EXPECT_EQ(got, "text");
+  EXPECT_TRUE(fs::is_fifo(pipe));
+  EXPECT_THROW(write_file("/dev/full", "text"), InputError);
+  EXPECT_TRUE(fs::is_character_file("/dev/full"));
+}
+
+TEST_F(FileTest, APipeIsStoredToBeReadTwice) {
+  EXPECT_EQ(stored_input("x.txt"), "x.txt");
+  const fs::path pipe = folder_ / "pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  std::thread writer([&] { std::ofstream(pipe) << "text"; });
+  const fs::path stored = stored_input(pipe);
+  writer.join();
+  EXPECT_EQ(read_text_file(stored), "text");
+  EXPECT_EQ(read_text_file(stored), "text");
 }
 
 TEST_F(FileTest, BadPathsAreNamed) {

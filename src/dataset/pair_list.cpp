@@ -1,6 +1,7 @@
 #include "json_field.h"
 
 #include <algorithm>
+#include <map>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -9,6 +10,8 @@
 #include <earpoint/core/file.h>
 #include <earpoint/core/name_number.h>
 #include <earpoint/core/random.h>
+#include <earpoint/dataset/dataset_folder.h>
+#include <earpoint/dataset/numpy_random.h>
 #include <earpoint/dataset/pair_list.h>
 
 namespace earpoint {
@@ -16,6 +19,8 @@ namespace {
 
 constexpr const char* kFormat = "earpoint-pairs-1";
 constexpr std::ptrdiff_t kWindow = 16000;
+// The one worker of the released test's loader seeds its generator with its number.
+constexpr std::uint32_t kReleasedSeed = 0;
 
 ViewPair draw_pair(const SoundSpacesClip& clip, int target, const std::vector<int>& speakers,
                    const std::function<std::ptrdiff_t(const std::string&)>& speech_samples,
@@ -59,13 +64,56 @@ PairList draw_pair_list(const std::string& split, std::span<const SoundSpacesCli
     for (std::size_t i = 0; i < clip.speakers.size(); ++i) {
       if (clip.speakers[i].speech) speakers.push_back(static_cast<int>(i));
     }
-    if (speakers.empty()) continue;
+    if (speakers.empty() || clip.viewpoints.size() < 2) continue;
     for (std::size_t target = 0; target < clip.viewpoints.size(); ++target) {
       list.pairs.push_back(
           draw_pair(clip, static_cast<int>(target), speakers, speech_samples, random));
     }
   }
   return list;
+}
+
+PairDraw draw_named(std::string_view name) {
+  if (name == "every-target") return PairDraw::every_target;
+  if (name == "released") return PairDraw::released;
+  throw InputError("--draw", fmt::format("expected every-target or released, found {}", name));
+}
+
+PairList draw_pair_list(const SoundSpacesDataset& dataset, PairDraw draw, std::uint64_t seed) {
+  PairList list{.split = dataset.split(), .pairs = {}};
+  if (draw == PairDraw::released) {
+    NumpyRandom random(kReleasedSeed);
+    for (const SoundSpacesClip& clip : dataset.clips()) {
+      list.pairs.push_back(
+          {.scene = clip.scene, .clip = clip.index, .choice = dataset.draw(clip, random)});
+    }
+    return list;
+  }
+  std::map<std::string, std::ptrdiff_t> known;
+  const auto length = [&](const std::string& speech) {
+    const auto [found, is_new] = known.try_emplace(speech, 0);
+    try {
+      if (is_new) found->second = dataset.speech_samples(speech);
+    } catch (const InputError&) {
+      // Left at zero: the first second.
+    }
+    return found->second;
+  };
+  list = draw_pair_list(dataset.split(), dataset.clips(), length, seed);
+  if (list.pairs.empty()) {
+    throw InputError("the split " + dataset.split(), "no clip has two viewpoints and speech");
+  }
+  return list;
+}
+
+std::optional<std::filesystem::path> find_pair_list(const std::filesystem::path& folder,
+                                                    const std::string& split) {
+  const std::string name = fmt::format("pairs-{}.json", split);
+  const SoundSpacesDataset::Options options = soundspaces_options(folder, split);
+  for (const std::filesystem::path& path : {folder / name, options.root / options.folder / name}) {
+    if (std::filesystem::exists(path)) return path;
+  }
+  return std::nullopt;
 }
 
 std::string text_of(const PairList& list) {

@@ -1,5 +1,4 @@
 #include "byte_cache.h"
-#include "json_field.h"
 
 #include <algorithm>
 #include <array>
@@ -15,7 +14,6 @@
 #include <earpoint/audio/fft.h>
 #include <earpoint/audio/sound_file.h>
 #include <earpoint/core/error.h>
-#include <earpoint/core/file.h>
 #include <earpoint/core/vector_clones.h>
 #include <earpoint/dataset/pair_sample.h>
 #include <earpoint/video/image_file.h>
@@ -255,6 +253,12 @@ PairSample PairSampler::sample(const SoundSpacesClip& clip, const SoundSpacesCho
   return sample;
 }
 
+std::shared_ptr<const Image> PairSampler::picture(const SoundSpacesClip& clip,
+                                                  int viewpoint) const {
+  EARPOINT_CHECK(viewpoint >= 0 && viewpoint < std::ssize(clip.viewpoints));
+  return state_->picture(clip.viewpoints[static_cast<std::size_t>(viewpoint)].image);
+}
+
 std::ptrdiff_t PairSampler::speech_samples(const SoundSpacesSpeaker& speaker) const {
   EARPOINT_CHECK(speaker.speech.has_value());
   return state_->speech(*speaker.speech)->samples();
@@ -306,42 +310,6 @@ PairSample mirrored(const PairSample& sample) {
   if (sample.speaker_yaw_rad) result.speaker_yaw_rad = wrap_angle(-*sample.speaker_yaw_rad);
   result.world_from_source = mirrored(sample.world_from_source);
   return result;
-}
-
-SoundSpacesDataset::Options soundspaces_options(const fs::path& folder, const std::string& split) {
-  SoundSpacesDataset::Options options{.root = folder, .split = split};
-  const fs::path record = folder / "dataset.json";
-  if (!fs::exists(record)) {
-    if (fs::is_directory(folder / options.folder)) return options;
-    throw InputError(folder.string(),
-                     fmt::format("holds neither a dataset.json nor {}", options.folder.string()),
-                     "make a data set with `earpoint simulate --out`");
-  }
-  const auto json = nlohmann::json::parse(read_text_file(record), nullptr, false);
-  if (json.is_discarded()) throw InputError(record.string(), "is not valid JSON");
-  const JsonField fields(json, record.string());
-  options.folder = ".";
-  options.speech_folder = fields.field("speech_folder").text();
-  // Paths in the metadata begin with the prefix: the root lies as far above the folder.
-  const fs::path prefix = fields.field("path_prefix").text();
-  if (!prefix.empty()) {
-    const fs::path here = fs::weakly_canonical(folder);
-    for (const auto& part : prefix.lexically_normal()) {
-      if (!part.empty() && part != ".") options.root = options.root / "..";
-    }
-    if (fs::weakly_canonical(options.root / prefix) != here) {
-      throw InputError(
-          folder.string(),
-          fmt::format("its paths begin with {}, where it does not lie", prefix.string()),
-          "move it there");
-    }
-    options.folder = prefix;
-    // As the released loader has it, else where it was written.
-    const fs::path published = "data/LibriSpeech-wav";
-    options.speech_folder =
-        fs::is_directory(options.root / published) ? published : prefix / options.speech_folder;
-  }
-  return options;
 }
 
 }  // namespace earpoint

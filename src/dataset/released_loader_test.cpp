@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include <earpoint/core/file.h>
+#include <earpoint/dataset/pair_list.h>
 #include <earpoint/dataset/replay.h>
 #include <earpoint/dataset/soundspaces.h>
 #include <earpoint/model/safetensors.h>
@@ -101,6 +102,29 @@ TEST_F(ReleasedLoaderTest, SoundSpacesSamplesAreTheSame) {
       const SoundSpacesClip& clip = dataset.clips()[i];
       expect_sample(i, dataset.sample(clip, dataset.draw(clip, random)), kFloatTaps);
     }
+  }
+}
+
+TEST_F(ReleasedLoaderTest, ReleasedPairsAreTheOnesThatItDraws) {
+  // One pair of each clip, the first second: the permutations and speakers that NumPy's generator
+  // of seed 0 drew in the released test.
+  const auto expected = nlohmann::json::parse(read_text_file(root_ / "expected.json"));
+  const auto& items = expected.at("runs").at("soundspaces_test").at("items");
+  const SoundSpacesDataset dataset({.root = root_, .split = "test"});
+  const PairList list = draw_pair_list(dataset, PairDraw::released, 1);
+  ASSERT_EQ(list.pairs.size(), items.size());
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    const SoundSpacesChoice& choice = list.pairs[i].choice;
+    const auto& draws = items[i].at("draws");
+    EXPECT_EQ(choice.source, draws[0][1][0].get<int>()) << i;
+    EXPECT_EQ(choice.target, draws[0][1][1].get<int>()) << i;
+    std::vector<int> speaking;
+    const auto& speakers = clip_of(list.pairs[i], dataset.clips(), "list").speakers;
+    for (std::size_t k = 0; k < speakers.size(); ++k) {
+      if (speakers[k].speech) speaking.push_back(static_cast<int>(k));
+    }
+    EXPECT_EQ(choice.speaker, speaking.at(draws[1][1].get<std::size_t>())) << i;
+    EXPECT_EQ(choice.window_start, 0) << i;
   }
 }
 

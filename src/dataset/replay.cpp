@@ -16,6 +16,7 @@
 #include <earpoint/core/file.h>
 #include <earpoint/dataset/replay.h>
 #include <earpoint/video/image_file.h>
+#include <earpoint/video/media.h>
 
 namespace earpoint {
 namespace {
@@ -24,7 +25,6 @@ namespace fs = std::filesystem;
 
 constexpr int kRate_hz = 16000;
 constexpr std::ptrdiff_t kSamples = 16000;
-constexpr double kCutoff_hz = 150.0;
 constexpr int kGreatestShift = 200;
 constexpr int kImageHeight = 216;
 constexpr int kImageWidth = 384;
@@ -95,9 +95,16 @@ fs::path beside(fs::path image, const char* extension) {
   return image.replace_extension(extension);
 }
 
+/// The picture, or the first frame of the camera's movie where no picture was cut out of it.
+Image read_picture(const fs::path& path) {
+  const fs::path movie = beside(path, ".mp4");
+  if (fs::exists(path) || !fs::exists(movie)) return read_image(path);
+  return FrameReader(movie).frame_nearest(0.0);
+}
+
 ImagePlanes read_rgb(const fs::path& path) {
   // Unlike the SoundSpaces loader, this one divides after resizing.
-  ImagePlanes planes = resize_bilinear(planes_of(read_image(path)), kImageWidth, kImageHeight);
+  ImagePlanes planes = resize_bilinear(planes_of(read_picture(path)), kImageWidth, kImageHeight);
   for (float& value : planes.values) value /= 255.0F;
   return planes;
 }
@@ -107,7 +114,7 @@ Waveform read_recording(const fs::path& path) {
   if (sound.channels() != 2) {
     throw InputError(path.string(), fmt::format("expected 2 channels, found {}", sound.channels()));
   }
-  return highpass(resample_sinc(sound, kRate_hz), kCutoff_hz);
+  return highpass(resample_sinc(sound, kRate_hz), kReplayCutoffHz);
 }
 
 /// The box of whoever is most often named in the table of x_min, y_min, x_max, y_max, id.

@@ -8,6 +8,7 @@
 
 #include <earpoint/audio/sound_file.h>
 #include <earpoint/core/error.h>
+#include <earpoint/dataset/dataset_folder.h>
 #include <earpoint/dataset/pair_sample.h>
 #include <earpoint/dataset/reverberant_speech.h>
 #include <earpoint/dataset_testing/tiny_dataset.h>

@@ -90,6 +90,10 @@ SoundSpacesDataset::SoundSpacesDataset(Options options) : options_(std::move(opt
 
 SoundSpacesChoice SoundSpacesDataset::draw(const SoundSpacesClip& clip, NumpyRandom& random) const {
   SoundSpacesChoice choice;
+  if (clip.viewpoints.size() < 2) {
+    throw InputError(fmt::format("{}, clip {}", clip.scene, clip.index),
+                     "fewer than two viewpoints");
+  }
   const std::vector<int> order = random.permutation(static_cast<int>(clip.viewpoints.size()));
   choice.source = order[0];
   choice.target = order[1];
@@ -129,6 +133,11 @@ Waveform SoundSpacesDataset::read_speech(const std::string& speech) const {
     for (float& sample : sound.planar()) sample *= 32768.0F;
   }
   return resample_sinc(highpass(sound, kCutoff_hz), kRate_hz);
+}
+
+std::ptrdiff_t SoundSpacesDataset::speech_samples(const std::string& speech) const {
+  const SoundInfo info = probe_sound(speech_path(speech));
+  return static_cast<std::ptrdiff_t>(info.frames * kRate_hz / info.sample_rate_hz);
 }
 
 SoundSpacesDataset::Response SoundSpacesDataset::read_response(const std::string& rir) const {

@@ -18,6 +18,10 @@ class AmbientEvaluationSet : public EvaluationSet {
   [[nodiscard]] std::string name(std::size_t pair) const override { return set_->name(pair); }
   [[nodiscard]] std::string scene(std::size_t pair) const override { return set_->scene(pair); }
   [[nodiscard]] int cluster(std::size_t pair) const override { return set_->cluster(pair); }
+  [[nodiscard]] std::optional<std::string> voice(std::size_t pair) const override {
+    return set_->voice(pair);
+  }
+  [[nodiscard]] std::string pairs() const override { return set_->pairs(); }
   [[nodiscard]] PairSample sample(std::size_t pair) const override {
     return noisy(set_->sample(pair), pair);
   }

@@ -67,6 +67,7 @@ class Evaluation {
     clip.result.name = set_.name(pair);
     clip.result.scene = set_.scene(pair);
     clip.result.cluster = set_.cluster(pair);
+    clip.result.voice = set_.voice(pair);
     std::optional<PairSample> sample;
     try {
       sample = set_.sample(pair);
@@ -130,6 +131,7 @@ class Evaluation {
     for (const Clip& clip : batch) targets.push_back(clip.target);
     std::vector<std::size_t> changed;
     for (std::size_t m = 0; m < methods_.size(); ++m) {
+      if (!methods_[m].fixes_sign) continue;
       std::vector<Waveform> renderings;
       renderings.reserve(batch.size());
       for (Clip& clip : batch) renderings.push_back(std::move(clip.renderings[m]));

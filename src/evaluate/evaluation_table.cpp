@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <map>
+#include <set>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -84,6 +86,46 @@ std::string text_of(const EvaluationTable& table, const std::string& title,
   return text;
 }
 
+/// Homes, conversations and voices.
+void count_extent(const EvaluationResult& result, EvaluationTable& table) {
+  std::set<std::string> homes;
+  std::set<std::string> voices;
+  std::set<int> conversations;
+  for (const ClipResult& clip : result.clips) {
+    homes.insert(clip.scene);
+    conversations.insert(clip.cluster);
+    if (clip.voice) voices.insert(*clip.voice);
+  }
+  table.homes = homes.size();
+  table.conversations = conversations.size();
+  if (!voices.empty()) table.voices = voices.size();
+}
+
+/// A star where clips without a value are left out.
+const char* star(const std::optional<Estimate>& estimate, const EvaluationTable& table) {
+  return estimate && estimate->clips < table.clips ? "*" : "";
+}
+
+/// What the stars say: the fewest clips of a metric's means. Empty where there is none.
+std::string stars_of(const EvaluationTable& table, std::span<const Metric> metrics) {
+  std::string text;
+  for (const Metric metric : metrics) {
+    std::size_t fewest = table.clips;
+    for (const TableRow& row : table.rows) {
+      if (row[metric].mean) fewest = std::min(fewest, row[metric].mean->clips);
+    }
+    if (fewest == table.clips) continue;
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", name_of(metric).heading, fewest);
+  }
+  return text.empty() ? text
+                      : fmt::format("* mean over fewer clips, those that have a value: {} of {}.\n",
+                                    text, table.clips);
+}
+
+std::string counted(std::size_t count, const std::string& noun) {
+  return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
+}
+
 /// Those that any row has.
 std::vector<Metric> present(const EvaluationTable& table, std::span<const Metric> told) {
   std::vector<Metric> metrics;
@@ -98,16 +140,35 @@ std::vector<Metric> present(const EvaluationTable& table, std::span<const Metric
 
 }  // namespace
 
+std::vector<int> interval_clusters(const EvaluationResult& result) {
+  std::map<std::string, int> homes;
+  std::vector<int> by_home;
+  std::vector<int> by_conversation;
+  for (const ClipResult& clip : result.clips) {
+    by_home.push_back(homes.try_emplace(clip.scene, static_cast<int>(homes.size())).first->second);
+    by_conversation.push_back(clip.cluster);
+  }
+  return homes.size() > 1 ? by_home : by_conversation;
+}
+
+std::string extent_of(const EvaluationTable& table) {
+  const std::string voices = table.voices ? ", " + counted(*table.voices, "voice") : std::string();
+  return fmt::format("{} of {} in {}{}", counted(table.clips, "clip"),
+                     counted(table.conversations, "conversation"), counted(table.homes, "home"),
+                     voices);
+}
+
 EvaluationTable make_table(const EvaluationResult& result) {
-  std::vector<int> clusters;
-  for (const ClipResult& clip : result.clips) clusters.push_back(clip.cluster);
-  const ClusterBootstrap bootstrap(clusters);
+  const ClusterBootstrap bootstrap(interval_clusters(result));
   const auto input = std::ranges::find(result.methods, "input", &EvaluationResult::Row::name);
 
   EvaluationTable table{.rows = {},
                         .clips = result.clips.size(),
-                        .conversations = bootstrap.clusters(),
+                        .conversations = 0,
+                        .homes = 0,
+                        .voices = std::nullopt,
                         .skipped = result.skipped};
+  count_extent(result, table);
   for (std::size_t m = 0; m < result.methods.size(); ++m) {
     const EvaluationResult::Row& method = result.methods[m];
     TableRow row{.method = method.name,
@@ -136,35 +197,44 @@ std::string json_of(const EvaluationTable& table, const EvaluationSubject& subje
   json["split"] = subject.split;
   json["target"] = subject.target == PairTarget::viewpoint ? "viewpoint" : "near_microphone";
   json["ambient_db"] = subject.ambient_db ? Json(*subject.ambient_db) : Json();
+  json["pairs"] = subject.pairs;
   json["clips"] = table.clips;
   json["conversations"] = table.conversations;
+  json["homes"] = table.homes;
+  json["voices"] = table.voices ? Json(*table.voices) : Json();
+  json["intervals_by"] = table.interval_unit();
   json["skipped"] = Json::array();
   for (const BadPair& pair : table.skipped) {
     json["skipped"].push_back({{"pair", pair.name}, {"problem", pair.problem}});
   }
   json["rows"] = Json::array();
   for (const TableRow& row : table.rows) json["rows"].push_back(json_of(row));
-  return json.dump(2) + "\n";
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 std::string text_of(const EvaluationTable& table, std::span<const Metric> told) {
   const std::vector<Metric> metrics = present(table, told);
-  std::string text = text_of(table, "mean", metrics, [](const TableRow& row, Metric metric) {
-    return with_range(row[metric].mean, name_of(metric).decimals);
+  const auto with_star = [&](const std::optional<Estimate>& estimate, int decimals) {
+    return with_range(estimate, decimals) + star(estimate, table);
+  };
+  std::string text = text_of(table, "mean", metrics, [&](const TableRow& row, Metric metric) {
+    return with_star(row[metric].mean, name_of(metric).decimals);
   });
-  text += '\n' + text_of(table, "of input", metrics, [](const TableRow& row, Metric metric) {
-            return with_range(row[metric].ratio, 2);
+  text += '\n' + text_of(table, "of input", metrics, [&](const TableRow& row, Metric metric) {
+            return with_star(row[metric].ratio, 2);
           });
-  text += '\n' + text_of(table, "released", metrics, [](const TableRow& row, Metric metric) {
+  text += '\n' + text_of(table, "released", metrics, [&](const TableRow& row, Metric metric) {
             const auto& released = row[metric].released;
-            return released ? fmt::format("{:.{}f}", released->value, name_of(metric).decimals)
+            return released ? fmt::format("{:.{}f}{}", released->value, name_of(metric).decimals,
+                                          star(released, table))
                             : std::string("-");
           });
-  return text + fmt::format(
-                    "\n{} clips of {} conversations; 0 is best. [95 % interval], drawn by "
-                    "conversation.\n\"released\": with what the published evaluation does to "
-                    "renderings with the target's help.\n",
-                    table.clips, table.conversations);
+  return text + '\n' + stars_of(table, metrics) +
+         fmt::format(
+             "{}; 0 is best. [95 % interval], drawn by {}.\n"
+             "\"released\": with what the published evaluation does to renderings with the "
+             "target's help.\n",
+             extent_of(table), table.interval_unit());
 }
 
 }  // namespace earpoint

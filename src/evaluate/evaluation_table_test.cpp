@@ -53,13 +53,19 @@ TEST(EvaluationTable, WithoutInputThereIsNoRatio) {
 }
 
 TEST(EvaluationTable, JsonIsTheContract) {
-  const auto json = nlohmann::json::parse(
-      json_of(make_table(three_clips()), {"data/x", "test", PairTarget::viewpoint, -40.0}));
+  const auto json =
+      nlohmann::json::parse(json_of(make_table(three_clips()), {"data/x", "test", "pairs-test.json",
+                                                                PairTarget::viewpoint, -40.0}));
   EXPECT_EQ(json.at("data"), "data/x");
   EXPECT_EQ(json.at("split"), "test");
   EXPECT_EQ(json.at("target"), "viewpoint");
   EXPECT_EQ(json.at("ambient_db"), -40.0);
+  EXPECT_EQ(json.at("pairs"), "pairs-test.json");
   EXPECT_EQ(json.at("clips"), 3);
+  EXPECT_EQ(json.at("conversations"), 2);
+  EXPECT_EQ(json.at("homes"), 1);
+  EXPECT_TRUE(json.at("voices").is_null());
+  EXPECT_EQ(json.at("intervals_by"), "conversation");
   EXPECT_EQ(json.at("skipped")[0].at("problem"), "a.wav: is empty");
   const auto& row = json.at("rows")[1];
   EXPECT_EQ(row.at("method"), "mine");
@@ -81,6 +87,47 @@ TEST(EvaluationTable, TextShowsWhatThereIs) {
   EXPECT_NE(text.find("LRE, dB"), std::string::npos) << text;
   EXPECT_EQ(text.find("RTE"), std::string::npos) << text;
   EXPECT_NE(text.find("3 clips of 2 conversations"), std::string::npos) << text;
+}
+
+TEST(EvaluationTable, IntervalsAreDrawnByHomeWhereThereAreSeveral) {
+  // Two homes with four conversations each; what a home does to Mag all of its conversations share.
+  EvaluationResult result;
+  result.methods = {{"input", "as it is", false, 0}};
+  for (int i = 0; i < 8; ++i) {
+    ClipResult clip;
+    clip.cluster = i;
+    clip.scene = i < 4 ? "home-1" : "home-2";
+    clip.voice = i % 3 == 0 ? "1089" : "61";
+    ClipMetrics metrics;
+    metrics[Metric::mag] = i < 4 ? 1.0 : 3.0;
+    clip.honest = {metrics};
+    clip.released = {metrics};
+    result.clips.push_back(clip);
+  }
+  const EvaluationTable table = make_table(result);
+  EXPECT_EQ(table.homes, 2U);
+  EXPECT_EQ(table.conversations, 8U);
+  EXPECT_EQ(table.voices, 2U);
+  // A replicate is one of the homes twice in half of all draws: all the interval there is.
+  EXPECT_DOUBLE_EQ(table.rows[0][Metric::mag].mean->range->low, 1.0);
+  EXPECT_DOUBLE_EQ(table.rows[0][Metric::mag].mean->range->high, 3.0);
+  const std::string text = text_of(table);
+  EXPECT_NE(text.find("8 clips of 8 conversations in 2 homes, 2 voices"), std::string::npos)
+      << text;
+  EXPECT_NE(text.find("drawn by home"), std::string::npos) << text;
+  const auto json = nlohmann::json::parse(json_of(table, {}));
+  EXPECT_EQ(json.at("intervals_by"), "home");
+  EXPECT_EQ(json.at("voices"), 2);
+}
+
+TEST(EvaluationTable, AMeanOverFewerClipsHasAStar) {
+  const std::string text = text_of(make_table(three_clips()));
+  // `mine` has no LRE of the last clip; `input` has all.
+  EXPECT_NE(text.find("2.500*"), std::string::npos) << text;
+  EXPECT_NE(text.find("* mean over fewer clips, those that have a value: LRE 2 of 3."),
+            std::string::npos)
+      << text;
+  EXPECT_EQ(text.find("3.0000]*"), std::string::npos) << text;
 }
 
 }  // namespace

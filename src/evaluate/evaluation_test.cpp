@@ -132,6 +132,7 @@ class CheatingSet : public EvaluationSet {
   [[nodiscard]] std::string name(std::size_t pair) const override { return set_.name(pair); }
   [[nodiscard]] std::string scene(std::size_t pair) const override { return set_.scene(pair); }
   [[nodiscard]] int cluster(std::size_t pair) const override { return set_.cluster(pair); }
+  [[nodiscard]] std::string pairs() const override { return set_.pairs(); }
   [[nodiscard]] PairSample sample(std::size_t pair) const override { return set_.sample(pair); }
   [[nodiscard]] std::optional<PairTruth> truth(std::size_t /*pair*/) const override { return {}; }
   [[nodiscard]] std::optional<PairSample> released_sample(std::size_t pair) const override {
@@ -143,6 +144,31 @@ class CheatingSet : public EvaluationSet {
  private:
   const EvaluationSet& set_;
 };
+
+TEST_F(EvaluationTest, SignFixLeavesTheInputAlone) {
+  // An anti-phase target: the released synthesis would negate an ear of the source.
+  class OppositeSet : public CheatingSet {
+   public:
+    using CheatingSet::CheatingSet;
+    [[nodiscard]] PairSample sample(std::size_t pair) const override {
+      PairSample sample = CheatingSet::sample(pair);
+      sample.source = scaled(std::move(sample.source), 1.0F, -1.0F);
+      return sample;
+    }
+    [[nodiscard]] std::optional<PairSample> released_sample(std::size_t /*pair*/) const override {
+      return std::nullopt;
+    }
+  };
+  const auto set = test_set(3);
+  const EvaluationResult result =
+      evaluate_all(OppositeSet(*set), {input_method(), network_method("copy", "input")});
+  EXPECT_EQ(result.methods[0].sign_fixes, 0U);
+  EXPECT_EQ(result.methods[1].sign_fixes, 1U);
+  for (const ClipResult& clip : result.clips) {
+    EXPECT_EQ(clip.released[0][Metric::l2], clip.honest[0][Metric::l2]);
+    EXPECT_LT(clip.released[1][Metric::l2].value(), clip.honest[1][Metric::l2].value());
+  }
+}
 
 TEST_F(EvaluationTest, ReleasedColumnTakesTheReleasedSample) {
   const auto set = test_set(3);
@@ -211,8 +237,35 @@ TEST_F(EvaluationTest, NetworkGetsTheWholeWindow) {
   }
 }
 
+TEST_F(EvaluationTest, PairsAreDrawnWhereTheDataHaveNoList) {
+  const fs::path bare = folder_.string() + ".bare";
+  fs::remove_all(bare);
+  fs::copy(folder_, bare, fs::copy_options::recursive);
+  fs::remove(bare / "pairs-test.json");
+  const auto with_list = test_set();
+  const auto drawn = soundspaces_evaluation_set(bare, "test", {}, {}, 10 << 20);
+  EXPECT_EQ(with_list->pairs(), (folder_ / "pairs-test.json").string());
+  EXPECT_NE(drawn->pairs().find("drawn, every viewpoint"), std::string::npos) << drawn->pairs();
+  // The same draw that simulate made, with the same seed.
+  ASSERT_EQ(drawn->size(), with_list->size());
+  for (std::size_t pair = 0; pair < drawn->size(); ++pair) {
+    EXPECT_EQ(drawn->name(pair), with_list->name(pair));
+  }
+  const auto released =
+      soundspaces_evaluation_set(bare, "test", {.draw = PairDraw::released}, {}, 10 << 20);
+  EXPECT_EQ(released->size(), 12U);
+  EXPECT_NE(released->pairs().find("as the released test"), std::string::npos);
+  for (std::size_t pair = 0; pair < released->size(); ++pair) {
+    EXPECT_NE(released->name(pair).find("at 0.00 s"), std::string::npos) << released->name(pair);
+  }
+  EXPECT_THROW((void)soundspaces_evaluation_set(bare, "test", {.list = bare / "none.json"}, {}, 0),
+               InputError);
+  fs::remove_all(bare);
+}
+
 TEST_F(EvaluationTest, PairListOfAnotherSplitIsRefused) {
-  EXPECT_THROW((void)soundspaces_evaluation_set(folder_, "test", folder_ / "pairs-val.json", {}, 0),
+  EXPECT_THROW((void)soundspaces_evaluation_set(folder_, "test",
+                                                {.list = folder_ / "pairs-val.json"}, {}, 0),
                InputError);
 }
 

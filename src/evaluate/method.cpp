@@ -74,7 +74,8 @@ class NetworkMethod : public Method {
           .sound = padded(heard, start - shape.context, shape.samples + 2 * shape.context),
           .picture = sample.picture,
           .speaker_box = sample.speaker_box.value_or(Box{}),
-          .speaker_m = std::nullopt};
+          .speaker_m = std::nullopt,
+          .world_from_source = sample.world_from_source};
       synthesizer_->observe(observation);
       const Waveform part = synthesizer_->synthesize(sample.source_from_target);
       const std::ptrdiff_t count = std::min(shape.samples, samples - start);
@@ -103,9 +104,11 @@ class NetworkMethod : public Method {
 }  // namespace
 
 MethodEntry input_method() {
-  return {.name = "input", .what = "the source's sound as it is", .is_oracle = false, .make = [] {
-            return std::make_unique<InputMethod>();
-          }};
+  return {.name = "input",
+          .what = "the source's sound as it is",
+          .is_oracle = false,
+          .make = [] { return std::make_unique<InputMethod>(); },
+          .fixes_sign = false};
 }
 
 MethodEntry dsp_method() {

@@ -228,22 +228,25 @@ class ExpectedOracle : public Method {
 };
 
 template <typename Oracle>
-MethodEntry entry(std::string_view name, std::string_view what) {
-  return {.name = std::string(name), .what = std::string(what), .is_oracle = true, .make = [] {
-            return std::make_unique<Oracle>();
-          }};
+MethodEntry entry(std::string_view name, std::string_view what, bool needs_truth) {
+  return {.name = std::string(name),
+          .what = std::string(what),
+          .is_oracle = true,
+          .make = [] { return std::make_unique<Oracle>(); },
+          .needs_truth = needs_truth};
 }
 
 }  // namespace
 
 std::vector<MethodEntry> oracle_methods() {
-  return {entry<GainOracle>("oracle-gain", "the source at the true level of each ear"),
-          entry<BandOracle>("oracle-bands", "the source at the true level of each bin and ear"),
-          entry<DryDirectOracle>("oracle-dry-direct",
-                                 "true dry speech and direct path, tail of matched noise"),
-          entry<ExpectedOracle>("oracle-expected",
-                                "what many such tails have in common: their median magnitudes"),
-          entry<AllOracle>("oracle-all", "true dry speech and response")};
+  return {
+      entry<GainOracle>("oracle-gain", "the source at the true level of each ear", false),
+      entry<BandOracle>("oracle-bands", "the source at the true level of each bin and ear", false),
+      entry<DryDirectOracle>("oracle-dry-direct",
+                             "true dry speech and direct path, tail of matched noise", true),
+      entry<ExpectedOracle>("oracle-expected",
+                            "what many such tails have in common: their median magnitudes", true),
+      entry<AllOracle>("oracle-all", "true dry speech and response", true)};
 }
 
 }  // namespace earpoint

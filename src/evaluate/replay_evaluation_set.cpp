@@ -1,47 +1,24 @@
 #include <algorithm>
-#include <cmath>
 #include <map>
-#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
-#include <earpoint/core/error.h>
-#include <earpoint/dataset/replay.h>
+#include <earpoint/dataset/dataset_folder.h>
+#include <earpoint/dataset/replay_pair.h>
 #include <earpoint/evaluate/evaluation_set.h>
 
 namespace earpoint {
 namespace {
 
-constexpr double kMetresPerCentimetre = 0.01;
 // The one worker of the released evaluation's loader seeds its generator with its number.
 constexpr std::uint32_t kReleasedSeed = 0;
 
-Image image_of(const ImagePlanes& planes) {
-  Image image(planes.width, planes.height, planes.channels);
-  std::size_t i = 0;
-  for (int channel = 0; channel < planes.channels; ++channel) {
-    for (int y = 0; y < planes.height; ++y) {
-      for (int x = 0; x < planes.width; ++x) {
-        const float value = std::clamp(255.0F * planes.values[i++], 0.0F, 255.0F);
-        image.at(x, y, channel) = static_cast<std::uint8_t>(std::lround(value));
-      }
-    }
-  }
-  return image;
-}
-
-/// Their world has z up, as ours; only the unit differs.
-Pose world_from(const ReplayCamera& camera) {
-  const Vector3 centre_m = camera.centre * kMetresPerCentimetre;
-  return look_at(centre_m, centre_m + camera.direction);
-}
-
 class ReplayEvaluationSet : public EvaluationSet {
  public:
-  ReplayEvaluationSet(const std::filesystem::path& root, const std::string& split,
+  ReplayEvaluationSet(const std::filesystem::path& folder, const std::string& split,
                       std::optional<std::size_t> limit)
-      : dataset_(options_of(root, split)) {
+      : dataset_(replay_options(folder, split)) {
     NumpyRandom random(kReleasedSeed);
     std::map<std::string, int> sessions;
     std::vector<Entry> all;
@@ -64,6 +41,7 @@ class ReplayEvaluationSet : public EvaluationSet {
     return pairs_.at(pair).clip->scene;
   }
   [[nodiscard]] int cluster(std::size_t pair) const override { return pairs_.at(pair).session; }
+  [[nodiscard]] std::string pairs() const override { return "drawn as the released test does"; }
   [[nodiscard]] bool knows_speaker() const override { return false; }
   [[nodiscard]] PairSample sample(std::size_t pair) const override { return sample(pair, false); }
   [[nodiscard]] std::optional<PairTruth> truth(std::size_t /*pair*/) const override {
@@ -80,29 +58,9 @@ class ReplayEvaluationSet : public EvaluationSet {
     int session = 0;
   };
 
-  static ReplayDataset::Options options_of(const std::filesystem::path& root,
-                                           const std::string& split) {
-    ReplayDataset::Options options;
-    options.root = root;
-    options.split = split;
-    return options;
-  }
-
   [[nodiscard]] PairSample sample(std::size_t pair, bool align) const {
-    const auto& [clip, choice, session] = pairs_.at(pair);
-    NvasSample loaded = dataset_.sample(*clip, choice, align);
-    PairSample sample;
-    sample.world_from_source =
-        world_from(dataset_.camera(clip->scene, clip->images[choice.source]));
-    const Pose world_from_target =
-        world_from(dataset_.camera(clip->scene, clip->images[choice.target]));
-    sample.source_from_target = inverse(sample.world_from_source) * world_from_target;
-    sample.picture = std::make_shared<const Image>(image_of(loaded.source_rgb));
-    const std::vector<double>& box = loaded.bboxes;
-    sample.speaker_box = Box{.x_min = box[0], .y_min = box[1], .x_max = box[2], .y_max = box[3]};
-    sample.source = std::move(loaded.source);
-    sample.target = std::move(loaded.target);
-    return sample;
+    const Entry& entry = pairs_.at(pair);
+    return replay_pair(dataset_, *entry.clip, entry.choice, align);
   }
 
   ReplayDataset dataset_;
@@ -111,15 +69,10 @@ class ReplayEvaluationSet : public EvaluationSet {
 
 }  // namespace
 
-bool is_replay_folder(const std::filesystem::path& folder) {
-  const ReplayDataset::Options options;
-  return std::filesystem::exists(folder / options.folder / options.metadata_file);
-}
-
-std::unique_ptr<EvaluationSet> replay_evaluation_set(const std::filesystem::path& root,
+std::unique_ptr<EvaluationSet> replay_evaluation_set(const std::filesystem::path& folder,
                                                      const std::string& split,
                                                      std::optional<std::size_t> limit) {
-  return std::make_unique<ReplayEvaluationSet>(root, split, limit);
+  return std::make_unique<ReplayEvaluationSet>(folder, split, limit);
 }
 
 }  // namespace earpoint

@@ -1,71 +1,34 @@
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <filesystem>
 
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include <earpoint/audio/sound_file.h>
 #include <earpoint/core/error.h>
-#include <earpoint/core/file.h>
 #include <earpoint/core/random.h>
+#include <earpoint/dataset/replay.h>
+#include <earpoint/dataset_testing/tiny_dataset.h>
 #include <earpoint/evaluate/evaluation.h>
 #include <earpoint/evaluate/evaluation_set.h>
+#include <earpoint/infer/vigas.h>
+#include <earpoint/model/safetensors.h>
+#include <earpoint/model/weights.h>
+#include <earpoint/model_testing/random_weights.h>
 #include <earpoint/video/draw.h>
-#include <earpoint/video/image_file.h>
+#include <earpoint/video/movie_writer.h>
 
 namespace earpoint {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// A table of 1 x 5 numbers as NumPy writes it.
-std::string npy(const std::array<double, 5>& row) {
-  std::string header = "{'descr': '<f8', 'fortran_order': False, 'shape': (1, 5), }";
-  header.resize(117, ' ');
-  header += '\n';
-  std::string bytes("\x93NUMPY\x01\x00\x76\x00", 10);
-  bytes += header;
-  const std::size_t begin = bytes.size();
-  bytes.resize(begin + sizeof(row));
-  std::memcpy(bytes.data() + begin, row.data(), sizeof(row));
-  return bytes;
-}
-
 class ReplayEvaluationSetTest : public ::testing::Test {
  protected:
-  /// Two clips of two cameras; the second camera hears the same, 20 samples later.
   void SetUp() override {
     root_ = fs::path(testing::TempDir()) / ("replay_set." + std::to_string(::getpid()));
     fs::remove_all(root_);
-    const fs::path folder = root_ / "data/appen_dataset/v3";
-    RandomStream random(1);
-    for (const char* clip : {"SC-1027/3", "SC-1044/5"}) {
-      fs::create_directories(folder / clip);
-      Waveform sound(2, 16020, 16000);
-      for (float& x : sound.planar()) x = static_cast<float>(0.1 * random.normal());
-      for (int camera = 1; camera <= 2; ++camera) {
-        Waveform heard(2, 16000, 16000);
-        for (int ear = 0; ear < 2; ++ear) {
-          std::copy_n(sound.channel(ear).begin() + (camera == 1 ? 20 : 0), 16000,
-                      heard.channel(ear).begin());
-        }
-        const fs::path stem = folder / clip / std::to_string(camera);
-        write_sound(stem.string() + ".wav", heard, SampleFormat::float32);
-        write_image(stem.string() + ".png", filled_image(64, 36, {200, 10, 30}));
-        write_file(stem.string() + ".npy", std::string_view(npy({0.125, 0.25, 0.5, 0.75, 3.0})));
-      }
-    }
-    write_file(folder / "metadata_v2.json",
-               std::string_view(R"({"data/appen_dataset/v3/SC-1027/3": ["1.png", "2.png"],
-                                    "data/appen_dataset/v3/SC-1044/5": ["1.png", "2.png"]})"));
-    // Camera 1 looks along x; camera 2 stands 1 m ahead and 2 m to the left of it and looks left.
-    write_file(folder.parent_path() / "camera_positions_fixed_rotation.json", std::string_view(R"({
-      "centers": {"SC-1027": {"DSLR-1": [100, 0, 150], "DSLR-2": [200, 200, 150]},
-                  "SC-1044": {"DSLR-1": [100, 0, 150], "DSLR-2": [200, 200, 150]}},
-      "rotations": {"SC-1027": {"DSLR-1": [1, 0, 0], "DSLR-2": [0, 1, 0]},
-                    "SC-1044": {"DSLR-1": [1, 0, 0], "DSLR-2": [0, 1, 0]}}})"));
+    write_tiny_replay_dataset(root_, {"SC-1027/3", "SC-1044/5"});
   }
   void TearDown() override { fs::remove_all(root_); }
 
@@ -73,8 +36,6 @@ class ReplayEvaluationSetTest : public ::testing::Test {
 };
 
 TEST_F(ReplayEvaluationSetTest, PairsHaveOurFrame) {
-  EXPECT_TRUE(is_replay_folder(root_));
-  EXPECT_FALSE(is_replay_folder(root_ / "data"));
   const auto set = replay_evaluation_set(root_, "test", {});
   ASSERT_EQ(set->size(), 2U);
   EXPECT_NE(set->cluster(0), set->cluster(1));
@@ -94,6 +55,61 @@ TEST_F(ReplayEvaluationSetTest, PairsHaveOurFrame) {
   }
 }
 
+TEST_F(ReplayEvaluationSetTest, NetworksAreToldThePoseThatTheReleasedLoaderTellsThem) {
+  ViGasDescription description;
+  description.pose_encoding = PoseEncoding::replay;
+  description.box_encoding = BoxEncoding::corners;
+  description.inputs = {{"tgt_pose", 3}, {"tgt_rotation", 6}, {"bboxes", 4}};
+  description.fusion_width = 8;
+  description.conditioning_width = 8;
+  description.channels = 8;
+  description.blocks = 1;
+  description.layers_per_block = 2;
+  RandomStream random(4);
+  ViGasWeights weights{.description = description, .tensors = {}, .unused = {}};
+  weights.tensors = random_tensors(required_tensors(description), random, -0.3, 0.3);
+  const fs::path file = root_ / "replay.safetensors";
+  write_safetensors(file, vigas_weight_file(weights));
+
+  ReplayDataset::Options options;
+  options.root = root_;
+  const ReplayDataset dataset(options);
+  const auto set = replay_evaluation_set(root_, "test", {});
+  NumpyRandom draws(0);
+  bool looks_elsewhere = false;
+  for (std::size_t pair = 0; pair < set->size(); ++pair) {
+    const ReplayClip& clip = dataset.clips()[pair];
+    const ReplayChoice choice = dataset.draw(clip, draws);
+    looks_elsewhere = looks_elsewhere || clip.images[choice.source] == "2.png";
+    const NvasSample loaded = dataset.sample(clip, choice, false);
+    const auto floats = [](const std::vector<double>& values) {
+      return std::vector<float>(values.begin(), values.end());
+    };
+    const auto pose = floats(loaded.tgt_pose);
+    const auto rotation = floats(loaded.tgt_rotation);
+    const auto box = floats(loaded.bboxes);
+    ViGas network(weights, 1);
+    std::vector<float> fused(8);
+    const std::vector<ConditioningValues> inputs{
+        {"tgt_pose", pose}, {"tgt_rotation", rotation}, {"bboxes", box}};
+    network.fuse(inputs, fused);
+    std::vector<float> expected(loaded.source.planar().size());
+    network.synthesize(loaded.source.planar(), fused, expected);
+
+    const PairSample sample = set->sample(pair);
+    const Waveform answer =
+        network_method("replay", file.string()).make()->render({sample, set->scene(pair)});
+    ASSERT_EQ(answer.planar().size(), expected.size());
+    float greatest = 0.0F;
+    for (const float x : expected) greatest = std::max(greatest, std::abs(x));
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+      // Centimetres pass through metres and back: float rounding, nothing more.
+      ASSERT_NEAR(answer.planar()[i], expected[i], 1e-4 * greatest) << pair << ", " << i;
+    }
+  }
+  EXPECT_TRUE(looks_elsewhere) << "no source of the test looks along another axis than x";
+}
+
 TEST_F(ReplayEvaluationSetTest, OnlyTheReleasedColumnIsAlignedByTheTarget) {
   const auto set = replay_evaluation_set(root_, "test", {});
   SilentProgress silent;
@@ -111,6 +127,25 @@ TEST_F(ReplayEvaluationSetTest, MethodsThatMustKnowTheSpeakerAreRefused) {
   SilentProgress silent;
   const std::vector<MethodEntry> methods{dsp_method()};
   EXPECT_THROW((void)evaluate(*set, methods, {}, silent), InputError);
+}
+
+TEST_F(ReplayEvaluationSetTest, AMissingPictureIsTheMoviesFirstFrame) {
+  const auto set = replay_evaluation_set(root_, "test", {});
+  for (const char* camera : {"1", "2"}) {
+    const fs::path stem = root_ / "data/appen_dataset/v3/SC-1027/3" / camera;
+    fs::remove(stem.string() + ".png");
+  }
+  EXPECT_THROW((void)set->sample(0), InputError);
+  for (const char* camera : {"1", "2"}) {
+    const fs::path stem = root_ / "data/appen_dataset/v3/SC-1027/3" / camera;
+    MovieWriter movie(stem.string() + ".mp4", 64, 36, 10.0, 16000);
+    movie.write_sound(Waveform(2, 3200, 16000));
+    movie.write_picture(filled_image(64, 36, {200, 10, 30}));
+    movie.write_picture(filled_image(64, 36, {10, 200, 30}));
+    movie.close();
+  }
+  // Colours of a movie are rounded and its picture is coded with loss.
+  EXPECT_NEAR(set->sample(0).picture->at(100, 100, 0), 200, 8);
 }
 
 }  // namespace

@@ -50,13 +50,17 @@ std::optional<std::size_t> best_of(const EvaluationTable& table, Metric metric) 
   return best;
 }
 
-std::string cell(const TableRow::Column& column, int decimals, bool is_best) {
+/// @param clips  of the table: a mean over fewer says over how many
+std::string cell(const TableRow::Column& column, int decimals, bool is_best, std::size_t clips) {
   if (!column.mean) return "<td>&ndash;</td>";
   std::string text = fmt::format("<td{}><b>{:.{}f}</b>", is_best ? " class=\"best\"" : "",
                                  column.mean->value, decimals);
   if (column.mean->range) {
     text += fmt::format("<small>{:.{}f} &ndash; {:.{}f}</small>", column.mean->range->low, decimals,
                         column.mean->range->high, decimals);
+  }
+  if (column.mean->clips < clips) {
+    text += fmt::format("<small>over {} of {} clips</small>", column.mean->clips, clips);
   }
   if (column.ratio) text += fmt::format("<small>&times; {:.2f}</small>", column.ratio->value);
   return text + "</td>";
@@ -75,7 +79,7 @@ std::string main_table(const EvaluationTable& table) {
                         escaped(row.method), escaped(row.what));
     for (const Metric metric : told_metrics()) {
       if (!is_shown(table, metric)) continue;
-      html += cell(row[metric], name_of(metric).decimals, best_of(table, metric) == m);
+      html += cell(row[metric], name_of(metric).decimals, best_of(table, metric) == m, table.clips);
     }
     html += "</tr>\n";
   }
@@ -96,7 +100,7 @@ std::string released_table(const EvaluationTable& table) {
     for (const Metric metric : kReleased) {
       if (!is_shown(table, metric)) continue;
       const TableRow::Column column{row[metric].released, std::nullopt, std::nullopt};
-      html += cell(column, name_of(metric).decimals, false);
+      html += cell(column, name_of(metric).decimals, false, table.clips);
     }
     html += fmt::format("<td>{}</td></tr>\n", row.sign_fixes);
   }
@@ -258,14 +262,14 @@ std::string clip_card(const ChosenClip& chosen, const EvaluationSet& set,
 
 std::string head_of(const EvaluationTable& table, const ReportOptions& options) {
   std::string html = fmt::format(
-      "<h1>How near to the truth</h1>\n<p class=\"soft\">{}, split {}: {} clips of {} "
-      "conversations.</p>\n",
-      escaped(options.data), escaped(options.split), table.clips, table.conversations);
-  html +=
+      "<h1>How near to the truth</h1>\n<p class=\"soft\">{}, split {}: {}. Pairs: {}.</p>\n",
+      escaped(options.data), escaped(options.split), extent_of(table), escaped(options.pairs));
+  html += fmt::format(
       "<h2>Methods</h2>\n<p>Every number is an error, and 0 is best. Below each mean stand its "
-      "95&nbsp;% interval, drawn by conversation, and its ratio to <em>input</em>, the source's "
+      "95&nbsp;% interval, drawn by {}, and its ratio to <em>input</em>, the source's "
       "sound as it is. The best method is blue. Oracles are shown part of the answer: they tell "
-      "how much is to be had.</p>\n";
+      "how much is to be had.</p>\n",
+      table.interval_unit());
   html += "<div class=\"card\">\n" + main_table(table) + "</div>\n";
   html +=
       "<details><summary>With what the published evaluation does</summary>\n<p>It negates one ear "

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include <earpoint/evaluate/bootstrap.h>
+#include <earpoint/evaluate/evaluation_table.h>
 
 namespace earpoint {
 namespace {
@@ -96,13 +97,14 @@ struct CurvePoint {
 /// @return [method][bin]
 std::vector<std::vector<CurvePoint>> curves_of(const EvaluationResult& result, Metric metric,
                                                const CurveAxis& axis) {
+  const std::vector<int> all_clusters = interval_clusters(result);
   std::vector<std::vector<CurvePoint>> curves(result.methods.size());
   for (const std::vector<std::size_t>& bin : bins_of(result, axis)) {
     std::vector<int> clusters;
     clusters.reserve(bin.size());
     double x = 0.0;
     for (const std::size_t clip : bin) {
-      clusters.push_back(result.clips[clip].cluster);
+      clusters.push_back(all_clusters[clip]);
       x += axis.value(result.clips[clip]) / static_cast<double>(bin.size());
     }
     const ClusterBootstrap bootstrap(clusters, {.replicates = 1000});

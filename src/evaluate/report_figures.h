@@ -25,7 +25,7 @@ struct CurveAxis {
 [[nodiscard]] std::span<const CurveAxis> curve_axes();
 
 /// Mean of a metric in five bins of equally many clips along the axis, with 95 % intervals drawn by
-/// conversation, a line per method, as SVG.
+/// interval_clusters(), a line per method, as SVG.
 [[nodiscard]] std::string curve_svg(const EvaluationResult& result, Metric metric,
                                     const CurveAxis& axis);
 

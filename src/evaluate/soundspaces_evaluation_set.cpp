@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <earpoint/core/error.h>
+#include <earpoint/dataset/dataset_folder.h>
 #include <earpoint/dataset/pair_list.h>
 #include <earpoint/dataset/soundspaces.h>
 #include <earpoint/evaluate/evaluation_set.h>
@@ -15,6 +16,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// Of pairs that are drawn because the data set has no list.
+constexpr std::uint64_t kDrawSeed = 1;
+
 /// `limit` of the pairs, spread evenly over the list, whose neighbours are of one conversation.
 std::vector<ViewPair> spread(std::vector<ViewPair> pairs, std::optional<std::size_t> limit) {
   if (!limit || *limit >= pairs.size()) return pairs;
@@ -23,27 +27,47 @@ std::vector<ViewPair> spread(std::vector<ViewPair> pairs, std::optional<std::siz
   return chosen;
 }
 
+/// Pairs, and where they come from.
+struct Origin {
+  PairList list;
+  std::string where;
+};
+
+Origin pairs_of(const SoundSpacesDataset& dataset, const fs::path& folder,
+                const PairChoice& choice) {
+  if (choice.draw == PairDraw::released) {
+    return {draw_pair_list(dataset, *choice.draw, kDrawSeed), "drawn as the released test does"};
+  }
+  const auto found = choice.list ? choice.list : find_pair_list(folder, dataset.split());
+  if (choice.draw || !found) {
+    return {draw_pair_list(dataset, PairDraw::every_target, kDrawSeed),
+            fmt::format("drawn, every viewpoint the target once, seed {}", kDrawSeed)};
+  }
+  Origin origin{read_pair_list(*found), found->string()};
+  if (origin.list.split != dataset.split()) {
+    throw InputError(origin.where, fmt::format("is of the split {}, expected {}", origin.list.split,
+                                               dataset.split()));
+  }
+  return origin;
+}
+
 class SoundSpacesEvaluationSet : public EvaluationSet {
  public:
   SoundSpacesEvaluationSet(const fs::path& folder, const std::string& split,
-                           const fs::path& list_path, std::optional<std::size_t> limit,
+                           const PairChoice& choice, std::optional<std::size_t> limit,
                            std::size_t cache_bytes, PairTarget target)
       : dataset_(soundspaces_options(folder, split)),
         sampler_(dataset_, cache_bytes, ResponseDelays::dropped, target),
         target_(target) {
-    PairList list = read_pair_list(list_path);
-    if (list.split != split) {
-      throw InputError(list_path.string(),
-                       fmt::format("is of the split {}, expected {}", list.split, split));
-    }
+    Origin origin = pairs_of(dataset_, folder, choice);
+    where_ = origin.where;
     std::map<std::pair<std::string, int>, int> conversations;
-    for (const ViewPair& pair : spread(std::move(list.pairs), limit)) {
+    for (const ViewPair& pair : spread(std::move(origin.list.pairs), limit)) {
       const auto known = conversations.try_emplace({pair.scene, pair.clip},
                                                    static_cast<int>(conversations.size()));
-      pairs_.push_back(
-          {pair, &clip_of(pair, dataset_.clips(), list_path.string()), known.first->second});
+      pairs_.push_back({pair, &clip_of(pair, dataset_.clips(), where_), known.first->second});
     }
-    if (pairs_.empty()) throw InputError(list_path.string(), "holds no pairs");
+    if (pairs_.empty()) throw InputError(where_, "holds no pairs");
   }
 
   [[nodiscard]] std::size_t size() const override { return pairs_.size(); }
@@ -60,6 +84,13 @@ class SoundSpacesEvaluationSet : public EvaluationSet {
     return pairs_.at(pair).pair.scene;
   }
   [[nodiscard]] int cluster(std::size_t pair) const override { return pairs_.at(pair).cluster; }
+  /// The reader is the first part of a recording's name.
+  [[nodiscard]] std::optional<std::string> voice(std::size_t pair) const override {
+    const Entry& entry = pairs_.at(pair);
+    const std::string& speech = *entry.clip->speakers[entry.pair.choice.speaker].speech;
+    return speech.substr(0, speech.find('-'));
+  }
+  [[nodiscard]] std::string pairs() const override { return where_; }
   [[nodiscard]] PairSample sample(std::size_t pair) const override {
     return sampler_.sample(*pairs_.at(pair).clip, pairs_[pair].pair.choice);
   }
@@ -76,16 +107,16 @@ class SoundSpacesEvaluationSet : public EvaluationSet {
   SoundSpacesDataset dataset_;
   PairSampler sampler_;
   PairTarget target_;
+  std::string where_;
   std::vector<Entry> pairs_;
 };
 
 }  // namespace
 
 std::unique_ptr<EvaluationSet> soundspaces_evaluation_set(
-    const fs::path& folder, const std::string& split, const std::optional<fs::path>& pair_list,
+    const fs::path& folder, const std::string& split, const PairChoice& pairs,
     std::optional<std::size_t> limit, std::size_t cache_bytes, PairTarget target) {
-  const fs::path list = pair_list.value_or(folder / ("pairs-" + split + ".json"));
-  return std::make_unique<SoundSpacesEvaluationSet>(folder, split, list, limit, cache_bytes,
+  return std::make_unique<SoundSpacesEvaluationSet>(folder, split, pairs, limit, cache_bytes,
                                                     target);
 }
 

@@ -11,6 +11,7 @@
 #include <earpoint/audio/convolution.h>
 #include <earpoint/core/error.h>
 #include <earpoint/core/random.h>
+#include <earpoint/dataset/dataset_folder.h>
 #include <earpoint/dataset/pair_sample.h>
 #include <earpoint/evaluate/transfer_function.h>
 

@@ -40,6 +40,7 @@ class AtomicFolder {
 
   void commit() {
     std::error_code error;
+    fs::remove_all(path_, error);  // it lacked a file
     fs::rename(aside_, path_, error);
     if (error) throw InputError(path_.string(), "cannot be made: " + error.message());
     committed_ = true;
@@ -55,6 +56,10 @@ std::string image_name(std::size_t viewpoint) { return fmt::format("view_{}.png"
 
 std::string response_name(std::size_t viewpoint, std::size_t speaker) {
   return fmt::format("rir_{}_{}.wav", viewpoint, speaker);
+}
+
+std::string heard_name(std::size_t viewpoint, std::size_t speaker) {
+  return fmt::format("heard_{}_{}.wav", viewpoint, speaker);
 }
 
 SoundSpacesClip clip_of(const SimulatedConversation& conversation, const std::string& path,
@@ -84,6 +89,36 @@ SoundSpacesClip clip_of(const SimulatedConversation& conversation, const std::st
   return clip;
 }
 
+bool is_there(const fs::path& file) {
+  std::error_code error;
+  const std::uintmax_t size = fs::file_size(file, error);
+  return !error && size > 0;
+}
+
+/// Whether every picture and sound of the clip is in the folder.
+bool has_its_files(const fs::path& folder, const SoundSpacesClip& clip, bool heard) {
+  for (std::size_t v = 0; v < clip.viewpoints.size(); ++v) {
+    if (!is_there(folder / image_name(v))) return false;
+    for (std::size_t s = 0; s < clip.speakers.size(); ++s) {
+      if (!is_there(folder / response_name(v, s))) return false;
+      if (heard && !is_there(folder / heard_name(v, s))) return false;
+    }
+  }
+  return true;
+}
+
+/// @throws InputError if a file of it is missing or malformed
+StoredConversation read_conversation(const fs::path& folder, const std::string& scene) {
+  StoredConversation stored;
+  const std::string clip_path = (folder / kClip).string();
+  auto clips = parse_soundspaces_metadata(read_text_file(clip_path), clip_path, scene);
+  if (clips.size() != 1) throw InputError(clip_path, "expected one clip");
+  stored.clip = std::move(clips.front());
+  stored.report =
+      parse_conversation_report(read_text_file(folder / kReport), (folder / kReport).string());
+  return stored;
+}
+
 }  // namespace
 
 fs::path conversation_folder(const WorkItem& item, const std::string& scene) {
@@ -102,8 +137,7 @@ void write_conversation(const fs::path& root, const WorkItem& item, const std::s
       write_sound(folder.aside() / response_name(v, s), viewpoint.responses[s],
                   SampleFormat::float32);
       if (viewpoint.heard[s].empty()) continue;
-      write_sound(folder.aside() / fmt::format("heard_{}_{}.wav", v, s), viewpoint.heard[s],
-                  SampleFormat::float32);
+      write_sound(folder.aside() / heard_name(v, s), viewpoint.heard[s], SampleFormat::float32);
     }
   }
   const std::string path = (fs::path(prefix) / place).generic_string() + "/";
@@ -113,21 +147,17 @@ void write_conversation(const fs::path& root, const WorkItem& item, const std::s
   folder.commit();
 }
 
-bool is_stored(const fs::path& root, const WorkItem& item, const std::string& scene) {
-  return fs::exists(root / conversation_folder(item, scene) / kReport);
-}
-
-StoredConversation read_conversation(const fs::path& root, const WorkItem& item,
-                                     const std::string& scene) {
+std::optional<StoredConversation> stored_conversation(const fs::path& root, const WorkItem& item,
+                                                      const std::string& scene, bool heard) {
   const fs::path folder = root / conversation_folder(item, scene);
-  StoredConversation stored;
-  const std::string clip_path = (folder / kClip).string();
-  auto clips = parse_soundspaces_metadata(read_text_file(clip_path), clip_path, scene);
-  if (clips.size() != 1) throw InputError(clip_path, "expected one clip");
-  stored.clip = std::move(clips.front());
-  stored.report =
-      parse_conversation_report(read_text_file(folder / kReport), (folder / kReport).string());
-  return stored;
+  if (!is_there(folder / kReport) || !is_there(folder / kClip)) return std::nullopt;
+  try {
+    StoredConversation stored = read_conversation(folder, scene);
+    if (!has_its_files(folder, stored.clip, heard)) return std::nullopt;
+    return stored;
+  } catch (const InputError&) {
+    return std::nullopt;  // made anew, like what is missing
+  }
 }
 
 }  // namespace earpoint

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,11 +31,11 @@ void write_conversation(const std::filesystem::path& root, const WorkItem& item,
                         const SimulatedConversation& conversation,
                         const std::vector<std::string>& voices, const ConversationReport& report);
 
-/// @return whether the conversation is there, whole
-bool is_stored(const std::filesystem::path& root, const WorkItem& item, const std::string& scene);
-
-/// @throws InputError if a file of it is missing or malformed
-StoredConversation read_conversation(const std::filesystem::path& root, const WorkItem& item,
-                                     const std::string& scene);
+/// Reads a conversation back.
+/// @param heard  whether what is heard at every viewpoint belongs to it
+/// @return nothing unless every file of it is there and none is empty or malformed
+std::optional<StoredConversation> stored_conversation(const std::filesystem::path& root,
+                                                      const WorkItem& item,
+                                                      const std::string& scene, bool heard);
 
 }  // namespace earpoint

@@ -1,6 +1,7 @@
 #include "dataset_record.h"
 
 #include "conversation_folder.h"
+#include "dataset_lock.h"
 #include "speech_writer.h"
 
 #include <algorithm>
@@ -63,12 +64,13 @@ using SceneKey = std::pair<std::string, std::string>;  // split, scene
 
 /// The clips that are there, by scene.
 std::map<SceneKey, std::vector<StoredConversation>> stored_conversations(
-    const fs::path& root, const SceneSource& scenes, const std::vector<WorkItem>& items) {
+    const fs::path& root, const SceneSource& scenes, const std::vector<WorkItem>& items,
+    bool heard) {
   std::map<SceneKey, std::vector<StoredConversation>> stored;
   for (const WorkItem& item : items) {
     const std::string scene = scenes.name(item.scene);
-    if (!is_stored(root, item, scene)) continue;
-    stored[{item.split, scene}].push_back(read_conversation(root, item, scene));
+    auto conversation = stored_conversation(root, item, scene, heard);
+    if (conversation) stored[{item.split, scene}].push_back(std::move(*conversation));
   }
   return stored;
 }
@@ -116,25 +118,33 @@ void write_pair_lists(const fs::path& root, const std::vector<WorkItem>& items, 
   }
 }
 
-std::size_t count(const std::map<SceneKey, std::vector<StoredConversation>>& stored) {
-  std::size_t conversations = 0;
-  for (const auto& [key, list] : stored) conversations += list.size();
-  return conversations;
+/// Removes what was being written aside: ".name.partial.ext" and, for folders, ".name.partial".
+template <typename Iterator>
+void remove_partial(Iterator entries) {
+  std::vector<fs::path> left;
+  for (const fs::directory_entry& entry : entries) {
+    const std::string name = entry.path().filename().string();
+    if (name.starts_with('.') && name.find(".partial") != std::string::npos) {
+      left.push_back(entry.path());
+    }
+  }
+  std::error_code ignored;
+  for (const fs::path& path : left) fs::remove_all(path, ignored);
 }
 
 }  // namespace
 
 void begin_dataset(const GenerationOptions& options, const SceneSource& scenes,
-                   const SpeechCorpus& corpus) {
-  std::error_code error;
-  fs::create_directories(options.folder, error);
-  if (error) throw InputError(options.folder.string(), "cannot be made: " + error.message());
+                   const SpeechCorpus& corpus, bool others_work) {
   const fs::path path = options.folder / kRecord;
   const Json wanted = record_of(options, scenes, corpus);
   // A run that failed before it made anything, by a wrong unit say, binds nobody.
-  const bool holds_more = std::any_of(
-      fs::directory_iterator(options.folder), fs::directory_iterator(),
-      [&](const fs::directory_entry& entry) { return entry.path().filename() != kRecord; });
+  const bool holds_more =
+      others_work || std::any_of(fs::directory_iterator(options.folder), fs::directory_iterator(),
+                                 [&](const fs::directory_entry& entry) {
+                                   const fs::path name = entry.path().filename();
+                                   return name != kRecord && name != DatasetLock::kFile;
+                                 });
   if (!fs::exists(path) || !holds_more) {
     write_file(path, wanted.dump(1) + "\n");
     return;
@@ -149,15 +159,9 @@ void begin_dataset(const GenerationOptions& options, const SceneSource& scenes,
 
 void complete_dataset(const GenerationOptions& options, const SceneSource& scenes,
                       const SpeechCorpus& corpus, const std::vector<WorkItem>& items,
-                      GenerationSummary& summary) {
-  auto stored = stored_conversations(options.folder, scenes, items);
-  // Another shard may have finished more while this one wrote, and have written before it.
-  while (true) {
-    write_metadata(options.folder, stored);
-    auto again = stored_conversations(options.folder, scenes, items);
-    if (count(again) == count(stored)) break;
-    stored = std::move(again);
-  }
+                      bool others_work, GenerationSummary& summary) {
+  const auto stored = stored_conversations(options.folder, scenes, items, options.write_heard);
+  write_metadata(options.folder, stored);
   write_pair_lists(options.folder, items, options.seed, stored);
   SpeechWriter speech(options.folder / speech_folder_of(options.speech_form), options.speech_form);
   for (const auto& [key, conversations] : stored) {
@@ -170,6 +174,13 @@ void complete_dataset(const GenerationOptions& options, const SceneSource& scene
     }
   }
   summary.missing = static_cast<int>(items.size()) - summary.conversations;
+  if (others_work) return;
+  remove_partial(fs::directory_iterator(options.folder));
+  for (const auto& [key, conversations] : stored) {
+    remove_partial(fs::directory_iterator(options.folder / key.first / key.second));
+  }
+  const fs::path speech_folder = options.folder / speech_folder_of(options.speech_form);
+  if (fs::exists(speech_folder)) remove_partial(fs::recursive_directory_iterator(speech_folder));
 }
 
 }  // namespace earpoint

@@ -1,4 +1,5 @@
 #include "conversation_folder.h"
+#include "dataset_lock.h"
 #include "dataset_record.h"
 #include "speech_writer.h"
 
@@ -169,18 +170,28 @@ GenerationSummary generate_dataset(const GenerationOptions& options, const Scene
                                    ProgressSink& progress) {
   EARPOINT_CHECK(options.jobs > 0);
   const auto start = std::chrono::steady_clock::now();
-  begin_dataset(options, scenes, corpus);
   const std::vector<WorkItem> items = plan_work(options.order);
+  const std::vector<WorkItem> mine = items_of_shard(items, options.order, options.shard);
+  DatasetLock lock(options.folder, options.order);
+  {
+    const std::lock_guard guard(lock);
+    begin_dataset(options, scenes, corpus, lock.others_work());
+    lock.take(mine);
+  }
   std::vector<WorkItem> to_do;
-  for (const WorkItem& item : items_of_shard(items, options.order, options.shard)) {
-    if (!is_stored(options.folder, item, scenes.name(item.scene))) to_do.push_back(item);
+  for (const WorkItem& item : mine) {
+    const std::string scene = scenes.name(item.scene);
+    if (!stored_conversation(options.folder, item, scene, options.write_heard)) {
+      to_do.push_back(item);
+    }
   }
   GenerationSummary summary;
   if (!to_do.empty()) {
     summary.seconds = make_conversations(options, scenes, figures, corpus, to_do, progress);
   }
   summary.simulated = static_cast<int>(to_do.size());
-  complete_dataset(options, scenes, corpus, items, summary);
+  const std::lock_guard guard(lock);
+  complete_dataset(options, scenes, corpus, items, lock.others_work(), summary);
   const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - start;
   summary.wall_s = passed.count();
   return summary;

@@ -1,3 +1,5 @@
+#include "conversation_folder.h"
+#include "dataset_lock.h"
 #include "test_data.h"
 
 #include <filesystem>
@@ -98,9 +100,49 @@ TEST_F(GenerationTest, WhatWasInterruptedGoesOnToTheSameBytes) {
   fs::remove(options.folder / "val/rooms-0/.0.partial/report.json");
   fs::remove_all(options.folder / "test");
   fs::remove_all(options.folder / "speech/train-clean-360");
+  write_file(options.folder / "speech/.voice.1.partial.flac", "half");
   const GenerationSummary summary = generate(options);
   EXPECT_EQ(summary.simulated, 2);
   EXPECT_EQ(contents_of(options.folder), expected);
+}
+
+TEST_F(GenerationTest, WhatLacksAFileIsMadeAgainToTheSameBytes) {
+  GenerationOptions options = three_conversations("set");
+  options.order.conversations = 1;
+  static_cast<void>(generate(options));
+  const auto expected = contents_of(options.folder);
+  const WorkItem item{.scene = 0, .conversation = 0, .split = "train"};
+  ASSERT_TRUE(stored_conversation(options.folder, item, "rooms-0", false));
+  EXPECT_FALSE(stored_conversation(options.folder, item, "rooms-0", true));
+  for (const char* name : {"rir_2_1.wav", "view_3.png", "clip.json", "report.json"}) {
+    const fs::path file = options.folder / "train/rooms-0/0" / name;
+    const std::string text = read_text_file(file);
+    fs::remove(file);
+    EXPECT_FALSE(stored_conversation(options.folder, item, "rooms-0", false)) << name;
+    write_file(file, std::string_view());
+    EXPECT_FALSE(stored_conversation(options.folder, item, "rooms-0", false)) << name;
+    write_file(file, text);
+  }
+  fs::remove(options.folder / "train/rooms-0/0/rir_0_0.wav");
+  EXPECT_EQ(generate(options).simulated, 1);
+  EXPECT_EQ(contents_of(options.folder), expected);
+}
+
+TEST_F(GenerationTest, TwoProcessesDoNotMakeTheSameConversations) {
+  GenerationOptions options = three_conversations("set");
+  options.order.conversations = 2;
+  DatasetLock other(options.folder, options.order);
+  other.take({{.scene = 0, .conversation = 1, .split = "val"}});
+  EXPECT_NE(refusal_of(options).find("another process is simulating the same part"),
+            std::string::npos)
+      << refusal_of(options);
+  // Nor with another seed, although nothing is there yet.
+  GenerationOptions other_seed = options;
+  other_seed.seed = 2;
+  EXPECT_NE(refusal_of(other_seed).find("seed is 1 there, 2 here"), std::string::npos);
+  // The shard that does not make that one goes on.
+  options.shard = {.index = 0, .count = 2};
+  EXPECT_EQ(generate(options).simulated, 1);
 }
 
 TEST_F(GenerationTest, OtherOptionsInTheSameFolderAreRefused) {

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include <earpoint/core/csv.h>
 #include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
 
@@ -38,8 +39,8 @@ std::vector<std::pair<int, std::string_view>> lines_of(std::string_view text) {
   return lines;
 }
 
-/// The cells of a line; a comma within "..." is part of a cell, "" there is one quote.
-std::vector<std::string> csv_cells(std::string_view line) {
+/// The cells of a line; a separator within "..." is part of a cell, "" there is one quote.
+std::vector<std::string> csv_cells(std::string_view line, char separator) {
   std::vector<std::string> cells(1);
   bool quoted = false;
   for (std::size_t i = 0; i < line.size(); ++i) {
@@ -49,7 +50,7 @@ std::vector<std::string> csv_cells(std::string_view line) {
       ++i;
     } else if (c == '"') {
       quoted = !quoted;
-    } else if (c == ',' && !quoted) {
+    } else if (c == separator && !quoted) {
       cells.emplace_back();
     } else {
       cells.back() += c;
@@ -167,9 +168,11 @@ SpeechIndex read_speech_csv(const fs::path& path) {
   const std::string text = read_text_file(path);
   SpeakerTable table(path);
   std::size_t columns = 0;
-  for (const auto& [line, content] : lines_of(text)) {
+  char separator = ',';
+  for (const auto& [line, content] : lines_of(without_byte_order_mark(text, path.string()))) {
     if (content.starts_with('#')) continue;
-    const std::vector<std::string> cells = csv_cells(content);
+    if (columns == 0) separator = csv_separator(content);
+    const std::vector<std::string> cells = csv_cells(content, separator);
     if (columns == 0) {
       columns = cells.size();
       const std::vector<std::string> names = {"file", "speaker", "gender", "split"};

@@ -25,7 +25,9 @@ void write_speech(const fs::path& path, const Waveform& speech, SpeechForm form)
   aside.replace_extension(".wav");
   write_sound(aside, speech, SampleFormat::float32);
   fs::rename(aside, path, error);
-  if (error) throw InputError(path.string(), "cannot be renamed into place: " + error.message());
+  // Another process that writes the same may have been a moment earlier.
+  if (error && !fs::exists(path))
+    throw InputError(path.string(), "cannot be renamed into place: " + error.message());
 }
 
 }  // namespace

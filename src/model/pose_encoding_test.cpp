@@ -68,6 +68,60 @@ TEST(PoseEncoding, ReplayEqualsTheReleasedLoaderForASourceThatLooksAlongX) {
   }
 }
 
+/// Where a camera of the Replay recordings stands, from centimetres and a viewing direction.
+Pose from_replay(const double* centre, const double* direction) {
+  const Vector3 position_m = Vector3{centre[0], centre[1], centre[2]} * 0.01;
+  return look_at(position_m, position_m + Vector3{direction[0], direction[1], direction[2]});
+}
+
+TEST(PoseEncoding, ReplayEqualsTheReleasedLoaderWhereverTheSourceLooks) {
+  const auto path = oracle("D_poses/replay.safetensors");
+  if (path.empty()) GTEST_SKIP() << "EARPOINT_ORACLE_DIR is not set";
+  const SafetensorsFile file = read_safetensors(path);
+  const auto centres = file.tensors.at("centers").as<double>();
+  const auto directions = file.tensors.at("directions").as<double>();
+  const auto pairs = file.tensors.at("pairs").as<std::int64_t>();
+  const auto poses = file.tensors.at("fixed_rotrel_tgt_pose").as<double>();
+  const auto turns = file.tensors.at("fixed_rotrel_tgt_rotation_sincos").as<float>();
+  ASSERT_EQ(pairs.size(), 40U);
+  for (std::size_t i = 0; i < 20; ++i) {
+    // Cameras are numbered from 1.
+    const auto from = 3 * static_cast<std::size_t>(pairs[2 * i] - 1);
+    const auto to = 3 * static_cast<std::size_t>(pairs[2 * i + 1] - 1);
+    const Pose source = from_replay(&centres[from], &directions[from]);
+    const Pose target = from_replay(&centres[to], &directions[to]);
+    const EncodedPose encoded = encode_pose(PoseEncoding::replay, inverse(source) * target, source);
+    for (std::size_t k = 0; k < 3; ++k) {
+      // Float rounding of hundreds of centimetres.
+      EXPECT_NEAR(encoded.tgt_pose[k], poses[i * 3 + k], 1e-4) << i << ", " << k;
+    }
+    for (std::size_t k = 0; k < 6; ++k) {
+      EXPECT_NEAR(encoded.tgt_rotation[k], turns[i * 6 + k], 2e-6) << i << ", " << k;
+    }
+  }
+}
+
+TEST(PoseEncoding, ReplayTakesRoundingOfALevelDirectionForZero) {
+  // Looking along x, y, -x and -y, where two components of the direction are zero but for rounding:
+  // a sign must not make pi of an angle of 0.
+  const double directions[4][3] = {{1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}};
+  const double centre[3] = {100, 200, 150};
+  for (const auto& from : directions) {
+    for (const auto& to : directions) {
+      const Pose source = from_replay(centre, from);
+      const EncodedPose encoded =
+          encode_pose(PoseEncoding::replay, inverse(source) * from_replay(centre, to), source);
+      const double angles[] = {std::atan2(to[1], to[0]) - std::atan2(from[1], from[0]),
+                               std::atan2(0.0, to[1]) - std::atan2(0.0, from[1]),
+                               std::atan2(0.0, to[0]) - std::atan2(0.0, from[0])};
+      for (int k = 0; k < 3; ++k) {
+        EXPECT_NEAR(encoded.tgt_rotation[2 * k], std::sin(angles[k]), 1e-6);
+        EXPECT_NEAR(encoded.tgt_rotation[2 * k + 1], std::cos(angles[k]), 1e-6);
+      }
+    }
+  }
+}
+
 TEST(PoseEncoding, FullKeepsEveryDegreeOfFreedom) {
   const EulerAngles angles{.yaw_rad = 0.4, .pitch_rad = -0.3, .roll_rad = 0.2};
   const EncodedPose encoded =
@@ -78,10 +132,18 @@ TEST(PoseEncoding, FullKeepsEveryDegreeOfFreedom) {
   EXPECT_NEAR(encoded.tgt_rotation[4], std::sin(0.2), 1e-7);
 }
 
-TEST(BoxEncoding, OrdersTheEdgesAsEachDatasetDoes) {
-  const Box box{0.1, 0.2, 0.3, 0.4};
+TEST(BoxEncoding, SoundspacesIsFirstAndLastPixelOver255) {
+  // Rows 32 to 127 and columns 64 to 191 of 256.
+  const Box box{64 / 256.0, 32 / 256.0, 192 / 256.0, 128 / 256.0};
   EXPECT_EQ(encode_box(BoxEncoding::soundspaces, box),
-            (std::vector<float>{0.2F, 0.4F, 0.1F, 0.3F}));
+            (std::vector<float>{32 / 255.0F, 127 / 255.0F, 64 / 255.0F, 191 / 255.0F}));
+  // The whole picture reaches from 0 to 1.
+  EXPECT_EQ(encode_box(BoxEncoding::soundspaces, Box{0, 0, 1, 1}),
+            (std::vector<float>{0, 1, 0, 1}));
+}
+
+TEST(BoxEncoding, CornersAreTheFractions) {
+  const Box box{0.1, 0.2, 0.3, 0.4};
   EXPECT_EQ(encode_box(BoxEncoding::corners, box), (std::vector<float>{0.1F, 0.2F, 0.3F, 0.4F}));
 }
 

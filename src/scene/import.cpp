@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <fmt/core.h>
 #include <fmt/format.h>
@@ -15,7 +16,8 @@ namespace {
 constexpr double kLargest_m = 1000.0;  // no room is larger; sound fades before it crosses it
 // Heights of what may be a storey, a hall or a house; others are likely in another unit.
 constexpr double kUsualHeight_m[] = {1.5, 30.0};
-constexpr double kLeaky = 0.01;  ///< share of escaping rays above which reverberation is wrong
+constexpr double kCoarse_m = 1e-3;  ///< of coordinates: rougher than what is drawn
+constexpr double kLeaky = 0.01;     ///< share of escaping rays above which reverberation is wrong
 
 std::string lower_extension(const std::filesystem::path& path) {
   std::string extension = path.extension().string();
@@ -31,6 +33,26 @@ UpAxis default_up_axis(const std::filesystem::path& path) {
   throw InputError(path.string(),
                    fmt::format("expected a .glb, .gltf, .obj or .ply model, found '{}'", extension),
                    "convert it to .glb");
+}
+
+double largest_coordinate_m(const Bounds& box) {
+  return std::max({-box.low.x, -box.low.y, -box.low.z, box.high.x, box.high.y, box.high.z});
+}
+
+/// Moves a scene that lies far from its origin near to it: rays are traced in single precision.
+void move_to_origin(ImportedScene& imported) {
+  const Bounds box = bounds(imported.scene.mesh);
+  const auto largest_m = static_cast<float>(largest_coordinate_m(box));
+  imported.report.coordinate_step_m =
+      std::nextafter(largest_m, std::numeric_limits<float>::infinity()) - largest_m;
+  constexpr float kFar_m = 1000.0F;
+  if (!(largest_m > kFar_m)) return;
+  imported.origin_m = {std::floor(box.low.x), std::floor(box.low.y), std::floor(box.low.z)};
+  for (auto& position : imported.scene.mesh.positions) {
+    position = {static_cast<float>(position[0] - imported.origin_m.x),
+                static_cast<float>(position[1] - imported.origin_m.y),
+                static_cast<float>(position[2] - imported.origin_m.z)};
+  }
 }
 
 /// @return the extent along each axis
@@ -73,6 +95,12 @@ std::vector<std::string> ImportReport::warnings() const {
                     "name it in --materials",
                     name, faces, sounds.at(name)));
   }
+  if (coordinate_step_m > kCoarse_m) {
+    lines.push_back(
+        fmt::format("its coordinates are so large that they are only good to {:.2g} m; move the "
+                    "model to its origin before it is exported",
+                    coordinate_step_m));
+  }
   if (size_m.z < kUsualHeight_m[0] || size_m.z > kUsualHeight_m[1]) {
     lines.push_back(fmt::format(
         "the model is {:.4g} m high; if its unit is not the metre, give --unit, if another axis "
@@ -104,6 +132,7 @@ ImportedScene import_scene(const std::filesystem::path& path, const ImportOption
   ImportedScene imported = lower_extension(path) == ".ply"
                                ? read_ply_scene(path, options, up_axis)
                                : read_with_assimp(path, options, up_axis);
+  move_to_origin(imported);
   imported.report.zero_area_triangles =
       check_scene(imported.scene, path.string()).zero_area_triangles;
   imported.report.size_m = check_size(imported.scene, path);

@@ -394,5 +394,33 @@ TEST_F(Import, RefusesIntegersThatAreNotThereAndPackedMeshes) {
             "box.glb: is packed by meshopt, which is not read here; export it without compression");
 }
 
+TEST_F(Import, MovesAModelThatLiesFarFromItsOrigin) {
+  const std::filesystem::path path = std::filesystem::path(testing::TempDir()) / "far.obj";
+  write_file(path, std::string_view("v 500000 5800000 100\nv 500006 5800000 100\n"
+                                    "v 500006 5800005 100\nv 500000 5800005 103\n"
+                                    "f 1 2 3\nf 1 3 4\n"));
+  const ImportedScene imported = import_scene(path, {.up_axis = UpAxis::z});
+  std::filesystem::remove(path);
+  EXPECT_EQ(imported.origin_m, (Vector3{500000.0, 5800000.0, 100.0}));
+  const Bounds box = bounds(imported.scene.mesh);
+  EXPECT_EQ(box.low, (Vector3{0.0, 0.0, 0.0}));
+  EXPECT_EQ(box.high, (Vector3{6.0, 5.0, 3.0}));
+  // A float of 5.8 million has steps of half a metre.
+  EXPECT_EQ(imported.report.coordinate_step_m, 0.5);
+  const std::vector<std::string> lines = imported.report.warnings();
+  EXPECT_TRUE(std::ranges::any_of(lines, [](const std::string& line) {
+    return line.find("only good to 0.5 m") != std::string::npos;
+  }));
+}
+
+TEST_F(Import, LeavesAModelNearItsOriginWhereItIs) {
+  const std::filesystem::path path = std::filesystem::path(testing::TempDir()) / "near.obj";
+  write_file(path, std::string_view("v 20 30 1\nv 26 30 1\nv 26 35 1\nf 1 2 3\n"));
+  const ImportedScene imported = import_scene(path, {.up_axis = UpAxis::z});
+  std::filesystem::remove(path);
+  EXPECT_EQ(imported.origin_m, (Vector3{0.0, 0.0, 0.0}));
+  EXPECT_EQ(bounds(imported.scene.mesh).low, (Vector3{20.0, 30.0, 1.0}));
+}
+
 }  // namespace
 }  // namespace earpoint

@@ -4,17 +4,20 @@
 #include <embree3/rtcore.h>
 
 #include <earpoint/core/error.h>
+#include <earpoint/scene/embree_config.h>
 #include <earpoint/scene/ray_caster.h>
+#include <earpoint/scene/triangle_planes.h>
 
 namespace earpoint {
 
 struct RayCaster::Embree {
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
+  TrianglePlanes planes;
 };
 
 RayCaster::RayCaster(const Mesh& mesh) : embree_(std::make_unique<Embree>()) {
-  embree_->device = rtcNewDevice("threads=1");
+  embree_->device = rtcNewDevice(embree_config());
   EARPOINT_CHECK(embree_->device != nullptr);
   embree_->scene = rtcNewScene(embree_->device);
   // Robust: no ray slips through an edge that two faces share.
@@ -30,6 +33,7 @@ RayCaster::RayCaster(const Mesh& mesh) : embree_(std::make_unique<Embree>()) {
   rtcAttachGeometry(embree_->scene, geometry);
   rtcReleaseGeometry(geometry);
   rtcCommitScene(embree_->scene);
+  embree_->planes = TrianglePlanes(mesh);
 }
 
 RayCaster::~RayCaster() {
@@ -54,7 +58,8 @@ std::optional<double> RayCaster::distance_m(const Vector3& origin, const Vector3
   rtcInitIntersectContext(&context);
   rtcIntersect1(embree_->scene, &context, &hit);
   if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
-  return hit.ray.tfar;
+  return embree_->planes.distance(hit.hit.primID, {hit.ray.org_x, hit.ray.org_y, hit.ray.org_z},
+                                  {hit.ray.dir_x, hit.ray.dir_y, hit.ray.dir_z}, hit.ray.tfar);
 }
 
 }  // namespace earpoint

@@ -8,6 +8,7 @@
 
 #include <earpoint/audio/fft.h>
 #include <earpoint/core/error.h>
+#include <earpoint/spatial/air_absorption.h>
 #include <earpoint/spatial/arrival_renderer.h>
 #include <earpoint/spatial/octave_bands.h>
 
@@ -83,6 +84,11 @@ class Response {
   std::vector<std::vector<Complex>> sums_;  // [channel][bin]
 };
 
+// The wave front's curvature; the air's temperature does not matter here.
+double travelled_m(const Arrival& arrival) {
+  return std::max(1e-3, arrival.delay_s * speed_of_sound_m_per_s(Air{}));
+}
+
 void check_arrivals(std::span<const Arrival> arrivals, double length_s) {
   EARPOINT_CHECK(length_s > 0.0);
   EARPOINT_CHECK(std::ranges::is_sorted(arrivals, {}, &Arrival::delay_s));
@@ -107,7 +113,7 @@ Waveform render_arrivals(std::span<const Arrival> arrivals, const HrtfSet& hrtf,
     }
     add(arrival);
     response.end_group();
-    const Hrir hrir = hrtf.interpolated(arrival.direction);
+    const Hrir hrir = hrtf.interpolated(arrival.direction, travelled_m(arrival));
     for (int ear = 0; ear < 2; ++ear) response.add_filtered(ear, hrir.taps[ear]);
   }
   for (std::size_t direction = 0; direction < late.size(); ++direction) {

@@ -37,7 +37,7 @@ struct BinauralPanner::State {
         wave(fft.size()) {}
 
   void set_filters(EarSpectra& filters, const Spherical& source) {
-    const Hrir hrir = hrtf.interpolated(direction_of(source));
+    const Hrir hrir = hrtf.interpolated(direction_of(source), source.distance_m);
     const auto gain = static_cast<float>(distance_gain(source.distance_m));
     for (int ear = 0; ear < 2; ++ear) {
       std::ranges::fill(wave, 0.0F);
@@ -112,7 +112,7 @@ Waveform pan_binaural(std::span<const float> mono, const HrtfSet& hrtf, const Sp
   EARPOINT_CHECK(source.distance_m > 0.0);
   Waveform ears(2, std::ssize(mono), hrtf.sample_rate_hz());
   if (mono.empty()) return ears;
-  const Hrir hrir = hrtf.interpolated(direction_of(source));
+  const Hrir hrir = hrtf.interpolated(direction_of(source), source.distance_m);
   const auto gain = static_cast<float>(distance_gain(source.distance_m));
   const int delay = rounded_centre_delay(hrtf);
   for (int ear = 0; ear < 2; ++ear) {

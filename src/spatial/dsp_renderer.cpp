@@ -107,9 +107,11 @@ EarFilterMatrix dsp_filters(const HrtfSet& hrtf, const Spherical& speaker_from_s
     s.distance_m = 1.0;
     return cartesian_from_spherical(s);
   };
-  EarSpectra inverse = design.spectra(hrtf.interpolated(unit(speaker_from_source)));
+  EarSpectra inverse =
+      design.spectra(hrtf.interpolated(unit(speaker_from_source), speaker_from_source.distance_m));
   design.invert(inverse);
-  const EarSpectra forward = design.spectra(hrtf.interpolated(unit(speaker_from_target)));
+  const EarSpectra forward =
+      design.spectra(hrtf.interpolated(unit(speaker_from_target), speaker_from_target.distance_m));
   const double gain =
       distance_gain(speaker_from_target.distance_m) / distance_gain(speaker_from_source.distance_m);
 

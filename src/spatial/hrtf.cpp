@@ -12,6 +12,7 @@
 #include <earpoint/core/pose.h>
 #include <earpoint/spatial/direction_mesh.h>
 #include <earpoint/spatial/hrtf.h>
+#include <earpoint/spatial/rigid_sphere.h>
 
 namespace earpoint {
 namespace {
@@ -19,7 +20,6 @@ namespace {
 using Complex = std::complex<float>;
 
 constexpr double kSpeedOfSound_m_per_s = 343.2;
-constexpr double kHeadRadius_m = 0.0875;
 constexpr double kPoleGap_rad = radians_from_degrees(20.0);
 // Bins lower than this below a response's largest count as this: the logarithm of nothing.
 constexpr float kFloor = 1e-6F;
@@ -38,6 +38,12 @@ struct Spectra {
   }
 };
 
+// By parts: std::complex looks for infinities.
+template <typename T>
+std::complex<T> product(const std::complex<T>& a, const std::complex<T>& b) {
+  return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
+}
+
 Spectra analyse(HrtfResponses& set) {
   Spectra spectra;
   // Twice the length: an onset that moves later wraps nothing into the response.
@@ -51,21 +57,26 @@ Spectra analyse(HrtfResponses& set) {
   RealFft<float> fft(spectra.fft_size);
   std::vector<float> padded(spectra.fft_size, 0.0F);
   std::vector<Complex> spectrum(spectra.bins);
+  std::vector<float> magnitudes(spectra.bins);
   for (std::size_t i = 0; i < set.directions.size(); ++i) {
     for (int ear = 0; ear < 2; ++ear) {
       const double onset = spectra.onsets[i][ear];
       std::ranges::copy(set.response(i, ear), padded.begin());
       fft.forward(padded, spectrum);
       float largest = 1e-30F;
-      for (const Complex& value : spectrum) largest = std::max(largest, std::abs(value));
       for (int bin = 0; bin < spectra.bins; ++bin) {
-        const float magnitude = std::abs(spectrum[bin]);
+        magnitudes[bin] = std::sqrt(std::norm(spectrum[bin]));
+        largest = std::max(largest, magnitudes[bin]);
+      }
+      const std::complex<double> step = std::polar(1.0, 2.0 * kPi * onset / spectra.fft_size);
+      std::complex<double> turn = 1.0;
+      for (int bin = 0; bin < spectra.bins; ++bin) {
+        const float magnitude = magnitudes[bin];
         const std::size_t at = spectra.offset(i, ear) + bin;
         spectra.log_magnitude[at] = std::log(std::max(magnitude, kFloor * largest));
-        const double turn = 2.0 * kPi * bin * onset / spectra.fft_size;
-        spectra.phase[at] = magnitude == 0.0F
-                                ? Complex(1.0F)
-                                : spectrum[bin] / magnitude * Complex(std::polar(1.0, turn));
+        spectra.phase[at] =
+            magnitude == 0.0F ? Complex(1.0F) : product(spectrum[bin] / magnitude, Complex(turn));
+        turn = product(turn, step);
       }
     }
   }
@@ -110,13 +121,12 @@ void add_pole(Spectra& spectra, std::size_t measured, double side) {
 
 // The mean onset over the sphere is that of the head's middle, but for a little: on a rigid sphere
 // (Woodworth) the near ear's lead averages a/4c, the far ear's lag a (pi/2 - 1) / 2c.
-double centre_delay(const Spectra& spectra, std::size_t measured, int sample_rate_hz) {
-  const std::vector<double> shares = sphere_shares(std::span(spectra.directions).first(measured));
+double centre_delay(const HrtfResponses& set) {
   double mean = 0.0;
-  for (std::size_t i = 0; i < measured; ++i) {
-    mean += shares[i] * 0.5 * (spectra.onsets[i][0] + spectra.onsets[i][1]);
+  for (std::size_t i = 0; i < set.directions.size(); ++i) {
+    mean += set.shares[i] * 0.5 * (set.onsets[i][0] + set.onsets[i][1]);
   }
-  const double head_samples = kHeadRadius_m / kSpeedOfSound_m_per_s * sample_rate_hz;
+  const double head_samples = kHeadRadius_m / kSpeedOfSound_m_per_s * set.sample_rate_hz;
   return mean - head_samples * ((kPi / 2.0 - 1.0) / 2.0 - 0.25);
 }
 
@@ -156,7 +166,7 @@ HrtfSet::HrtfSet(const SofaFile& file, int sample_rate_hz, HrtfEqualization equa
   add_pole(spectra, set.directions.size(), 1.0);
   add_pole(spectra, set.directions.size(), -1.0);
   DirectionMesh mesh = make_mesh(spectra.directions);
-  const double delay = centre_delay(spectra, set.directions.size(), set.sample_rate_hz);
+  const double delay = centre_delay(set);
   state_ = std::make_shared<const State>(
       State{std::move(set), std::move(spectra), std::move(mesh), delay});
 }
@@ -207,9 +217,38 @@ Hrir HrtfSet::measured(std::size_t measurement) const {
   return hrir;
 }
 
+double HrtfSet::distance_m() const { return state_->set.distance_m; }
+
+struct HrtfSet::NearField {
+  std::array<std::vector<Complex>, 2> spectra;
+  std::array<double, 2> later_samples{};
+};
+
+HrtfSet::NearField HrtfSet::near_field_of(const Vector3& direction, double distance_m) const {
+  const double towards_left = direction.y / norm(direction);
+  NearField field;
+  for (std::vector<Complex>& spectrum : field.spectra) spectrum.resize(state_->spectra.bins);
+  near_field_spectra(distance_m, this->distance_m(), towards_left, sample_rate_hz() / 2.0,
+                     {field.spectra[0], field.spectra[1]});
+  const auto here = rigid_sphere_delays_s(distance_m, towards_left);
+  const auto there = rigid_sphere_delays_s(this->distance_m(), towards_left);
+  for (int ear = 0; ear < 2; ++ear) {
+    field.later_samples[ear] = (here[ear] - there[ear]) * sample_rate_hz();
+  }
+  return field;
+}
+
 Hrir HrtfSet::interpolated(const Vector3& direction) const {
+  return interpolated(direction, distance_m());
+}
+
+Hrir HrtfSet::interpolated(const Vector3& direction, double distance_m) const {
+  EARPOINT_CHECK(distance_m > 0.0);
   const Spectra& spectra = state_->spectra;
   const DirectionMesh::Place place = state_->mesh.locate(direction);
+  const bool near = distance_m < this->distance_m();
+  NearField near_field;
+  if (near) near_field = near_field_of(direction, distance_m);
   RealFft<float> fft(spectra.fft_size);
   std::vector<Complex> spectrum(spectra.bins);
   std::vector<float> padded(spectra.fft_size);
@@ -234,6 +273,10 @@ Hrir HrtfSet::interpolated(const Vector3& direction) const {
       phase = length > 0.0F ? phase / length : Complex(1.0F);
       spectrum[bin] = std::exp(log_magnitude) * phase * Complex(ramp);
       ramp *= step;
+    }
+    if (near) {
+      for (int bin = 0; bin < spectra.bins; ++bin) spectrum[bin] *= near_field.spectra[ear][bin];
+      hrir.onset_samples[ear] += near_field.later_samples[ear];
     }
     fft.inverse(spectrum, padded);
     hrir.taps[ear].assign(padded.begin(), padded.begin() + state_->set.taps);

@@ -38,21 +38,56 @@ void delay_response(std::span<const float> in, double delay_samples, RealFft<dou
                  [](double value) { return static_cast<float>(value); });
 }
 
-// Power average over directions and ears, third-octave smoothed, as dB per bin.
-std::vector<double> diffuse_field_db(HrtfResponses& set, RealFft<double>& fft) {
-  const std::vector<double> shares = sphere_shares(set.directions);
-  std::vector<double> power(fft.bins(), 0.0);
-  std::vector<double> padded(fft.size(), 0.0);
-  std::vector<Complex> spectrum(fft.bins());
+// The share of the sphere that is nearest to each direction; sums to one.
+std::vector<double> sphere_shares(std::span<const Vector3> directions) {
+  // An even spread of points by the golden angle, each given to the direction nearest to it.
+  constexpr int kPoints = 4000;
+  const double golden = kPi * (3.0 - std::sqrt(5.0));
+  std::vector<double> shares(directions.size(), 0.0);
+  for (int i = 0; i < kPoints; ++i) {
+    const double z = 1.0 - (2.0 * i + 1.0) / kPoints;
+    const double radius = std::sqrt(1.0 - z * z);
+    const Vector3 point{radius * std::cos(golden * i), radius * std::sin(golden * i), z};
+    const auto nearest = std::ranges::max_element(
+        directions, {}, [&](const Vector3& direction) { return dot(direction, point); });
+    shares[nearest - directions.begin()] += 1.0 / kPoints;
+  }
+  return shares;
+}
+
+// Power average over directions and ears, on the bins of `fft`. A power spectrum is known from its
+// autocorrelation, which ends with the response: short transforms do for all but the last step.
+std::vector<double> mean_power(HrtfResponses& set, RealFft<double>& fft) {
+  RealFft<double> shorter(fast_fft_size(2 * set.taps));
+  std::vector<double> padded(shorter.size(), 0.0);
+  std::vector<Complex> spectrum(shorter.bins());
+  std::vector<Complex> power(shorter.bins(), 0.0);
   for (std::size_t i = 0; i < set.directions.size(); ++i) {
     for (int ear = 0; ear < 2; ++ear) {
       std::ranges::copy(set.response(i, ear), padded.begin());
-      fft.forward(padded, spectrum);
-      for (int bin = 0; bin < fft.bins(); ++bin) {
-        power[bin] += 0.5 * shares[i] * std::norm(spectrum[bin]);
+      shorter.forward(padded, spectrum);
+      for (int bin = 0; bin < shorter.bins(); ++bin) {
+        power[bin] += 0.5 * set.shares[i] * std::norm(spectrum[bin]);
       }
     }
   }
+  shorter.inverse(power, padded);
+  std::vector<double> autocorrelation(fft.size(), 0.0);
+  for (int lag = 0; lag < set.taps; ++lag) {
+    autocorrelation[lag] = padded[lag];
+    if (lag > 0) autocorrelation[fft.size() - lag] = padded[lag];
+  }
+  std::vector<Complex> whole(fft.bins());
+  fft.forward(autocorrelation, whole);
+  std::vector<double> result(fft.bins());
+  std::ranges::transform(whole, result.begin(),
+                         [](const Complex& value) { return std::max(0.0, value.real()); });
+  return result;
+}
+
+// The same, third-octave smoothed, as dB per bin.
+std::vector<double> diffuse_field_db(HrtfResponses& set, RealFft<double>& fft) {
+  const std::vector<double> power = mean_power(set, fft);
   std::vector<double> running(fft.bins() + 1, 0.0);
   std::partial_sum(power.begin(), power.end(), running.begin() + 1);
   std::vector<double> level_db(fft.bins());
@@ -79,6 +114,17 @@ std::vector<Complex> minimum_phase(std::span<const double> log_magnitude, RealFf
   return spectrum;
 }
 
+// By parts: std::complex looks for infinities.
+void multiply(std::span<const std::complex<float>> factor,
+              std::span<std::complex<float>> spectrum) {
+  for (std::size_t bin = 0; bin < spectrum.size(); ++bin) {
+    const std::complex<float> a = spectrum[bin];
+    const std::complex<float> b = factor[bin];
+    spectrum[bin] = {a.real() * b.real() - a.imag() * b.imag(),
+                     a.real() * b.imag() + a.imag() * b.real()};
+  }
+}
+
 }  // namespace
 
 double onset_of(std::span<const float> response) {
@@ -92,15 +138,24 @@ double onset_of(std::span<const float> response) {
       std::ranges::find_if(response, [&](float value) { return std::abs(value) >= threshold; });
   const auto coarse = static_cast<int>(first - response.begin());
 
-  // Between samples: a sinc under a Hann window, stepped over the two samples before.
+  // Between samples: a sinc under a Hann window, stepped over the two samples before. From tap to
+  // tap the sine changes its sign, and the window's cosine turns on by the same angle.
+  const double window_step = kPi / (kReach + 1);
+  const std::complex<double> window_turn = std::polar(1.0, -window_step);
   const auto value_at = [&](double time) {
     double sum = 0.0;
     const int middle = static_cast<int>(std::floor(time));
-    for (int n = std::max(0, middle - kReach + 1);
-         n <= std::min(static_cast<int>(response.size()) - 1, middle + kReach); ++n) {
+    const int first_tap = std::max(0, middle - kReach + 1);
+    const int last_tap = std::min(static_cast<int>(response.size()) - 1, middle + kReach);
+    double sine = std::sin(kPi * (time - first_tap));
+    std::complex<double> window = std::polar(1.0, window_step * (time - first_tap));
+    for (int n = first_tap; n <= last_tap; ++n) {
       const double x = time - n;
-      const double sinc = std::abs(x) < 1e-9 ? 1.0 : std::sin(kPi * x) / (kPi * x);
-      sum += response[n] * sinc * 0.5 * (1.0 + std::cos(kPi * x / (kReach + 1)));
+      const double sinc = std::abs(x) < 1e-9 ? 1.0 : sine / (kPi * x);
+      sum += response[n] * sinc * 0.5 * (1.0 + window.real());
+      sine = -sine;
+      window = {window.real() * window_turn.real() - window.imag() * window_turn.imag(),
+                window.real() * window_turn.imag() + window.imag() * window_turn.real()};
     }
     return std::abs(sum);
   };
@@ -123,6 +178,7 @@ HrtfResponses farthest_shell(const SofaFile& file) {
 
   HrtfResponses set;
   set.sample_rate_hz = file.sample_rate_hz;
+  set.distance_m = farthest_m;
   const double delay = largest_delay(file);
   set.taps = file.taps + static_cast<int>(std::ceil(delay));
   RealFft<double> fft(fast_fft_size(2 * set.taps));
@@ -148,23 +204,8 @@ HrtfResponses farthest_shell(const SofaFile& file) {
       set.onsets.back()[ear] = onset_of(out);
     }
   }
+  if (!set.directions.empty()) set.shares = sphere_shares(set.directions);
   return set;
-}
-
-std::vector<double> sphere_shares(std::span<const Vector3> directions) {
-  // An even spread of points by the golden angle, each given to the direction nearest to it.
-  constexpr int kPoints = 4000;
-  const double golden = kPi * (3.0 - std::sqrt(5.0));
-  std::vector<double> shares(directions.size(), 0.0);
-  for (int i = 0; i < kPoints; ++i) {
-    const double z = 1.0 - (2.0 * i + 1.0) / kPoints;
-    const double radius = std::sqrt(1.0 - z * z);
-    const Vector3 point{radius * std::cos(golden * i), radius * std::sin(golden * i), z};
-    const auto nearest = std::ranges::max_element(
-        directions, {}, [&](const Vector3& direction) { return dot(direction, point); });
-    shares[nearest - directions.begin()] += 1.0 / kPoints;
-  }
-  return shares;
 }
 
 void equalize_diffuse_field(HrtfResponses& set) {
@@ -186,23 +227,33 @@ void equalize_diffuse_field(HrtfResponses& set) {
   }
   const std::vector<Complex> filter = minimum_phase(filter_nepers, fft);
 
-  // Filter, and fade the last eighth out: the low end would ring on.
-  HrtfResponses equalized{set.sample_rate_hz, taps, set.directions, {}, set.onsets};
+  // Filter, and fade the last eighth out: the low end would ring on. Only the filter's first `taps`
+  // samples reach what is kept.
+  HrtfResponses equalized{set.sample_rate_hz, taps,      set.distance_m, set.directions, {},
+                          set.onsets,         set.shares};
   equalized.responses.resize(set.directions.size() * 2 * taps);
+  std::vector<double> impulse(fft.size());
+  fft.inverse(filter, impulse);
+  RealFft<float> shorter(fast_fft_size(set.taps + taps));
+  std::vector<float> padded(shorter.size());
+  std::transform(impulse.begin(), impulse.begin() + taps, padded.begin(),
+                 [](double value) { return static_cast<float>(value); });
+  std::vector<std::complex<float>> short_filter(shorter.bins());
+  shorter.forward(padded, short_filter);
   const int fade = taps / 8;
-  std::vector<double> padded(fft.size());
-  std::vector<Complex> spectrum(fft.bins());
+  std::vector<std::complex<float>> spectrum(shorter.bins());
   for (std::size_t i = 0; i < set.directions.size(); ++i) {
     for (int ear = 0; ear < 2; ++ear) {
-      std::ranges::fill(padded, 0.0);
+      std::ranges::fill(padded, 0.0F);
       std::ranges::copy(set.response(i, ear), padded.begin());
-      fft.forward(padded, spectrum);
-      for (int bin = 0; bin < fft.bins(); ++bin) spectrum[bin] *= filter[bin];
-      fft.inverse(spectrum, padded);
+      shorter.forward(padded, spectrum);
+      multiply(short_filter, spectrum);
+      shorter.inverse(spectrum, padded);
       const std::span<float> out = equalized.response(i, ear);
-      for (int tap = 0; tap < taps; ++tap) {
-        const double into = std::max(0.0, static_cast<double>(tap - (taps - fade)) / fade);
-        out[tap] = static_cast<float>(padded[tap] * 0.5 * (1.0 + std::cos(kPi * into)));
+      std::copy_n(padded.begin(), taps, out.begin());
+      for (int tap = taps - fade; tap < taps; ++tap) {
+        const double into = static_cast<double>(tap - (taps - fade)) / fade;
+        out[tap] *= static_cast<float>(0.5 * (1.0 + std::cos(kPi * into)));
       }
     }
   }
@@ -225,7 +276,8 @@ void change_rate(HrtfResponses& set, int sample_rate_hz) {
   RealFft<double> fft_out(sample_rate_hz / divisor * repeats);
   const int bins = std::min(fft_in.bins(), fft_out.bins());
 
-  HrtfResponses resampled{sample_rate_hz, 0, set.directions, {}, set.onsets};
+  HrtfResponses resampled{sample_rate_hz, 0,         set.distance_m, set.directions, {},
+                          set.onsets,     set.shares};
   const double ratio = static_cast<double>(sample_rate_hz) / set.sample_rate_hz;
   for (auto& onsets : resampled.onsets) {
     for (double& onset : onsets) onset = (onset + lead_in) * ratio;

@@ -13,10 +13,12 @@ namespace earpoint {
 struct HrtfResponses {
   int sample_rate_hz = 0;
   int taps = 0;
+  double distance_m = 0.0;          // of the sources
   std::vector<Vector3> directions;  // unit
   std::vector<float> responses;     // [direction][ear][tap]
   // [direction][ear], samples; found in the response as measured, where it rises most steeply.
   std::vector<std::array<double, 2>> onsets;
+  std::vector<double> shares;  // [direction]: of the sphere, what is nearest to it; sums to one
 
   [[nodiscard]] std::span<float> response(std::size_t direction, int ear) {
     return std::span(responses).subspan((direction * 2 + ear) * taps, taps);
@@ -25,9 +27,6 @@ struct HrtfResponses {
 
 /// The file's farthest sources, each direction once, with Data.Delay put into the responses.
 HrtfResponses farthest_shell(const SofaFile& file);
-
-/// The share of the sphere that is nearest to each direction; sums to one.
-std::vector<double> sphere_shares(std::span<const Vector3> directions);
 
 /// See HrtfEqualization::diffuse_field.
 void equalize_diffuse_field(HrtfResponses& set);

@@ -1,6 +1,7 @@
 #include "sofa_contents.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
@@ -39,6 +40,8 @@ class Reader {
   const SofaVariable& variable(std::string_view name, std::size_t one, std::size_t all) const;
   Vector3 coordinates(std::string_view field, const SofaVariable& variable, std::string_view type,
                       std::size_t index) const;
+  void check_units(std::string_view field, const SofaVariable& variable,
+                   std::string_view type) const;
   std::array<int, 2> receivers_left_right() const;
   int sample_rate_hz() const;
   void read_positions(SofaFile& file) const;
@@ -84,8 +87,39 @@ const SofaVariable& Reader::variable(std::string_view name, std::size_t one,
   return found->second;
 }
 
+// "degree, degree, metre" for spherical coordinates, "metre" or three of them for cartesian ones;
+// also in the plural, short, or as Americans write it. Files that name no unit mean these.
+void Reader::check_units(std::string_view field, const SofaVariable& variable,
+                         std::string_view type) const {
+  if (variable.units.empty()) return;
+  const bool spherical = type == "spherical";
+  std::vector<std::string> units(1);
+  for (const char c : variable.units) {
+    if (c == ',') {
+      units.emplace_back();
+    } else if (c != ' ') {
+      units.back() += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    }
+  }
+  const auto is_metre = [](const std::string& unit) {
+    return unit == "metre" || unit == "meter" || unit == "metres" || unit == "meters" ||
+           unit == "m";
+  };
+  const auto is_degree = [](const std::string& unit) {
+    return unit == "degree" || unit == "degrees" || unit == "deg";
+  };
+  bool right = spherical ? units.size() == 3 : units.size() == 1 || units.size() == 3;
+  for (std::size_t i = 0; right && i < units.size(); ++i) {
+    right = spherical && i < 2 ? is_degree(units[i]) : is_metre(units[i]);
+  }
+  if (right) return;
+  refuse(field, fmt::format("expected units of {}, found '{}'",
+                            spherical ? "degree, degree, metre" : "metre", variable.units));
+}
+
 Vector3 Reader::coordinates(std::string_view field, const SofaVariable& variable,
                             std::string_view type, std::size_t index) const {
+  if (index == 0) check_units(field, variable, type);
   const float* values = variable.values.data() + (variable.values.size() == 3 ? 0 : 3 * index);
   if (type == "cartesian") return {values[0], values[1], values[2]};
   if (type == "spherical") {
@@ -101,7 +135,7 @@ std::array<int, 2> Reader::receivers_left_right() const {
   const std::size_t repeats = stored.values.size() / 6;
   std::array<double, 2> y_m{};
   for (std::size_t receiver = 0; receiver < 2; ++receiver) {
-    SofaVariable place;
+    SofaVariable place{.values = {}, .type = stored.type, .units = stored.units};
     for (std::size_t c = 0; c < 3; ++c) {
       place.values.push_back(stored.values[(receiver * 3 + c) * repeats]);
     }
@@ -168,6 +202,10 @@ void Reader::read_responses(SofaFile& file) const {
         refuse("Data.Delay", fmt::format("expected 0 to {} samples, found {}", kMostTaps, delay));
       }
       file.delays_samples[m][ear] = delay;
+      if (std::ranges::all_of(file.response(m, ear), [](float tap) { return tap == 0.0F; })) {
+        refuse("Data.IR", fmt::format("measurement {} holds nothing but zeros for the {} ear",
+                                      m + 1, ear == 0 ? "left" : "right"));
+      }
     }
   }
 }

@@ -1,7 +1,9 @@
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -84,6 +86,55 @@ TEST(SofaFile, RefusesEachDefectByName) {
   EXPECT_NE(refusal(test_file("wrong_rate.sofa")).find("Data.SamplingRate"), std::string::npos);
   EXPECT_NE(refusal(test_file("nowhere.sofa")).find("nowhere.sofa"), std::string::npos);
   EXPECT_NE(refusal(test_file("make_sofa.py")).find("expected a SOFA file"), std::string::npos);
+}
+
+// Writes the sphere's file with bytes replaced, and reads it.
+std::string refusal_of_changed(std::string_view from, std::string_view to) {
+  std::vector<std::byte> bytes = read_file(test_file("sphere.sofa"));
+  const auto same = [](std::byte byte, char c) { return static_cast<char>(byte) == c; };
+  bool found = false;
+  for (auto at = bytes.begin();; at += std::ssize(to)) {
+    at = std::search(at, bytes.end(), from.begin(), from.end(), same);
+    if (at == bytes.end()) break;
+    found = true;
+    std::transform(to.begin(), to.end(), at, [](char c) { return static_cast<std::byte>(c); });
+  }
+  EXPECT_TRUE(found);
+  const std::filesystem::path path = std::filesystem::path(testing::TempDir()) / "changed.sofa";
+  write_file(path, std::span<const std::byte>(bytes));
+  const std::string message = refusal(path);
+  std::filesystem::remove(path);
+  return message;
+}
+
+TEST(SofaFile, RefusesCoordinatesInOtherUnits) {
+  EXPECT_NE(refusal_of_changed("degree, degree, metre", "radian, radian, metre")
+                .find("SourcePosition: expected units of degree, degree, metre, found 'radian, "
+                      "radian, metre'"),
+            std::string::npos);
+  // The same in other words is accepted.
+  EXPECT_EQ(refusal_of_changed("degree, degree, metre", "Degree,degrees, meter"), "accepted");
+}
+
+TEST(SofaFile, RefusesResponsesOfZeros) {
+  std::vector<std::byte> bytes = read_file(test_file("sphere.sofa"));
+  // Data.IR lies in the file as it is: 8 x 2 x 64 doubles.
+  constexpr std::size_t kStart = 17713;
+  constexpr std::size_t kResponse = 64 * sizeof(double);
+  const std::filesystem::path path = std::filesystem::path(testing::TempDir()) / "zeros.sofa";
+  const auto with_zeros = [&](std::size_t first, std::size_t count) {
+    std::vector<std::byte> changed = bytes;
+    std::fill_n(changed.begin() + static_cast<std::ptrdiff_t>(kStart + first * kResponse),
+                count * kResponse, std::byte{0});
+    write_file(path, std::span<const std::byte>(changed));
+    return refusal(path);
+  };
+  EXPECT_EQ(with_zeros(0, 0), "accepted");
+  EXPECT_NE(with_zeros(0, 16).find("Data.IR: measurement 1 holds nothing but zeros for the left"),
+            std::string::npos);
+  EXPECT_NE(with_zeros(5, 1).find("measurement 3 holds nothing but zeros for the right ear"),
+            std::string::npos);
+  std::filesystem::remove(path);
 }
 
 TEST(SofaFile, RefusesTruncatedFilesWithOneLine) {

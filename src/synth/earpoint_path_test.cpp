@@ -122,12 +122,31 @@ TEST(SpeakerTrack, GivesTheNearestBox) {
   EXPECT_EQ(track.at(10).x_min, 0.5);
 }
 
+TEST(SpeakerTrack, UnderstandsPixelsWhereThePictureIsKnown) {
+  const SpeakerTrack::PictureSize picture = std::array{640, 480};
+  EXPECT_EQ(SpeakerTrack(Box{64, 48, 320, 480}, picture).at(0), (Box{0.1, 0.1, 0.5, 1.0}));
+  // A file is in pixels as a whole: the first row's 1 is one.
+  const auto track = SpeakerTrack::parse_csv("time_s,x0,y0,x1,y1\n0,0,0,1,1\n2,0,0,320,240\n",
+                                             "boxes.csv", picture);
+  EXPECT_EQ(track.at(0), (Box{0, 0, 1.0 / 640, 1.0 / 480}));
+  EXPECT_EQ(track.at(2), (Box{0, 0, 0.5, 0.5}));
+  EXPECT_EQ(message([] {
+              (void)SpeakerTrack(Box{64, 48, 320, 480});
+            }),
+            "speaker box: the box is in pixels, and there is no picture that tells their number; "
+            "give fractions of its width and height, 0 to 1, or the picture");
+  EXPECT_NE(message([&] {
+              (void)SpeakerTrack(Box{64, 48, 641, 480}, picture);
+            }).find("leaves the picture"),
+            std::string::npos);
+}
+
 TEST(SpeakerTrack, RefusesBoxesOutsideThePictureOrEmpty) {
   EXPECT_EQ(message([] {
               (void)SpeakerTrack(Box{-0.1, 0, 0.5, 1});
             }),
             "speaker box: the box -0.1,0,0.5,1 leaves the picture; x0,y0,x1,y1 are fractions of "
-            "its width and height, 0 to 1");
+            "its width and height, or pixels of it");
   EXPECT_EQ(message([] {
               (void)SpeakerTrack::parse_csv("time_s,x0,y0,x1,y1\n0,0.5,0,0.5,1\n", "boxes.csv");
             }),

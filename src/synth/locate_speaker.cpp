@@ -13,6 +13,12 @@
 namespace earpoint {
 namespace {
 
+/// The standard deviation of an angle of which nothing is known.
+const double kAnyDirection_rad = kPi / std::sqrt(3.0);
+
+/// Of the logarithm of a distance of which only is known that it is within a room, 0.5 to 5 m.
+const double kAnyDistance = std::log(10.0) / std::sqrt(12.0);
+
 /// The standard deviation of an angle whose unit vectors have a mean of that length.
 double spread_of(double mean_length) {
   return std::sqrt(std::max(0.0, -2.0 * std::log(std::clamp(mean_length, 1e-6, 1.0))));
@@ -95,6 +101,13 @@ LocatedSpeaker locate_speaker(const RenderSource& source, const GtfWeights& weig
   LocatedSpeaker located = mean_speaker(std::move(sightings));
   located.has_picture = has_picture;
   located.has_box = has_box;
+  located.survey = survey;
+  if (survey.stereo != StereoKind::plausible) {
+    located.speaker.yaw_certainty = 0.0;
+    for (SpeakerSighting& sighting : located.sightings) sighting.speaker.yaw_certainty = 0.0;
+    located.log_distance_spread = std::max(located.log_distance_spread, kAnyDistance);
+    if (!has_box) located.azimuth_spread_rad = kAnyDirection_rad;
+  }
   return located;
 }
 

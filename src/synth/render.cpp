@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <earpoint/core/error.h>
+#include <earpoint/core/file.h>
 #include <earpoint/core/parallel.h>
 #include <earpoint/synth/picture_stream.h>
 #include <earpoint/synth/render.h>
@@ -66,8 +67,9 @@ std::vector<TargetStream> open_targets(std::span<const RenderTarget> targets,
                                        const std::filesystem::path& movie) {
   std::vector<TargetStream> streams;
   for (const RenderTarget& target : targets) {
-    streams.emplace_back(open_sound_sink(target.output, survey.sample_rate_hz, movie), survey,
-                         shape, options);
+    streams.emplace_back(
+        open_sound_sink(target.output, survey.sample_rate_hz, movie, survey.samples), survey, shape,
+        options);
   }
   return streams;
 }
@@ -104,14 +106,11 @@ Observation observation_of(const RenderSource& source, const Moment& moment) {
   return observation;
 }
 
-void check_targets(std::span<const RenderTarget> targets, const RenderSource& source,
-                   double duration_s) {
+void check_outputs(std::span<const RenderTarget> targets, const RenderSource& source) {
   for (std::size_t i = 0; i < targets.size(); ++i) {
-    targets[i].path.check_covers(duration_s);
     const std::filesystem::path& output = targets[i].output;
     for (std::size_t j = 0; j < i; ++j) {
-      if (std::filesystem::weakly_canonical(output) ==
-          std::filesystem::weakly_canonical(targets[j].output)) {
+      if (written_place(output) == written_place(targets[j].output)) {
         throw InputError(output.string(), "two earpoints would write this file",
                          "give each its own");
       }
@@ -135,7 +134,7 @@ class Rendering {
         survey_(survey_sound(source.sound)),
         shape_(synthesizer.window_shape(survey_.sample_rate_hz)),
         pool_(std::min(2, options.threads)) {
-    check_targets(targets, source, survey_.duration_s());
+    for (const RenderTarget& target : targets) target.path.check_covers(survey_.duration_s());
     const std::filesystem::path movie = moving_picture(source);
     pictures_ = pictures_for(source, synthesizer);
     stream_.emplace(source.sound, survey_, shape_.sample_rate_hz,
@@ -238,6 +237,7 @@ RenderReport render(const RenderSource& source, AcousticSynthesizer& synthesizer
                     std::span<const RenderTarget> targets, const ClipRenderOptions& options,
                     ProgressSink& progress) {
   EARPOINT_CHECK(!targets.empty());
+  check_outputs(targets, source);
   return Rendering(source, synthesizer, targets, options).run(progress);
 }
 

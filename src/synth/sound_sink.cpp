@@ -2,6 +2,8 @@
 #include <cctype>
 #include <string>
 
+#include <fmt/format.h>
+
 #include <earpoint/audio/sound_file.h>
 #include <earpoint/core/error.h>
 #include <earpoint/synth/sound_sink.h>
@@ -37,29 +39,43 @@ class MovieSink : public SoundSink {
   int sample_rate_hz_;
 };
 
+/// Said before an hour of rendering, not after.
+void check_fits_wav(const std::filesystem::path& output, std::ptrdiff_t samples) {
+  constexpr double kBytes = 2 * sizeof(float);
+  constexpr double kLargest = 4294967295.0 - 4096.0;  // as SoundWriter
+  const double bytes = kBytes * static_cast<double>(samples);
+  if (bytes <= kLargest) return;
+  throw InputError(
+      output.string(),
+      fmt::format("would be {:.1f} GB, and a WAV file holds at most 4 GB", bytes / 1e9),
+      "use the extension .w64 or .flac");
+}
+
 }  // namespace
 
 std::unique_ptr<SoundSink> open_sound_sink(const std::filesystem::path& output, int sample_rate_hz,
-                                           const std::filesystem::path& movie) {
+                                           const std::filesystem::path& movie,
+                                           std::ptrdiff_t samples) {
   std::string extension = output.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  if (extension == ".mp4") {
+  if (extension == ".mp4" || extension == ".m4v" || extension == ".mov" || extension == ".mkv") {
     if (movie.empty()) {
-      throw InputError(output.string(), "the source has no moving picture to go into an mp4",
+      throw InputError(output.string(), "the source has no moving picture to go into a movie",
                        "write .wav or .flac");
     }
     return std::make_unique<MovieSink>(output, sample_rate_hz, movie);
   }
-  if (extension == ".wav" || extension == ".w64") {
+  if (extension == ".wav" || extension == ".w64" || output == "-") {
+    if (extension != ".w64") check_fits_wav(output, samples);
     // An earpoint near the mouth can exceed full scale; float keeps that.
     return std::make_unique<SoundFileSink>(output, sample_rate_hz, SampleFormat::float32);
   }
-  if (extension == ".flac" || extension == ".ogg") {
+  if (extension == ".flac" || extension == ".ogg" || extension == ".mp3") {
     return std::make_unique<SoundFileSink>(output, sample_rate_hz, SampleFormat::pcm24);
   }
   throw InputError(output.string(), "cannot write '" + extension + "' files",
-                   "use .wav, .flac, .ogg, .w64 or .mp4");
+                   "use .wav, .flac, .ogg, .mp3, .w64, .mp4, .mov or .mkv");
 }
 
 }  // namespace earpoint

@@ -19,7 +19,7 @@ constexpr double kSilence_db = -100.0;
 constexpr double kFilterMargin_s = 0.25;
 
 AudioReader open(const SoundSource& source) {
-  return AudioReader(source.path, source.binaural_channels);
+  return AudioReader(source.path, source.binaural_channels, source.audio_stream);
 }
 
 void check_finite(const Waveform& block, const SoundSource& source, double time_s) {
@@ -36,6 +36,26 @@ void check_finite(const Waveform& block, const SoundSource& source, double time_
   }
 }
 
+/// What to say of stereo that no two ears heard; empty if nothing.
+std::string warning_of(StereoKind kind) {
+  constexpr const char* kEnd = "it is not binaural, and its directions are not those of the room";
+  switch (kind) {
+    case StereoKind::plausible:
+      return {};
+    case StereoKind::one_channel:
+      return fmt::format("only one channel has sound: {}", kEnd);
+    case StereoKind::same:
+      return "both channels are the same, as of mono or of dry sound straight ahead; mono tells no "
+             "direction";
+    case StereoKind::panned:
+      return fmt::format("its channels differ in level and not in time, as panned sound does: {}",
+                         kEnd);
+    case StereoKind::inverted:
+      return fmt::format("one channel has the opposite sign: {}", kEnd);
+  }
+  EARPOINT_CHECK(false);
+}
+
 }  // namespace
 
 SoundSurvey survey_sound(const SoundSource& source) {
@@ -50,8 +70,10 @@ SoundSurvey survey_sound(const SoundSource& source) {
   }
 
   std::array<double, 2> energy{};
+  StereoCheck stereo(survey.sample_rate_hz);
   for (Waveform block = reader.read(kBlock); block.samples() > 0; block = reader.read(kBlock)) {
     check_finite(block, source, survey.duration_s());
+    stereo.add(block);
     for (int ear = 0; ear < 2; ++ear) {
       for (const float sample : std::as_const(block).channel(ear)) {
         energy[ear] += static_cast<double>(sample) * sample;
@@ -71,6 +93,12 @@ SoundSurvey survey_sound(const SoundSource& source) {
     throw InputError(source.path.string(), "is silent from end to end",
                      "check the recording's level and channels");
   }
+  const auto& channels = source.binaural_channels;
+  const bool is_one_by_request = channels && (*channels)[0] == (*channels)[1];
+  if (!is_one_by_request) survey.stereo = stereo.kind();
+  survey.warnings = reader.warnings();
+  std::string warning = warning_of(survey.stereo);
+  if (!warning.empty()) survey.warnings.push_back(std::move(warning));
   return survey;
 }
 

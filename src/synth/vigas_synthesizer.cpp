@@ -49,6 +49,13 @@ PictureUse ViGasSynthesizer::picture_use() const {
   return network_.description().image_encoder ? PictureUse::always : PictureUse::never;
 }
 
+std::vector<std::string> ViGasSynthesizer::doubts(const RenderOutline& /*outline*/) const {
+  if (network_.description().pose_encoding != PoseEncoding::replay) return {};
+  return {
+      "it was trained on poses in the axes of the recorded room, and only the pose relative to the "
+      "camera is known: the camera is taken to look along the room's x axis"};
+}
+
 void ViGasSynthesizer::observe(const Observation& observation) {
   const ViGasDescription& description = network_.description();
   if (description.image_encoder) {
@@ -65,11 +72,13 @@ void ViGasSynthesizer::observe(const Observation& observation) {
     box_ = encode_box(description.box_encoding, *observation.speaker_box);
   }
   sound_ = observation.sound;
+  world_from_source_ = observation.world_from_source.value_or(Pose{});
 }
 
 Waveform ViGasSynthesizer::synthesize(const Pose& source_from_target) {
   const ViGasDescription& description = network_.description();
-  const EncodedPose pose = encode_pose(description.pose_encoding, source_from_target);
+  const EncodedPose pose =
+      encode_pose(description.pose_encoding, source_from_target, world_from_source_);
   const std::array<ConditioningValues, 4> known = {{{"visual_feat", visual_feature_},
                                                     {"tgt_pose", pose.tgt_pose},
                                                     {"tgt_rotation", pose.tgt_rotation},

@@ -9,6 +9,7 @@
 #include <earpoint/core/random.h>
 #include <earpoint/model/network.h>
 #include <earpoint/model/pose_encoding.h>
+#include <earpoint/model_testing/random_weights.h>
 #include <earpoint/synth/vigas_synthesizer.h>
 
 namespace earpoint {
@@ -69,7 +70,7 @@ TEST(ViGasSynthesizer, GivesWhatTheNetworkGivesForTheEncodedInputs) {
   ViGas network(weights, 1);
   const std::vector<float> feature = network.image_feature(picture);
   const EncodedPose pose = encode_pose(PoseEncoding::soundspaces, target);
-  const std::vector<float> box = {0.2F, 0.4F, 0.1F, 0.3F};
+  const std::vector<float> box = encode_box(BoxEncoding::soundspaces, *observation.speaker_box);
   const std::vector<ConditioningValues> inputs = {{"visual_feat", feature},
                                                   {"tgt_pose", pose.tgt_pose},
                                                   {"tgt_rotation", pose.tgt_rotation},
@@ -125,6 +126,19 @@ TEST(ViGasSynthesizer, AsksForTheBoxByItsFlag) {
   } catch (const InputError& error) {
     EXPECT_NE(std::string(error.what()).find("--speaker-box"), std::string::npos);
   }
+}
+
+TEST(ViGasSynthesizer, SaysThatAReplayNetworkKnowsTheRoomsAxes) {
+  ViGasWeights weights = make_weights();
+  EXPECT_TRUE(ViGasSynthesizer(weights, "test", 1).doubts({}).empty());
+  weights.description.pose_encoding = PoseEncoding::replay;
+  weights.description.inputs = {{"tgt_pose", 3}, {"bboxes", 4}};
+  weights.description.image_encoder.reset();
+  RandomStream random(1);
+  weights.tensors = random_tensors(required_tensors(weights.description), random, -0.2, 0.2);
+  const auto doubts = ViGasSynthesizer(weights, "test", 1).doubts({});
+  ASSERT_EQ(doubts.size(), 1U);
+  EXPECT_NE(doubts[0].find("x axis"), std::string::npos) << doubts[0];
 }
 
 }  // namespace

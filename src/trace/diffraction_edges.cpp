@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <optional>
 
 #include <earpoint/core/pose.h>
@@ -18,6 +19,7 @@ constexpr double kShortestOfFurniture_m = 1.0;
 
 // An edge is looked at in stretches of about this length.
 constexpr double kStretch_m = 0.3;
+constexpr double kBorder_m = 2e-3;  // how well their ends are found
 
 constexpr double kRing_m = 0.02;  // radius of the circles of rays around an edge
 constexpr int kRingRays = 24;
@@ -74,7 +76,10 @@ std::optional<std::vector<Spoke>> find_spokes(const SceneGeometry& scene, const 
     const BounceFacet& facet = scene.facet(hit->triangle);
     if (std::abs(dot(facet.exact_normal, point) - facet.offset_m) > kOnEdge_m) return std::nullopt;
     const Vector3 met = from + way * static_cast<double>(hit->distance_m) - point;
-    spokes.push_back({std::atan2(dot(met, v), dot(met, u)), hit->triangle});
+    // Exactly along the face, which a ray meets to within a float's rounding.
+    Vector3 along = cross(direction, facet.exact_normal);
+    if (dot(along, met) < 0.0) along = -along;
+    spokes.push_back({std::atan2(dot(along, v), dot(along, u)), hit->triangle});
   }
   std::sort(spokes.begin(), spokes.end(),
             [](const Spoke& a, const Spoke& b) { return a.angle_rad < b.angle_rad; });
@@ -112,8 +117,9 @@ std::optional<DiffractionEdge> widest_wedge(const SceneGeometry& scene, const Ve
   edge.first_face = u * std::cos(angle_rad) + v * std::sin(angle_rad);
   edge.into_air = v * std::cos(angle_rad) - u * std::sin(angle_rad);
   edge.wedge.open_angle_rad = std::min(widest_rad, 2.0 * kPi);
-  edge.wedge.reflection = {face_reflection(scene, spokes[first].triangle),
-                           face_reflection(scene, spokes[(first + 1) % spokes.size()].triangle)};
+  edge.face_triangles = {spokes[first].triangle, spokes[(first + 1) % spokes.size()].triangle};
+  edge.wedge.reflection = {face_reflection(scene, edge.face_triangles[0]),
+                           face_reflection(scene, edge.face_triangles[1])};
   return edge;
 }
 
@@ -134,35 +140,66 @@ bool same_wedge(const DiffractionEdge& a, const DiffractionEdge& b) {
          dot(a.first_face, b.first_face) > std::cos(kSameAngle_rad);
 }
 
-// Looks at a crease stretch by stretch; neighbours alike are one edge.
-void add_edges(const SceneGeometry& scene, const Crease& crease,
-               std::vector<DiffractionEdge>& edges) {
-  const double length_m = norm(crease.end_m - crease.begin_m);
-  const Vector3 direction = (crease.end_m - crease.begin_m) / length_m;
-  const int count = std::max(1, static_cast<int>(std::lround(length_m / kStretch_m)));
-  std::optional<DiffractionEdge> open;
-  const auto finish = [&] {
-    if (open && is_inside(scene, *open)) edges.push_back(*open);
-    open.reset();
-  };
-  for (int i = 0; i < count; ++i) {
-    const double step_m = length_m / count;
-    const Vector3 middle = crease.begin_m + direction * ((i + 0.5) * step_m);
-    const std::optional<std::vector<Spoke>> spokes = find_spokes(scene, middle, direction);
-    std::optional<DiffractionEdge> stretch;
-    if (spokes) stretch = widest_wedge(scene, direction, *spokes);
-    if (stretch && open && same_wedge(*open, *stretch)) {
-      open->length_m += step_m;
-      continue;
+// Looks along a crease.
+class CreaseLook {
+ public:
+  CreaseLook(const SceneGeometry& scene, const Crease& crease)
+      : scene_(scene),
+        begin_(crease.begin_m),
+        length_m_(norm(crease.end_m - crease.begin_m)),
+        direction_((crease.end_m - crease.begin_m) / length_m_) {}
+
+  // Looks at the middles of stretches; neighbours alike are one edge.
+  void add_edges(std::vector<DiffractionEdge>& edges) const {
+    const int count = std::max(1, static_cast<int>(std::lround(length_m_ / kStretch_m)));
+    std::optional<DiffractionEdge> open;
+    double begin_z = 0.0;
+    double last_z = 0.0;
+    for (int i = 0; i <= count; ++i) {
+      const double z = (i + 0.5) * length_m_ / count;
+      std::optional<DiffractionEdge> wedge;
+      if (i < count) wedge = wedge_at(z);
+      if (open && wedge && same_wedge(*open, *wedge)) {
+        last_z = z;
+        continue;
+      }
+      if (open) add(*open, begin_z, i < count ? border(*open, last_z, z) : length_m_, edges);
+      open = wedge;
+      if (wedge) begin_z = i > 0 ? border(*wedge, z, z - length_m_ / count) : 0.0;
+      last_z = z;
     }
-    finish();
-    if (!stretch) continue;
-    open = stretch;
-    open->origin_m = crease.begin_m + direction * (i * step_m);
-    open->length_m = step_m;
   }
-  finish();
-}
+
+ private:
+  [[nodiscard]] std::optional<DiffractionEdge> wedge_at(double z) const {
+    const std::optional<std::vector<Spoke>> spokes =
+        find_spokes(scene_, begin_ + direction_ * z, direction_);
+    if (!spokes) return std::nullopt;
+    return widest_wedge(scene_, direction_, *spokes);
+  }
+
+  // Where an edge ends, between a place on it and one that is not.
+  [[nodiscard]] double border(const DiffractionEdge& edge, double on_z, double off_z) const {
+    while (std::abs(on_z - off_z) > kBorder_m) {
+      const double middle = (on_z + off_z) / 2.0;
+      const std::optional<DiffractionEdge> wedge = wedge_at(middle);
+      (wedge && same_wedge(edge, *wedge) ? on_z : off_z) = middle;
+    }
+    return (on_z + off_z) / 2.0;
+  }
+
+  void add(DiffractionEdge edge, double begin_z, double end_z,
+           std::vector<DiffractionEdge>& edges) const {
+    edge.origin_m = begin_ + direction_ * begin_z;
+    edge.length_m = end_z - begin_z;
+    if (edge.length_m > 0.0 && is_inside(scene_, edge)) edges.push_back(edge);
+  }
+
+  const SceneGeometry& scene_;
+  Vector3 begin_;
+  double length_m_;
+  Vector3 direction_;
+};
 
 // The angle of the face that lies along a direction around an edge, if one does.
 std::optional<double> face_angle(const DiffractionEdge& edge, double angle_rad) {
@@ -171,6 +208,39 @@ std::optional<double> face_angle(const DiffractionEdge& edge, double angle_rad) 
     if (std::abs(wrap_angle(angle_rad - face_rad)) < kSameAngle_rad) return face_rad;
   }
   return std::nullopt;
+}
+
+std::optional<EdgePair> pair_up(std::span<const DiffractionEdge> edges, std::size_t i,
+                                std::size_t j) {
+  constexpr double kParallel = 0.9995;
+  const DiffractionEdge& first = edges[i];
+  const DiffractionEdge& second = edges[j];
+  const double cosine = dot(first.direction, second.direction);
+  if (std::abs(cosine) < kParallel) return std::nullopt;
+  const EdgePoint over = edge_point(first, point_on_edge(second, second.length_m / 2.0, 0.0));
+  if (over.radius_m < kThinnest_m || over.radius_m > kThickest_m) return std::nullopt;
+  EdgePair pair;
+  pair.edges = {i, j};
+  pair.z_sign = cosine > 0.0 ? 1.0 : -1.0;
+  pair.z_offset_m = edge_point(first, second.origin_m).z_m;
+  const double end_m = pair.opposite_z(1, second.length_m);
+  if (std::min(pair.z_offset_m, end_m) >= first.length_m) return std::nullopt;
+  if (std::max(pair.z_offset_m, end_m) <= 0.0) return std::nullopt;
+  const EdgePoint back = edge_point(second, point_on_edge(first, over.z_m, 0.0));
+  const std::optional<double> first_angle = face_angle(first, over.angle_rad);
+  const std::optional<double> second_angle = face_angle(second, back.angle_rad);
+  if (!first_angle || !second_angle) return std::nullopt;
+  pair.face_angle_rad = {*first_angle, *second_angle};
+  pair.face.width_m = over.radius_m;
+  pair.face.open_angle_rad = {first.wedge.open_angle_rad, second.wedge.open_angle_rad};
+  for (int which = 0; which < 2; ++which) {
+    const Wedge& wedge = edges[pair.edges[which]].wedge;
+    const int face = pair.face_angle_rad[which] == 0.0 ? 0 : 1;
+    pair.face.reflection = wedge.reflection[face];
+    pair.face_triangle = edges[pair.edges[which]].face_triangles[face];
+    pair.face.other_reflection[which] = wedge.reflection[1 - face];
+  }
+  return pair;
 }
 
 }  // namespace
@@ -184,6 +254,9 @@ EdgePoint edge_point(const DiffractionEdge& edge, const Vector3& point) {
   result.radius_m = std::hypot(x, y);
   result.angle_rad = std::atan2(y, x);
   if (result.angle_rad < 0.0) result.angle_rad += 2.0 * kPi;
+  // On the first face, but for rounding.
+  const bool on_face = result.angle_rad > 2.0 * kPi - kOnBoundary_rad;
+  if (on_face && edge.wedge.open_angle_rad < kPi * 1.9) result.angle_rad = 0.0;
   return result;
 }
 
@@ -203,40 +276,36 @@ std::vector<DiffractionEdge> find_diffraction_edges(const SceneGeometry& scene) 
     }
     const double shortest_m = structure ? kShortestOfStructure_m : kShortestOfFurniture_m;
     for (const Crease& crease : find_creases(scene.mesh(), counts, shortest_m)) {
-      add_edges(scene, crease, edges);
+      CreaseLook(scene, crease).add_edges(edges);
     }
   }
   return edges;
 }
 
 std::vector<EdgePair> find_edge_pairs(std::span<const DiffractionEdge> edges) {
-  constexpr double kParallel = 0.9995;
   std::vector<EdgePair> pairs;
   for (std::size_t i = 0; i < edges.size(); ++i) {
-    for (std::size_t j = 0; j < edges.size(); ++j) {
-      if (i == j) continue;
-      const double cosine = dot(edges[i].direction, edges[j].direction);
-      if (std::abs(cosine) < kParallel) continue;
-      const Vector3 middle = point_on_edge(edges[j], edges[j].length_m / 2.0, 0.0);
-      const EdgePoint second = edge_point(edges[i], middle);
-      if (second.radius_m < kThinnest_m || second.radius_m > kThickest_m) continue;
-      EdgePair pair{.first = i, .second = j, .width_m = second.radius_m};
-      pair.z_sign = cosine > 0.0 ? 1.0 : -1.0;
-      pair.z_offset_m = edge_point(edges[i], edges[j].origin_m).z_m;
-      const double low = std::min(pair.z_offset_m, pair.first_from_second_z(edges[j].length_m));
-      const double high = std::max(pair.z_offset_m, pair.first_from_second_z(edges[j].length_m));
-      if (low >= edges[i].length_m || high <= 0.0) continue;
-      const Vector3 opposite = point_on_edge(edges[i], second.z_m, 0.0);
-      const EdgePoint first = edge_point(edges[j], opposite);
-      const std::optional<double> first_angle = face_angle(edges[i], second.angle_rad);
-      const std::optional<double> second_angle = face_angle(edges[j], first.angle_rad);
-      if (!first_angle || !second_angle) continue;
-      pair.first_angle_rad = *first_angle;
-      pair.second_angle_rad = *second_angle;
-      pairs.push_back(pair);
+    for (std::size_t j = i + 1; j < edges.size(); ++j) {
+      if (const std::optional<EdgePair> pair = pair_up(edges, i, j)) pairs.push_back(*pair);
     }
   }
   return pairs;
+}
+
+std::vector<EdgeGroup> group_edges(std::size_t edge_count, std::span<const EdgePair> pairs) {
+  std::vector<std::size_t> leaders(edge_count);
+  std::iota(leaders.begin(), leaders.end(), 0);
+  for (const EdgePair& pair : pairs) {
+    const std::size_t joined = leaders[pair.edges[1]];
+    std::replace(leaders.begin(), leaders.end(), joined, leaders[pair.edges[0]]);
+  }
+  std::vector<EdgeGroup> by_leader(edge_count);
+  for (std::size_t i = 0; i < edge_count; ++i) by_leader[leaders[i]].edges.push_back(i);
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    by_leader[leaders[pairs[i].edges[0]]].pairs.push_back(i);
+  }
+  std::erase_if(by_leader, [](const EdgeGroup& group) { return group.edges.empty(); });
+  return by_leader;
 }
 
 }  // namespace earpoint

@@ -1,9 +1,12 @@
 #pragma once
 
+#include "edge_pair_diffraction.h"
 #include "triangle_tree.h"
 #include "wedge_diffraction.h"
 
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -22,6 +25,7 @@ struct DiffractionEdge {
                        ///< the air
   double length_m = 0.0;
   Wedge wedge;
+  std::array<std::uint32_t, 2> face_triangles{};  ///< one of either face, index into the mesh
 };
 
 /// @return a point in an edge's coordinates
@@ -30,23 +34,33 @@ EdgePoint edge_point(const DiffractionEdge& edge, const Vector3& point);
 /// @return a point on an edge, moved by `clearance_m` into the middle of its air
 Vector3 point_on_edge(const DiffractionEdge& edge, double z_m, double clearance_m);
 
-/// Two parallel edges with a face between them: the end of a thick wall, passed from the first to
-/// the second.
+/// Two parallel edges with a face between them: the end of a thick wall, the reveal of a door.
 struct EdgePair {
-  std::size_t first = 0;
-  std::size_t second = 0;
-  double width_m = 0.0;           ///< of the face
-  double first_angle_rad = 0.0;   ///< of the face, around the first edge
-  double second_angle_rad = 0.0;  ///< of the face, around the second edge
-  double z_offset_m = 0.0;        ///< of the second edge's origin, along the first edge
-  double z_sign = 1.0;            ///< -1 if the second edge runs the other way
+  std::array<std::size_t, 2> edges{};
+  EdgeFace face;
+  std::array<double, 2> face_angle_rad{};  ///< of the face, around either edge: 0 or its open angle
+  std::uint32_t face_triangle = 0;         ///< one of the face, index into the mesh
+  double z_offset_m = 0.0;                 ///< of the second edge's origin, along the first edge
+  double z_sign = 1.0;                     ///< -1 if the second edge runs the other way
 
-  [[nodiscard]] double first_from_second_z(double z) const { return z_offset_m + z_sign * z; }
-  [[nodiscard]] double second_from_first_z(double z) const { return z_sign * (z - z_offset_m); }
+  /// @param which  0 or 1: the edge that z belongs to
+  /// @return the same place along the other edge
+  [[nodiscard]] double opposite_z(int which, double z) const {
+    return which == 0 ? z_sign * (z - z_offset_m) : z_offset_m + z_sign * z;
+  }
 };
 
-/// @return every pair in both orders
+/// @return every pair once
 std::vector<EdgePair> find_edge_pairs(std::span<const DiffractionEdge> edges);
+
+/// Edges that share faces, with those faces: their sound is one wave.
+struct EdgeGroup {
+  std::vector<std::size_t> edges;
+  std::vector<std::size_t> pairs;
+};
+
+/// @return every edge in one group, most of them alone
+std::vector<EdgeGroup> group_edges(std::size_t edge_count, std::span<const EdgePair> pairs);
 
 /// Finds the edges of a mesh that are long enough and open enough to matter: creases of walls and
 /// doors from 0.4 m on, of furniture from 1 m on (shorter ones scatter, which the materials'

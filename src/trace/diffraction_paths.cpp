@@ -1,187 +1,276 @@
 #include "diffraction_paths.h"
 
+#include "band_pulses.h"
+#include "face_reflections.h"
+
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
+
+#include <earpoint/core/pose.h>
 
 namespace earpoint {
 namespace {
 
-constexpr double kStretch_m = 0.25;    // an edge is in sight or not in stretches of this length
-constexpr double kClearance_m = 5e-3;  // how far from the edge its stretches are looked at
-
-// Where the direct sound passes, an edge further round than this changes it by less than 1 dB above
-// 125 Hz.
-constexpr double kShortDetour_m = 1.0;
+// Where the straight way is free, edges whose way is longer than it by more than this change the
+// level by less than 1 dB above 125 Hz; they are left out, and fade out from half of it on.
+constexpr double kLongestDetour_m = 2.0;
+// In the shadow, where the shortest way is itself a detour, others may be as many times longer.
+constexpr double kLongerInShadow = 40.0;
 
 // Arrivals below this are left out: -60 dB of the source at 1 m.
 constexpr float kFaint = 1e-3F;
 
-std::size_t stretch_count(const DiffractionEdge& edge) {
-  return static_cast<std::size_t>(std::max(1L, std::lround(edge.length_m / kStretch_m)));
+// Sound of one source at one listener.
+struct Connection {
+  const SceneGeometry& scene;
+  const EdgeView& from;
+  const EdgeView& to;
+  bool straight_is_free = false;
+  std::span<const Arrival> mirrored;
+  double speed_m_per_s = 0.0;
+};
+
+// A way that sound takes.
+struct Way {
+  double distance_m = 0.0;
+  Vector3 leaves_to;
+  Vector3 comes_from;
+};
+
+// The way round one edge.
+struct EdgeWay {
+  const Wedge* wedge = nullptr;
+  EdgePoint here;
+  EdgePoint there;
+  std::vector<EdgeInterval> intervals;
+  Way shortest;
+};
+
+std::optional<EdgeWay> way_round(const Connection& connection, std::size_t index) {
+  const DiffractionEdge& edge = connection.scene.edges()[index];
+  std::vector<EdgeInterval> intervals =
+      overlap(connection.from.intervals(index), connection.to.intervals(index));
+  if (intervals.empty()) return std::nullopt;
+  const EdgePoint here = edge_point(edge, connection.from.place());
+  const EdgePoint there = edge_point(edge, connection.to.place());
+  const EdgeApex apex = find_apex(here, there, intervals);
+  const Vector3 point = point_on_edge(edge, apex.z_m, 0.0);
+  return EdgeWay{&edge.wedge, here, there, std::move(intervals), {apex.distance_m, point, point}};
 }
 
-bool is_in_air(const DiffractionEdge& edge, const EdgePoint& point) {
-  constexpr double kGrazing_rad = 1e-6;
-  return point.radius_m > kClearance_m && point.angle_rad > kGrazing_rad &&
-         point.angle_rad < edge.wedge.open_angle_rad - kGrazing_rad;
+DiffractionSpectrum sound_along(const Connection& connection, const EdgeWay& way) {
+  const UnbentSound unbent{.straight = connection.straight_is_free,
+                           .mirrored = is_mirrored(connection.mirrored, way.shortest.distance_m,
+                                                   connection.speed_m_per_s)};
+  return diffract(*way.wedge, way.here, way.there, way.intervals, unbent, connection.speed_m_per_s);
+}
+
+std::optional<FacePlace> place_at(const SceneGeometry& scene, const EdgePair& pair,
+                                  const EdgeView& view) {
+  if (!view.sees(pair.edges[0]) && !view.sees(pair.edges[1])) return std::nullopt;
+  FacePlace place;
+  for (int which = 0; which < 2; ++which) {
+    const EdgePoint point = edge_point(scene.edges()[pair.edges[which]], view.place());
+    if (which == 0) place.z_m = point.z_m;
+    FacePoint& seen = place.points[which];
+    seen.radius_m = point.radius_m;
+    seen.angle_rad = std::abs(point.angle_rad - pair.face_angle_rad[which]);
+    seen.in_sight = view.intervals(pair.edges[which]);
+    if (which == 0) continue;
+    for (EdgeInterval& interval : seen.in_sight) {
+      const double a = pair.opposite_z(1, interval.begin_m);
+      const double b = pair.opposite_z(1, interval.end_m);
+      interval = {std::min(a, b), std::max(a, b)};
+    }
+    if (pair.z_sign < 0.0) std::reverse(seen.in_sight.begin(), seen.in_sight.end());
+  }
+  return place;
+}
+
+// The ways over the face of a pair.
+struct FaceWay {
+  const EdgeFace* face = nullptr;
+  FacePlace here;
+  FacePlace there;
+  Way shortest;  // in by one edge and out by the other; by one alone, forth and back
+};
+
+Way shortest_over(const SceneGeometry& scene, const EdgePair& pair, const FacePlace& here,
+                  const FacePlace& there) {
+  Way way;
+  way.distance_m = 1e9;
+  for (int in = 0; in < 2; ++in) {
+    for (int out = 0; out < 2; ++out) {
+      if (here.points[in].in_sight.empty() || there.points[out].in_sight.empty()) continue;
+      const double in_m = here.points[in].radius_m;
+      const double across_m =
+          in_m + there.points[out].radius_m + pair.face.width_m * (in == out ? 2.0 : 1.0);
+      const double along_m = there.z_m - here.z_m;
+      const double distance_m = std::hypot(across_m, along_m);
+      if (distance_m >= way.distance_m) continue;
+      const double slope = along_m / across_m;
+      const auto point = [&](int which, double first_z) {
+        const double z = which == 0 ? first_z : pair.opposite_z(0, first_z);
+        return point_on_edge(scene.edges()[pair.edges[which]], z, 0.0);
+      };
+      way = {distance_m, point(in, here.z_m + slope * in_m),
+             point(out, there.z_m - slope * there.points[out].radius_m)};
+    }
+  }
+  return way;
+}
+
+std::optional<FaceWay> way_over(const Connection& connection, const EdgePair& pair) {
+  const std::optional<FacePlace> here = place_at(connection.scene, pair, connection.from);
+  if (!here) return std::nullopt;
+  const std::optional<FacePlace> there = place_at(connection.scene, pair, connection.to);
+  if (!there) return std::nullopt;
+  const Way shortest = shortest_over(connection.scene, pair, *here, *there);
+  return FaceWay{&pair.face, *here, *there, shortest};
+}
+
+DiffractionSpectrum sound_along(const Connection& connection, const FaceWay& way) {
+  return diffract_over_face(*way.face, way.here, way.there, way.shortest.distance_m,
+                            connection.speed_m_per_s);
+}
+
+// The ways round a group of edges; their sound is one wave.
+struct GroupWays {
+  std::vector<EdgeWay> round_edges;
+  std::vector<FaceWay> over_faces;
+  Way shortest;
+};
+
+std::optional<GroupWays> ways_round(const Connection& connection, const EdgeGroup& group) {
+  GroupWays ways;
+  ways.shortest.distance_m = 1e9;
+  const auto keep = [&](auto way, auto& list) {
+    if (!way) return;
+    if (way->shortest.distance_m < ways.shortest.distance_m) ways.shortest = way->shortest;
+    list.push_back(std::move(*way));
+  };
+  for (const std::size_t edge : group.edges) keep(way_round(connection, edge), ways.round_edges);
+  for (const std::size_t pair : group.pairs) {
+    keep(way_over(connection, connection.scene.edge_pairs()[pair]), ways.over_faces);
+  }
+  if (ways.round_edges.empty() && ways.over_faces.empty()) return std::nullopt;
+  return ways;
+}
+
+// The phase is relative to the shortest way's.
+DiffractionSpectrum sum_sound(const Connection& connection, const GroupWays& ways) {
+  DiffractionSpectrum sum{};
+  const auto add = [&](const auto& way) {
+    const DiffractionSpectrum sound = sound_along(connection, way);
+    const double longer_m = way.shortest.distance_m - ways.shortest.distance_m;
+    for (int i = 0; i < kDiffractionFrequencies; ++i) {
+      const double wave_number = 2.0 * kPi * diffraction_frequency_hz(i) / connection.speed_m_per_s;
+      sum[i] += sound[i] * std::polar(1.0, -wave_number * longer_m);
+    }
+  };
+  for (const EdgeWay& way : ways.round_edges) add(way);
+  for (const FaceWay& way : ways.over_faces) add(way);
+  return sum;
+}
+
+// What of a way's pressure counts.
+double share_of_detour(double distance_m, double shortest_m, double straight_m) {
+  const double limit_m = kLongestDetour_m + kLongerInShadow * (shortest_m - straight_m);
+  return std::clamp(2.0 - 2.0 * (distance_m - shortest_m) / limit_m, 0.0, 1.0);
 }
 
 // The same sound with the source's directivity and the air's losses.
-std::optional<Arrival> finish(const Source& source, const Vector3& listener,
-                              const Vector3& leaves_to, const Vector3& comes_from,
-                              double distance_m, const BandArray& gain,
-                              const Propagation& propagation) {
-  Arrival arrival{.delay_s = distance_m / propagation.speed_m_per_s,
-                  .direction = normalized(comes_from - listener),
-                  .departure = normalized(leaves_to - source.world_from_source.position_m)};
+void add_arrivals(const Source& source, const Vector3& listener, const Way& way,
+                  const DiffractionSpectrum& sound, double share, const Propagation& propagation,
+                  std::vector<Arrival>& arrivals) {
+  Arrival arrival{.direction = normalized(way.comes_from - listener),
+                  .departure = normalized(way.leaves_to - source.world_from_source.position_m),
+                  .gain = {}};
   const BandArray sent = sent_energy(source, arrival.departure);
-  const BandArray air = air_gain(propagation.absorption_db_per_m, distance_m);
-  float loudest = 0.0F;
-  for (int band = 0; band < kOctaveBands; ++band) {
-    arrival.gain[band] = gain[band] * std::sqrt(sent[band]) * air[band];
-    loudest = std::max(loudest, std::abs(arrival.gain[band]));
+  const BandArray air = air_gain(propagation.absorption_db_per_m, way.distance_m);
+  for (const BandPulse& pulse : band_pulses(sound)) {
+    arrival.delay_s = way.distance_m / propagation.speed_m_per_s + pulse.later_s;
+    float loudest = 0.0F;
+    for (int band = 0; band < kOctaveBands; ++band) {
+      arrival.gain[band] =
+          static_cast<float>(share) * pulse.gain[band] * std::sqrt(sent[band]) * air[band];
+      loudest = std::max(loudest, std::abs(arrival.gain[band]));
+    }
+    if (loudest >= kFaint) arrivals.push_back(arrival);
   }
-  if (loudest < kFaint) return std::nullopt;
-  return arrival;
 }
 
-std::optional<Arrival> round_one_edge(const DiffractionEdge& edge, const Source& source,
-                                      const EdgeView& from, const EdgeView& to,
-                                      const std::vector<EdgeInterval>& intervals, double longest_m,
-                                      const Propagation& propagation) {
-  const EdgePoint here = edge_point(edge, from.place());
-  const EdgePoint there = edge_point(edge, to.place());
-  if (!is_in_air(edge, here) || !is_in_air(edge, there)) return std::nullopt;
-  if (std::hypot(here.radius_m + there.radius_m, here.z_m - there.z_m) > longest_m) {
-    return std::nullopt;
-  }
-  const DiffractedSound sound =
-      diffract(edge.wedge, here, there, intervals, propagation.speed_m_per_s);
-  if (sound.distance_m > longest_m) return std::nullopt;
-  const Vector3 apex = point_on_edge(edge, sound.apex_z_m, 0.0);
-  return finish(source, to.place(), apex, apex, sound.distance_m, sound.gain, propagation);
+bool is_free(const SceneGeometry& scene, const Source& source, const Vector3& listener) {
+  return !scene.rays().occluded(source.world_from_source.position_m, listener,
+                                scene.mask_without(source.body));
 }
 
-// Over the end of a wall that is as thick as `pair.width_m`: the first edge's sound runs along the
-// face between the edges and is the second edge's source. On a face the incident and the reflected
-// wave are one, and each edge counts both: half the product.
-std::optional<Arrival> round_two_edges(const SceneGeometry& scene, const EdgePair& pair,
-                                       const Source& source, const EdgeView& from,
-                                       const EdgeView& to, const Propagation& propagation) {
-  const DiffractionEdge& first = scene.edges()[pair.first];
-  const DiffractionEdge& second = scene.edges()[pair.second];
-  const EdgePoint here = edge_point(first, from.place());
-  const EdgePoint there = edge_point(second, to.place());
-  if (!is_in_air(first, here) || !is_in_air(second, there)) return std::nullopt;
+// The rays' floats are this rough, seen from an edge.
+constexpr double kRounding_rad = 1e-5;
 
-  // Both edges' z run the same way from different origins; unfolded, the way is straight.
-  const double there_z = pair.first_from_second_z(there.z_m);
-  const double across_m = here.radius_m + pair.width_m + there.radius_m;
-  const double slope = (there_z - here.z_m) / across_m;
-  const double first_z = here.z_m + slope * here.radius_m;
-  const double second_z_in_first = here.z_m + slope * (here.radius_m + pair.width_m);
-  const double second_z = pair.second_from_first_z(second_z_in_first);
-  if (first_z < 0.0 || first_z > first.length_m) return std::nullopt;
-  if (second_z < 0.0 || second_z > second.length_m) return std::nullopt;
-  // Where one edge is enough, one edge has been counted.
-  if (!from.sees(pair.first, first_z) || from.sees(pair.second, second_z)) return std::nullopt;
-  if (!to.sees(pair.second, second_z) || to.sees(pair.first, first_z)) return std::nullopt;
-  if (scene.rays().occluded(point_on_edge(first, first_z, kClearance_m),
-                            point_on_edge(second, second_z, kClearance_m), scene.still_layers())) {
-    return std::nullopt;
+// Within rounding of a shadow boundary.
+bool touches_edge(const SceneGeometry& scene, const EdgeView& from, const EdgeView& to) {
+  for (std::size_t i = 0; i < scene.edges().size(); ++i) {
+    if (!from.sees(i) || !to.sees(i)) continue;
+    const DiffractionEdge& edge = scene.edges()[i];
+    const double turn_rad =
+        std::abs(edge_point(edge, from.place()).angle_rad - edge_point(edge, to.place()).angle_rad);
+    if (std::abs(turn_rad - kPi) < kRounding_rad) return true;
   }
+  return false;
+}
 
-  const double speed = propagation.speed_m_per_s;
-  const std::vector<EdgeInterval> first_in_sight = from.intervals(pair.first);
-  const std::vector<EdgeInterval> second_in_sight = to.intervals(pair.second);
-  const DiffractedSound onto =
-      diffract(first.wedge, here, {pair.width_m, pair.first_angle_rad, second_z_in_first},
-               first_in_sight, speed);
-  const double source_m = here.radius_m + pair.width_m;
-  const double source_z = pair.second_from_first_z(here.z_m);
-  const DiffractedSound off = diffract(second.wedge, {source_m, pair.second_angle_rad, source_z},
-                                       there, second_in_sight, speed);
-  const auto incident_m = static_cast<float>(std::hypot(source_m, second_z_in_first - here.z_m));
-  BandArray gain;
-  for (int band = 0; band < kOctaveBands; ++band) {
-    gain[band] = 0.5F * onto.gain[band] * off.gain[band] * incident_m;
+// Where rays along a face are blocked, the listener is heard from just behind the boundary.
+std::optional<EdgeView> behind_boundary(const SceneGeometry& scene, const Source& source,
+                                        const EdgeView& from, const EdgeView& to) {
+  constexpr double kAside_m = 2e-4;
+  if (!touches_edge(scene, from, to)) return std::nullopt;
+  for (const Vector3& aside : {Vector3{1, 0, 0}, Vector3{0, 1, 0}, Vector3{0, 0, 1}}) {
+    for (const double distance_m : {kAside_m, -kAside_m}) {
+      const Vector3 place = to.place() + aside * distance_m;
+      if (is_free(scene, source, place)) continue;
+      std::int64_t rays_cast = 0;
+      EdgeView view(scene, place, kAllLayers, rays_cast);
+      if (!touches_edge(scene, from, view)) return view;
+    }
   }
-  return finish(source, to.place(), point_on_edge(first, first_z, 0.0),
-                point_on_edge(second, second_z, 0.0), std::hypot(across_m, there_z - here.z_m),
-                gain, propagation);
+  return std::nullopt;
 }
 
 }  // namespace
 
-EdgeView::EdgeView(const SceneGeometry& scene, const Vector3& place, LayerMask mask,
-                   std::int64_t& rays_cast)
-    : scene_(&scene), place_(place) {
-  for (const DiffractionEdge& edge : scene.edges()) {
-    std::vector<bool>& stretches = in_sight_.emplace_back(stretch_count(edge), false);
-    // From inside the wedge's solid no stretch is in sight.
-    if (!is_in_air(edge, edge_point(edge, place))) continue;
-    for (std::size_t i = 0; i < stretches.size(); ++i) {
-      const double z_m =
-          (static_cast<double>(i) + 0.5) * edge.length_m / static_cast<double>(stretches.size());
-      ++rays_cast;
-      stretches[i] = !scene.rays().occluded(place, point_on_edge(edge, z_m, kClearance_m), mask);
-    }
-  }
-}
-
-bool EdgeView::sees(std::size_t edge, double z_m) const {
-  const std::vector<bool>& stretches = in_sight_[edge];
-  const double place = z_m / scene_->edges()[edge].length_m * static_cast<double>(stretches.size());
-  if (place < 0.0) return false;
-  return stretches[std::min(stretches.size() - 1, static_cast<std::size_t>(place))];
-}
-
-std::vector<EdgeInterval> EdgeView::join(std::size_t edge,
-                                         const std::vector<bool>& in_sight) const {
-  const double step_m = scene_->edges()[edge].length_m / static_cast<double>(in_sight.size());
-  std::vector<EdgeInterval> intervals;
-  for (std::size_t i = 0; i < in_sight.size(); ++i) {
-    if (!in_sight[i]) continue;
-    const double end_m = static_cast<double>(i + 1) * step_m;
-    if (i > 0 && in_sight[i - 1]) {
-      intervals.back().end_m = end_m;
-    } else {
-      intervals.push_back({static_cast<double>(i) * step_m, end_m});
-    }
-  }
-  return intervals;
-}
-
-std::vector<EdgeInterval> EdgeView::intervals(std::size_t edge) const {
-  return join(edge, in_sight_[edge]);
-}
-
-std::vector<EdgeInterval> EdgeView::in_sight_of_both(const EdgeView& a, const EdgeView& b,
-                                                     std::size_t edge) {
-  std::vector<bool> both = a.in_sight_[edge];
-  for (std::size_t i = 0; i < both.size(); ++i) both[i] = both[i] && b.in_sight_[edge][i];
-  return a.join(edge, both);
-}
-
 std::vector<Arrival> diffracted_arrivals(const SceneGeometry& scene, const Source& source,
                                          const EdgeView& from, const EdgeView& to,
+                                         std::span<const Arrival> mirrored,
                                          const Propagation& propagation) {
-  const bool direct =
-      !scene.rays().occluded(from.place(), to.place(), scene.mask_without(source.body));
-  const double straight_m = norm(to.place() - from.place());
-  const double longest_m = direct ? straight_m + kShortDetour_m : 1e9;
-  std::vector<Arrival> arrivals;
-  const auto keep = [&](const std::optional<Arrival>& arrival) {
-    if (arrival) arrivals.push_back(*arrival);
-  };
-  for (std::size_t edge = 0; edge < scene.edges().size(); ++edge) {
-    const std::vector<EdgeInterval> intervals = EdgeView::in_sight_of_both(from, to, edge);
-    if (intervals.empty()) continue;
-    keep(round_one_edge(scene.edges()[edge], source, from, to, intervals, longest_m, propagation));
+  const bool direct = is_free(scene, source, to.place());
+  std::optional<EdgeView> moved;
+  if (!direct) moved = behind_boundary(scene, source, from, to);
+  std::vector<Arrival> arrivals = face_reflections(scene, source, from, to, mirrored, propagation);
+  std::vector<Arrival> all_mirrored(mirrored.begin(), mirrored.end());
+  all_mirrored.insert(all_mirrored.end(), arrivals.begin(), arrivals.end());
+  const Connection connection{.scene = scene,
+                              .from = from,
+                              .to = moved ? *moved : to,
+                              .straight_is_free = direct,
+                              .mirrored = all_mirrored,
+                              .speed_m_per_s = propagation.speed_m_per_s};
+  const double straight_m = norm(connection.to.place() - from.place());
+  double shortest_m = direct ? straight_m : 1e9;
+  std::vector<GroupWays> groups;
+  for (const EdgeGroup& group : scene.edge_groups()) {
+    std::optional<GroupWays> ways = ways_round(connection, group);
+    if (!ways) continue;
+    shortest_m = std::min(shortest_m, ways->shortest.distance_m);
+    groups.push_back(std::move(*ways));
   }
-  if (direct) return arrivals;
-  for (const EdgePair& pair : scene.edge_pairs()) {
-    keep(round_two_edges(scene, pair, source, from, to, propagation));
+  for (const GroupWays& ways : groups) {
+    const double share = share_of_detour(ways.shortest.distance_m, shortest_m, straight_m);
+    if (share <= 0.0) continue;
+    add_arrivals(source, to.place(), ways.shortest, sum_sound(connection, ways), share, propagation,
+                 arrivals);
   }
   return arrivals;
 }

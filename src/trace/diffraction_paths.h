@@ -1,48 +1,25 @@
 #pragma once
 
+#include "edge_view.h"
 #include "propagation.h"
 #include "scene_geometry.h"
 
-#include <cstdint>
+#include <span>
 #include <vector>
 
 #include <earpoint/trace/tracer.h>
 
 namespace earpoint {
 
-/// Which stretches of the scene's edges can be seen from a place.
-class EdgeView {
- public:
-  /// @param mask       layers that are in the way
-  /// @param rays_cast  counts on
-  EdgeView(const SceneGeometry& scene, const Vector3& place, LayerMask mask,
-           std::int64_t& rays_cast);
-
-  [[nodiscard]] const Vector3& place() const { return place_; }
-
-  /// @return whether the stretch of an edge that holds z is in sight
-  [[nodiscard]] bool sees(std::size_t edge, double z_m) const;
-
-  /// @return the stretches in sight, in ascending order; neighbours joined
-  [[nodiscard]] std::vector<EdgeInterval> intervals(std::size_t edge) const;
-
-  /// @return the stretches in sight of both places
-  static std::vector<EdgeInterval> in_sight_of_both(const EdgeView& a, const EdgeView& b,
-                                                    std::size_t edge);
-
- private:
-  std::vector<EdgeInterval> join(std::size_t edge, const std::vector<bool>& in_sight) const;
-
-  const SceneGeometry* scene_;
-  Vector3 place_;
-  std::vector<std::vector<bool>> in_sight_;  // [edge][stretch]
-};
-
 /// Sound that bends round one edge on its way, or round the two edges of a thick wall's end.
 /// Where nothing is in the straight way, only edges close to it matter.
+/// @param mirrored  what arrives straight or off mirrors (`order` > 0); edges take from it or add
+/// to
+///                  it, and faces between edges that are not among it are added
 /// @return  arrivals, directions in the world's frame
 std::vector<Arrival> diffracted_arrivals(const SceneGeometry& scene, const Source& source,
                                          const EdgeView& from, const EdgeView& to,
+                                         std::span<const Arrival> mirrored,
                                          const Propagation& propagation);
 
 }  // namespace earpoint

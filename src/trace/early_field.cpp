@@ -8,6 +8,7 @@
 #include <complex>
 
 #include <earpoint/audio/fft.h>
+#include <earpoint/spatial/air_absorption.h>
 
 namespace earpoint {
 namespace {
@@ -43,14 +44,16 @@ void add_early_binaural(const ResponseShape& shape, const OctaveBank& bank,
   HrirShifter shifter(hrtf.taps());
   std::vector<float> shifted(shifter.size());
   const Quaternion listener_from_world = conjugate(world_from_listener);
+  const double air_m_per_s = speed_of_sound_m_per_s(Air{});
   for (std::size_t i = 0; i < arrivals.size(); ++i) {
     const Arrival& arrival = arrivals[i];
     const double position = arrival.delay_s * shape.sample_rate_hz - hrtf.centre_delay_samples();
     const auto whole = static_cast<std::ptrdiff_t>(std::floor(position));
     if (whole >= shape.samples) break;
     const Vector3 direction = rotate(listener_from_world, arrival.direction);
+    const double travelled_m = std::max(1e-3, arrival.delay_s * air_m_per_s);
     const std::size_t nearest = i < kInterpolated ? 0 : hrtf.nearest(direction);
-    const Hrir hrir = i < kInterpolated ? hrtf.interpolated(direction) : Hrir{};
+    const Hrir hrir = i < kInterpolated ? hrtf.interpolated(direction, travelled_m) : Hrir{};
     for (int ear = 0; ear < 2; ++ear) {
       const std::span<const float> taps =
           i < kInterpolated ? std::span<const float>(hrir.taps[ear]) : hrtf.response(nearest, ear);

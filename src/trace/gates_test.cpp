@@ -30,6 +30,11 @@ TEST(TraceGates, DiffuseBoxDecaysAsParticlesDo) {
   expect_passed(gates::reverberation_gate(pool));
 }
 
+TEST(TraceGates, RoomsThatDecayByFewRaysDecayRight) {
+  ThreadPool pool(available_cores());
+  expect_passed(gates::uneven_gate(pool, gates::Effort::quick));
+}
+
 TEST(TraceGates, SourceAndListenerMayBeSwapped) {
   ThreadPool pool(available_cores());
   expect_passed(gates::reciprocity_gate(pool));
@@ -42,9 +47,19 @@ TEST(TraceGates, EnergyDoesNotDependOnTheNumberOfRays) {
 
 TEST(TraceGates, LeftIsLeftFrontIsFrontAndAboveIsAbove) { expect_passed(gates::ear_gate()); }
 
+TEST(TraceGates, SoundsNearByAndOnTheMoveAreRight) {
+  ThreadPool pool(available_cores());
+  expect_passed(gates::motion_gate(pool));
+}
+
 TEST(TraceGates, SoundBendsRoundADoor) {
   ThreadPool pool(available_cores());
   expect_passed(gates::diffraction_gate(pool));
+}
+
+TEST(TraceGates, ThickWallsDiffractAsWavesDo) {
+  ThreadPool pool(available_cores());
+  expect_passed(gates::thick_wall_gate(pool));
 }
 
 TEST(TraceGates, ThreadsDoNotChangeAByteAndHolesAreRefused) {

@@ -4,6 +4,7 @@
 #include "sector_heads.h"
 
 #include <algorithm>
+#include <cmath>
 #include <complex>
 
 #include <earpoint/core/random.h>
@@ -24,6 +25,19 @@ std::vector<BandArray> powers(const EnergyHistogram& late, int sector, double bi
   return result;
 }
 
+// A pulse that filled the spectrum up to its edge would ring through the whole response and round
+// its end. Over the top 8 % it falls to nothing, so that it is 100 dB down within 20 ms.
+std::vector<float> spectrum_edge(int bins) {
+  constexpr double kFallFrom = 0.92;
+  std::vector<float> edge(bins);
+  for (int bin = 0; bin < bins; ++bin) {
+    const double place = static_cast<double>(bin) / (bins - 1);
+    const double fall = std::max(0.0, (place - kFallFrom) / (1.0 - kFallFrom));
+    edge[bin] = static_cast<float>(0.5 * (1.0 + std::cos(kPi * fall)));
+  }
+  return edge;
+}
+
 void add(std::span<const float> from, std::span<float> to) {
   for (std::size_t i = 0; i < to.size(); ++i) to[i] += from[i];
 }
@@ -33,9 +47,26 @@ void add(std::span<const float> from, std::span<float> to) {
 LateField::LateField(const ResponseShape& shape, std::uint64_t seed)
     : shape_(shape),
       bank_(shape.sample_rate_hz, shape.fft_size),
+      edge_(spectrum_edge(bank_.bins())),
       overlap_(bank_),
-      pool_(shape.sample_rate_hz, RandomStream(seed, {kPoolKey}).next()),
+      pool_(shape.sample_rate_hz, shape.samples, RandomStream(seed, {kPoolKey}).next()),
       seed_(seed) {}
+
+// Sectors read the pool so far apart that the ear does not join what two of them have in common
+// (a fifth of a stride, 50 ms at 16 kHz, or more), and at uneven distances, so that no echo adds
+// up.
+LateField::SectorOffsets LateField::sector_offsets(std::uint64_t stream) const {
+  constexpr double kUneven = 0.8;
+  RandomStream random(seed_, {kOffsetKey, stream});
+  const auto start = static_cast<double>(random.index(pool_.size()));
+  const double stride = static_cast<double>(pool_.size()) / kSectors;
+  SectorOffsets offsets;
+  for (int sector = 0; sector < kSectors; ++sector) {
+    const double place = start + stride * (sector + kUneven * random.uniform());
+    offsets[sector] = static_cast<std::ptrdiff_t>(place) % pool_.size();
+  }
+  return offsets;
+}
 
 void LateField::add_noise(const EnergyHistogram& late, int sector, std::ptrdiff_t offset,
                           std::span<float> signal) const {
@@ -76,6 +107,7 @@ void LateField::add_pulses(std::span<const Arrival> arrivals, std::span<const fl
   }
   std::vector<std::complex<float>> sum(fft.bins());
   train.add_spectrum(bank_, sum);
+  for (std::size_t bin = 0; bin < sum.size(); ++bin) sum[bin] *= edge_[bin];
   std::vector<float> pulses(shape_.fft_size);
   fft.inverse(sum, pulses);
   add(std::span(pulses).first(signal.size()), signal);
@@ -87,9 +119,7 @@ void LateField::add_binaural(const EnergyHistogram& late, const Quaternion& worl
   const double bin_samples = late.bin_s() * shape_.sample_rate_hz;
   const SectorHeads heads(shape_.sample_rate_hz, world_from_listener, hrtf);
   SectorMix mix(heads, shape_.samples);
-  // Every sector has its own stretch of the pool, so that the sectors' noises are independent.
-  RandomStream random(seed_, {kOffsetKey, stream});
-  const auto start = static_cast<std::ptrdiff_t>(random.index(pool_.size()));
+  const SectorOffsets offsets = sector_offsets(stream);
   std::vector<BandArray> expected(late.bins());
   std::vector<float> signal(shape_.samples);
   for (int sector = 0; sector < kSectors; ++sector) {
@@ -101,7 +131,7 @@ void LateField::add_binaural(const EnergyHistogram& late, const Quaternion& worl
       }
     }
     std::fill(signal.begin(), signal.end(), 0.0F);
-    add_noise(late, sector, (start + sector * (pool_.size() / kSectors)) % pool_.size(), signal);
+    add_noise(late, sector, offsets[sector], signal);
     mix.add(sector, signal);
   }
   std::vector<std::vector<float>> noise = mix.ears();
@@ -115,14 +145,13 @@ void LateField::add_ambisonic(const EnergyHistogram& late, std::span<const Arriv
                               std::uint64_t stream, std::span<std::vector<float>> channels) const {
   const Quaternion listener_from_world = conjugate(world_from_listener);
   const double bin_samples = late.bin_s() * shape_.sample_rate_hz;
-  RandomStream random(seed_, {kOffsetKey, stream});
-  const auto start = static_cast<std::ptrdiff_t>(random.index(pool_.size()));
+  const SectorOffsets offsets = sector_offsets(stream);
   std::vector<std::vector<float>> noise(channels.size(), std::vector<float>(shape_.samples));
   std::vector<float> signal(shape_.samples);
   std::vector<float> gains(channels.size());
   for (int sector = 0; sector < kSectors; ++sector) {
     std::fill(signal.begin(), signal.end(), 0.0F);
-    add_noise(late, sector, (start + sector * (pool_.size() / kSectors)) % pool_.size(), signal);
+    add_noise(late, sector, offsets[sector], signal);
     encode_ambisonics(rotate(listener_from_world, sector_direction(sector)), order, gains);
     for (std::size_t c = 0; c < channels.size(); ++c) {
       for (int i = 0; i < shape_.samples; ++i) noise[c][i] += gains[c] * signal[i];

@@ -4,6 +4,7 @@
 #include "late_noise.h"
 #include "pulse_train.h"
 
+#include <array>
 #include <complex>
 #include <cstdint>
 #include <span>
@@ -51,6 +52,8 @@ class LateField {
                      std::span<std::vector<float>> channels) const;
 
  private:
+  using SectorOffsets = std::array<std::ptrdiff_t, kSectors>;  // into the noise pool
+  [[nodiscard]] SectorOffsets sector_offsets(std::uint64_t stream) const;
   void add_pulses(std::span<const Arrival> arrivals, std::span<const float> gains,
                   RealFft<float>& fft, PulseTrain& train, std::span<float> signal) const;
   void add_noise(const EnergyHistogram& late, int sector, std::ptrdiff_t offset,
@@ -58,6 +61,7 @@ class LateField {
 
   ResponseShape shape_;
   OctaveBank bank_;
+  std::vector<float> edge_;  // [bin]: the fall of pulses towards the Nyquist frequency
   BandOverlap overlap_;
   NoisePool pool_;
   std::uint64_t seed_;

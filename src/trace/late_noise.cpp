@@ -12,8 +12,9 @@
 namespace earpoint {
 namespace {
 
-// 33 s at 16 kHz: each sector of a response of a second has a stretch of its own.
-constexpr int kPoolSize = 1 << 19;
+// 8 to 33 s at 16 kHz.
+constexpr int kSmallestPool = 1 << 17;
+constexpr int kLargestPool = 1 << 19;
 
 // Histogram bins per point of an envelope. A low band's noise cannot follow faster changes, and
 // shaping it as fast would spill its energy into the bands above.
@@ -21,16 +22,20 @@ constexpr std::array<int, kOctaveBands> kBinsPerPoint = {4, 2, 1, 1, 1, 1, 1, 1}
 
 }  // namespace
 
-NoisePool::NoisePool(int sample_rate_hz, std::uint64_t seed) : size_(kPoolSize) {
-  std::vector<float> white(kPoolSize);
+NoisePool::NoisePool(int sample_rate_hz, int samples, std::uint64_t seed) {
+  constexpr int kResponses = 4;
+  int size = kSmallestPool;
+  while (size < kLargestPool && size / kResponses < samples) size *= 2;
+  size_ = size;
+  std::vector<float> white(size);
   RandomStream random(seed);
   for (float& sample : white) sample = static_cast<float>(random.normal());
-  RealFft<float> fft(kPoolSize);
+  RealFft<float> fft(size);
   std::vector<std::complex<float>> spectrum(fft.bins());
   std::vector<std::complex<float>> part(fft.bins());
   fft.forward(white, spectrum);
-  noise_.resize(static_cast<std::size_t>(kOctaveBands) * kPoolSize);
-  const OctaveBank bank(sample_rate_hz, kPoolSize);
+  noise_.resize(static_cast<std::size_t>(kOctaveBands) * size);
+  const OctaveBank bank(sample_rate_hz, size);
   for (int band = 0; band < kOctaveBands; ++band) {
     const std::span<const float> weights = bank.weights(band);
     for (std::size_t bin = 0; bin < part.size(); ++bin) part[bin] = spectrum[bin] * weights[bin];

@@ -13,7 +13,8 @@ namespace earpoint {
 /// A long stretch of white noise, split into the bands of the octave bank, joined at its ends.
 class NoisePool {
  public:
-  NoisePool(int sample_rate_hz, std::uint64_t seed);
+  /// @param samples  of a response; the pool holds four of them, within bounds
+  NoisePool(int sample_rate_hz, int samples, std::uint64_t seed);
 
   [[nodiscard]] std::ptrdiff_t size() const { return size_; }
   /// @return shape [size]

@@ -1,5 +1,6 @@
 #include "ray_walk.h"
 
+#include "ray_lane.h"
 #include "sphere_points.h"
 
 #include <algorithm>
@@ -13,8 +14,6 @@
 namespace earpoint {
 namespace {
 
-using Float3 = std::array<float, 3>;
-
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 // Keys of the random streams.
@@ -25,35 +24,10 @@ constexpr std::uint64_t kLatticeKey = 2;
 constexpr float kFaint = 1e-6F;
 constexpr float kThinning = 10.0F;
 
-float dot(const Float3& a, const Float3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-float sum(const BandArray& bands) {
-  float total = 0.0F;
-  for (const float band : bands) total += band;
-  return total;
-}
-
-// What has happened to a ray so far: decides who counts its energy at a listener.
-enum class Leg {
-  direct,    // straight from the source: an arrival
-  mirrored,  // off mirrors only: an arrival, within the limits of `MirrorLimits`
-  specular,  // off a mirror last: counted at the sphere
-  diffuse,   // off a diffuse reflection last: already sent to the listeners
-};
-
-struct Lane {
-  bool alive = false;
-  Leg leg = Leg::direct;
-  int bounces = 0;
-  MirrorChain chain;
-  float travelled_m = 0.0F;  // to `origin`
-  float turned_m = 0.0F;     // to the last diffuse reflection, or 0
-  float first_energy = 0.0F;
-  Float3 origin{};
-  Float3 direction{};
-  LayerMask mask = kAllLayers;
-  BandArray energy{};
-  RandomStream random{0};
-};
+// Energies of rays are kept within this factor of what is expected.
+constexpr float kWindow = 2.0F;
+constexpr float kLeastGoingOn = 0.01F;  // of rays with too little, this share at least
+constexpr int kMostParts = 16;          // of one ray, at one bounce
 
 // A listener's sphere, for what comes off mirrors.
 struct Ear {
@@ -61,32 +35,6 @@ struct Ear {
   float radius_m = 0.0F;
   float per_volume = 0.0F;
 };
-
-// A point drawn evenly from the unit sphere's surface (Marsaglia, 1972).
-Float3 random_direction(RandomStream& random) {
-  for (;;) {
-    const auto x = static_cast<float>(random.uniform(-1.0, 1.0));
-    const auto y = static_cast<float>(random.uniform(-1.0, 1.0));
-    const float squared = x * x + y * y;
-    if (squared >= 1.0F) continue;
-    const float scale = 2.0F * std::sqrt(1.0F - squared);
-    return {x * scale, y * scale, 1.0F - 2.0F * squared};
-  }
-}
-
-// Lambert's law about a normal: a point of the unit sphere that touches the surface from above.
-Float3 diffuse_direction(const Float3& normal, RandomStream& random) {
-  const Float3 point = random_direction(random);
-  Float3 direction = {normal[0] + point[0], normal[1] + point[1], normal[2] + point[2]};
-  const float length = std::sqrt(dot(direction, direction));
-  if (length < 1e-4F) return normal;
-  for (float& component : direction) component /= length;
-  return direction;
-}
-
-void weigh(Lane& lane, const BandArray& shares, float scale) {
-  for (int band = 0; band < kOctaveBands; ++band) lane.energy[band] *= shares[band] * scale;
-}
 
 // Russian roulette: the energy stays the same on average. The ray counts as fresh afterwards.
 void thin_out(Lane& lane) {
@@ -106,10 +54,14 @@ class Walk {
   void advance(int index);
   void listen_along(const Lane& lane, float distance_m);
   void send_diffuse(std::size_t listener);
-  [[nodiscard]] Float3 above_surface(int index) const;
+  [[nodiscard]] Float3 above_surface(const Float3& point, int index) const;
   bool through_walls(int index, std::size_t listener, BandArray& energy) const;
-  void turn(int index);
-  void mirror(int index);
+  void note_alive(const Lane& lane, float distance_m);
+  [[nodiscard]] float weight(const Lane& lane) const;
+  void branch(int index);
+  void go_through(Lane& lane, int index);
+  void turn(Lane& lane, int index);
+  void mirror(Lane& lane, int index);
   void deposit(std::size_t listener, float distance_m, const Float3& towards,
                const BandArray& energy, float scale);
 
@@ -121,6 +73,7 @@ class Walk {
   float bins_per_m_;
   std::vector<Ear> ears_;
   std::array<Lane, kPacketSize> lanes_;
+  std::vector<Lane> waiting_;  // parts of rays that were split
   SoundRayPacket packet_;
   // Where the lanes' rays have just hit, this step:
   std::array<Float3, kPacketSize> normals_;  // on the side that the ray came from
@@ -161,12 +114,20 @@ Walk::Walk(const WalkSetup& setup, const WalkTask& task)
   RandomStream random(setup.options->seed, {kLatticeKey, task.stream});
   lattice_azimuth_rad_ = random.uniform(0.0, 2.0 * kPi);
   tally_.late.assign(ears_.size(), EnergyHistogram(setup.bins, setup.bin_s));
+  if (setup.survey) {
+    tally_.alive.resize(1 + static_cast<std::size_t>(setup.bins * setup.bin_m / kAliveStep_m));
+    tally_.alive_squares.resize(tally_.alive.size());
+  }
 }
 
 WalkTally Walk::run() {
   for (;;) {
     int alive = 0;
     for (Lane& lane : lanes_) {
+      if (!lane.alive && !waiting_.empty()) {
+        lane = waiting_.back();
+        waiting_.pop_back();
+      }
       while (!lane.alive && next_ray_ < task_.last_ray) start(lane, next_ray_++);
       alive += lane.alive ? 1 : 0;
     }
@@ -183,13 +144,13 @@ void Walk::start(Lane& lane, int ray) {
   lane.random =
       RandomStream(options.seed, {kRayKey, task_.stream, static_cast<std::uint64_t>(ray)});
   const Vector3 direction =
-      spiral_direction(ray, lane.random.uniform(), options.rays, lattice_azimuth_rad_);
+      spiral_direction(ray, lane.random.uniform(), setup_.rays, lattice_azimuth_rad_);
   const Pose& pose = task_.source->world_from_source;
   const BandArray energy =
       task_.source->directivity.energy(rotate(conjugate(pose.orientation), direction));
   for (int band = 0; band < kOctaveBands; ++band) {
     // A source of 1 at 1 m sends 4 pi into the whole sphere.
-    lane.energy[band] = static_cast<float>(4.0 * kPi / options.rays) * energy[band];
+    lane.energy[band] = static_cast<float>(4.0 * kPi / setup_.rays) * energy[band];
   }
   lane.first_energy = sum(lane.energy);
   lane.origin = {static_cast<float>(pose.position_m.x), static_cast<float>(pose.position_m.y),
@@ -214,7 +175,7 @@ void Walk::step(int alive) {
   }
   for (std::size_t listener = 0; listener < ears_.size(); ++listener) send_diffuse(listener);
   for (int i = 0; i < kPacketSize; ++i) {
-    if (lanes_[i].alive) turn(i);
+    if (lanes_[i].alive) branch(i);
   }
 }
 
@@ -228,6 +189,7 @@ void Walk::advance(int index) {
   }
   const float distance_m = packet_.rays.ray.tfar[index];
   listen_along(lane, distance_m);
+  if (!tally_.alive.empty()) note_alive(lane, distance_m);
   lane.travelled_m += distance_m;
   const BounceFacet& facet = scene_.facet(scene_.rays().triangle(packet_, index));
   facets_[index] = &facet;
@@ -237,6 +199,10 @@ void Walk::advance(int index) {
     lane.origin[axis] += distance_m * lane.direction[axis];
   }
   lane.alive = lane.travelled_m < max_distance_m_;
+  const float across_m = distance_m * std::abs(dot(lane.direction, facet.normal));
+  lane.passing = lane.entered != nullptr &&
+                 SceneGeometry::is_other_side(*lane.entered, facet, static_cast<double>(across_m));
+  lane.entered = nullptr;
 }
 
 // Counts a ray that came off a mirror where it passes through the sphere around a listener: the
@@ -276,14 +242,14 @@ void Walk::send_diffuse(std::size_t listener) {
   for (int i = 0; i < kPacketSize; ++i) {
     packet_.valid[i] = 0;
     const Lane& lane = lanes_[i];
-    if (!lane.alive) continue;
+    if (!lane.alive || lane.passing) continue;
     for (int axis = 0; axis < 3; ++axis) towards[i][axis] = lane.origin[axis] - ear.position[axis];
     const float squared = dot(towards[i], towards[i]);
     distances_m[i] = std::sqrt(squared);
     const float cosine = -dot(towards[i], normals_[i]) / distances_m[i];
     if (!(cosine > 0.0F) || lane.travelled_m + distances_m[i] >= max_distance_m_) continue;
     scales[i] = cosine / (static_cast<float>(kPi) * squared);
-    const Float3 from = above_surface(i);
+    const Float3 from = above_surface(lane.origin, i);
     const Float3 ray = {ear.position[0] - from[0], ear.position[1] - from[1],
                         ear.position[2] - from[2]};
     packet_.set(i, from, ray, 1.0F, kAllLayers & ~kTransmissiveLayer);
@@ -305,22 +271,75 @@ void Walk::send_diffuse(std::size_t listener) {
   }
 }
 
-Float3 Walk::above_surface(int index) const {
-  const Float3& point = lanes_[index].origin;
+Float3 Walk::above_surface(const Float3& point, int index) const {
   const Float3& normal = normals_[index];
   return {point[0] + offset_m_ * normal[0], point[1] + offset_m_ * normal[1],
           point[2] + offset_m_ * normal[2]};
 }
 
 bool Walk::through_walls(int index, std::size_t listener, BandArray& energy) const {
-  const Float3 from = above_surface(index);
+  const Float3 from = above_surface(lanes_[index].origin, index);
   return scene_.transmit({from[0], from[1], from[2]}, setup_.listeners[listener],
                          kTransmissiveLayer, energy);
 }
 
-// Draws how the ray goes on, and weighs it so that each band keeps its energy on average.
-void Walk::turn(int index) {
+// A survey counts a ray wherever it is on its way.
+void Walk::note_alive(const Lane& lane, float distance_m) {
+  const auto step_m = static_cast<float>(kAliveStep_m);
+  const auto first = static_cast<std::size_t>(std::ceil(lane.travelled_m / step_m));
+  const auto last = static_cast<std::size_t>((lane.travelled_m + distance_m) / step_m);
+  const double energy = static_cast<double>(sum(lane.energy));
+  for (std::size_t i = first; i <= last && i < tally_.alive.size(); ++i) {
+    tally_.alive_squares[i] += energy * energy;
+    for (int band = 0; band < kOctaveBands; ++band) tally_.alive[i][band] += lane.energy[band];
+  }
+}
+
+// What a ray carries over what the survey expects: the mean over bands. What
+// has decayed by 60 dB is expected no weaker: there the rays get fewer.
+float Walk::weight(const Lane& lane) const {
+  const EnergyAlive& expected = *task_.expected;
+  const auto place = static_cast<std::size_t>(lane.travelled_m / static_cast<float>(kAliveStep_m));
+  const BandArray& here = expected[std::min(place, expected.size() - 1)];
+  float sum = 0.0F;
+  int bands = 0;
+  for (int band = 0; band < kOctaveBands; ++band) {
+    const float at_first = expected.front()[band];
+    if (at_first <= 0.0F) continue;
+    sum += lane.energy[band] / std::max(here[band], kFaint * at_first);
+    ++bands;
+  }
+  return bands > 0 ? sum * static_cast<float>(setup_.rays) / static_cast<float>(bands) : 1.0F;
+}
+
+// After a bounce the ray goes on, alone, in several parts, or not at all.
+void Walk::branch(int index) {
   Lane& lane = lanes_[index];
+  if (lane.passing) {
+    go_through(lane, index);
+    return;
+  }
+  int parts = 1;
+  if (task_.expected != nullptr) {
+    const float before = weight(lane);
+    if (before > kWindow) parts = std::min(kMostParts, static_cast<int>(before));
+  }
+  for (float& band : lane.energy) band /= static_cast<float>(parts);
+  for (int part = 1; part < parts; ++part) {
+    Lane copy = lane;
+    copy.random = RandomStream(lane.random.next());
+    turn(copy, index);
+    if (copy.alive) waiting_.push_back(copy);
+  }
+  turn(lane, index);
+}
+
+void Walk::go_through(Lane& lane, int index) {
+  for (int axis = 0; axis < 3; ++axis) lane.origin[axis] -= offset_m_ * normals_[index][axis];
+}
+
+// Draws how the ray goes on, and weighs it so that each band keeps its energy on average.
+void Walk::turn(Lane& lane, int index) {
   const BounceFacet& facet = *facets_[index];
   const BounceSurface& surface = scene_.surface(facet);
   float diffuse = 0.0F;
@@ -341,31 +360,39 @@ void Walk::turn(int index) {
   if (draw < diffuse) {
     weigh(lane, surface.diffuse, all / diffuse);
     lane.direction = diffuse_direction(normals_[index], lane.random);
-    lane.origin = above_surface(index);
+    lane.origin = above_surface(lane.origin, index);
     lane.leg = Leg::diffuse;
     lane.chain.leave();
     lane.turned_m = lane.travelled_m;
   } else if (draw < diffuse + specular || transmitted == 0.0F) {
     weigh(lane, surface.specular, all / specular);
-    mirror(index);
+    mirror(lane, index);
   } else {
     weigh(lane, surface.transmitted, all / transmitted);
-    for (int axis = 0; axis < 3; ++axis) lane.origin[axis] -= offset_m_ * normals_[index][axis];
+    go_through(lane, index);
+    lane.entered = &facet;
     lane.chain.leave();
     if (lane.leg == Leg::mirrored) lane.leg = Leg::specular;
   }
-  if (sum(lane.energy) < kFaint * lane.first_energy) thin_out(lane);
+  if (task_.expected == nullptr) {
+    if (sum(lane.energy) < kFaint * lane.first_energy) thin_out(lane);
+    return;
+  }
+  const float now = weight(lane);
+  if (now * kWindow >= 1.0F) return;
+  const float going_on = std::max(now, kLeastGoingOn);
+  lane.alive = static_cast<float>(lane.random.uniform()) < going_on;
+  for (float& band : lane.energy) band /= going_on;
 }
 
-void Walk::mirror(int index) {
-  Lane& lane = lanes_[index];
+void Walk::mirror(Lane& lane, int index) {
   const BounceFacet& facet = *facets_[index];
   const Float3& normal = normals_[index];
   const float towards = 2.0F * dot(lane.direction, normal);
   for (int axis = 0; axis < 3; ++axis) lane.direction[axis] -= towards * normal[axis];
   const float length = std::sqrt(dot(lane.direction, lane.direction));
   for (float& component : lane.direction) component /= length;
-  lane.origin = above_surface(index);
+  lane.origin = above_surface(lane.origin, index);
   const bool held = lane.chain.reflect(facet, scene_.surface(facet), setup_.mirrors);
   lane.leg = held ? Leg::mirrored : Leg::specular;
 }

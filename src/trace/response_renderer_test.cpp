@@ -1,5 +1,6 @@
 #include "gates/measurement.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -69,6 +70,39 @@ TEST(ResponseRenderer, WhatStartsBeforeTheResponseDoesNotComeRoundItsEnd) {
   const Waveform ears =
       renderer.binaural(one_arrival(0.0, {1.0, 0.0, 0.0}, all_bands(1.0F)), {}, hrtf, 0);
   EXPECT_LT(energy(ears.channel(0).subspan(1200)), 1e-5 * energy(ears.channel(0)));
+}
+
+// The largest sample of a stretch, relative to the largest of all.
+double largest_db(const Waveform& waveform, double from_s, double to_s) {
+  float all = 0.0F;
+  float part = 0.0F;
+  for (int c = 0; c < waveform.channels(); ++c) {
+    for (std::ptrdiff_t i = 0; i < waveform.samples(); ++i) {
+      const float value = std::abs(waveform.channel(c)[i]);
+      all = std::max(all, value);
+      const double time_s = static_cast<double>(i) / waveform.sample_rate_hz();
+      if (time_s >= from_s && time_s < to_s) part = std::max(part, value);
+    }
+  }
+  return gates::decibels(static_cast<double>(part * part) / static_cast<double>(all * all));
+}
+
+TEST(ResponseRenderer, LoneSoundRingsNeitherAheadNorOn) {
+  const HrtfSet hrtf = HrtfSet::load(kRate_hz);
+  const ResponseRenderer renderer({.sample_rate_hz = kRate_hz, .duration_s = 0.4});
+  // 34 m through air at 20 degrees: 8 kHz has lost 3.6 dB, and falls between two samples.
+  const BandArray air = {1.0F, 1.0F, 0.998F, 0.99F, 0.98F, 0.96F, 0.89F, 0.66F};
+  const double delay_s = 0.1000213;
+  const PointResponse response = one_arrival(delay_s, {0.6, 0.8, 0.0}, air);
+  const Waveform responses[] = {renderer.mono(response, 0),
+                                renderer.binaural(response, {}, hrtf, 0),
+                                renderer.ambisonic(response, {}, 2, 0)};
+  for (const Waveform& waveform : responses) {
+    EXPECT_EQ(largest_db(waveform, 0.0, delay_s - 0.006), -INFINITY);
+    // The pulse's own flanks, which the fade to silence cuts.
+    EXPECT_LT(largest_db(waveform, 0.0, delay_s - 0.004), -80.0) << waveform.channels();
+    EXPECT_LT(largest_db(waveform, delay_s + 0.05, 0.4), -100.0) << waveform.channels();
+  }
 }
 
 }  // namespace

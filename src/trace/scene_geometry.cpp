@@ -119,6 +119,7 @@ SceneGeometry::SceneGeometry(const Scene& scene)
   for (const Instance& instance : scene.instances) instance_kinds_.push_back(instance.kind);
   edges_ = find_diffraction_edges(*this);
   edge_pairs_ = find_edge_pairs(edges_);
+  edge_groups_ = group_edges(edges_.size(), edge_pairs_);
 }
 
 LayerMask SceneGeometry::mask_without(std::optional<std::uint32_t> body) const {
@@ -135,20 +136,39 @@ bool SceneGeometry::transmit(const Vector3& from, const Vector3& to, LayerMask m
   const double distance_m = norm(to - from);
   const Vector3 direction = (to - from) / distance_m;
   double passed_m = 0.0;
+  const BounceFacet* entered = nullptr;
+  double entered_m = 0.0;
   while (passed_m < distance_m) {
     const std::optional<TriangleHit> hit = rays_.closest(
         from + direction * passed_m, direction, distance_m - passed_m, mask & kTransmissiveLayer);
     if (!hit) return true;
-    const BounceSurface& wall = surface(facets_[hit->triangle]);
+    const BounceFacet& facet = facets_[hit->triangle];
+    const double hit_m = passed_m + static_cast<double>(hit->distance_m);
+    passed_m = hit_m + surface_offset_m_;
+    const double across_m = (hit_m - entered_m) * std::abs(dot(direction, facet.exact_normal));
+    if (entered != nullptr && is_other_side(*entered, facet, across_m)) {
+      entered = nullptr;
+      continue;
+    }
+    entered = &facet;
+    entered_m = hit_m;
+    const BounceSurface& wall = surface(facet);
     float most = 0.0F;
     for (int band = 0; band < kOctaveBands; ++band) {
       energy[band] *= wall.transmitted[band];
       most = std::max(most, energy[band]);
     }
     if (most <= 0.0F) return false;
-    passed_m += static_cast<double>(hit->distance_m) + surface_offset_m_;
   }
   return true;
+}
+
+bool SceneGeometry::is_other_side(const BounceFacet& passed, const BounceFacet& next,
+                                  double across_m) {
+  constexpr double kThickest_m = 0.4;
+  constexpr double kParallel = 0.99;  // within 8 degrees
+  return passed.surface == next.surface && across_m <= kThickest_m &&
+         std::abs(dot(passed.exact_normal, next.exact_normal)) > kParallel;
 }
 
 AcousticScene::AcousticScene(const Scene& scene)

@@ -54,12 +54,20 @@ class SceneGeometry {
   /// @return whether anything arrives
   bool transmit(const Vector3& from, const Vector3& to, LayerMask mask, BandArray& energy) const;
 
+  /// Walls that let sound through are modelled by one face or by two. Of two faces of one material,
+  /// parallel and at most 0.4 m apart, the first one that sound meets takes the whole wall's loss.
+  /// @param across_m  from the face that was passed to the next one, along their normal
+  /// @return whether the next one is the same wall's other side
+  [[nodiscard]] static bool is_other_side(const BounceFacet& passed, const BounceFacet& next,
+                                          double across_m);
+
   /// @return the layers of everything but people
   [[nodiscard]] static LayerMask still_layers() { return kOpaqueLayer | kTransmissiveLayer; }
 
   [[nodiscard]] const std::vector<InstanceKind>& instance_kinds() const { return instance_kinds_; }
   [[nodiscard]] const std::vector<DiffractionEdge>& edges() const { return edges_; }
   [[nodiscard]] const std::vector<EdgePair>& edge_pairs() const { return edge_pairs_; }
+  [[nodiscard]] const std::vector<EdgeGroup>& edge_groups() const { return edge_groups_; }
 
   /// How far a ray starts above the surface that it leaves, so that it does not hit it again.
   [[nodiscard]] double surface_offset_m() const { return surface_offset_m_; }
@@ -75,6 +83,7 @@ class SceneGeometry {
   TriangleTree rays_;
   std::vector<DiffractionEdge> edges_;
   std::vector<EdgePair> edge_pairs_;
+  std::vector<EdgeGroup> edge_groups_;
 };
 
 }  // namespace earpoint

@@ -77,6 +77,10 @@ void follow_ray(const SceneGeometry& scene, const Source& source, const MirrorLi
   }
 }
 
+// Shorter ways have no direction: what mirrors a source onto a listener stands between them, so
+// that nothing comes that way.
+constexpr double kNoWay_m = 1e-6;
+
 // The path from the listener back to the source.
 class BackwardPath {
  public:
@@ -108,6 +112,7 @@ bool BackwardPath::follow(const Vector3& listener, const ImageSource& image,
   MirrorChain chain;
   while (chain.reflections() < image.reflections) {
     const double remaining_m = norm(target - point_);
+    if (remaining_m < kNoWay_m) return false;
     const Vector3 direction = (target - point_) / remaining_m;
     if (chain.reflections() > 0) {
       ++rays_cast;
@@ -121,7 +126,7 @@ bool BackwardPath::follow(const Vector3& listener, const ImageSource& image,
     point_ = meet(facet, point_, direction, scene_.surface_offset_m());
     target = mirror_point(facet, target);
   }
-  if (norm(target - source_m) > kSameImage_m) return false;
+  if (norm(target - source_m) > kSameImage_m || norm(point_ - source_m) < kNoWay_m) return false;
   ++rays_cast;
   return !scene_.rays().occluded(point_, source_m, scene_.mask_without(source_.body));
 }
@@ -209,7 +214,8 @@ std::vector<Arrival> specular_arrivals(const SceneGeometry& scene, const Source&
   std::vector<ImageSource> near;
   std::copy_if(images.begin(), images.end(), std::back_inserter(near),
                [&](const ImageSource& image) {
-                 return norm(image.position_m - listener) <= limits.max_distance_m;
+                 const double distance_m = norm(image.position_m - listener);
+                 return distance_m >= kNoWay_m && distance_m <= limits.max_distance_m;
                });
   std::array<std::vector<Arrival>, kShares> found;
   std::array<std::int64_t, kShares> cast{};

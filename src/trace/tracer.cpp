@@ -1,14 +1,13 @@
 #include "diffraction_paths.h"
+#include "escape_check.h"
 #include "propagation.h"
-#include "ray_walk.h"
+#include "source_walk.h"
 #include "specular_paths.h"
 
 #include <algorithm>
 #include <cmath>
 #include <optional>
 #include <utility>
-
-#include <fmt/core.h>
 
 #include <earpoint/core/error.h>
 #include <earpoint/trace/tracer.h>
@@ -20,10 +19,6 @@ namespace {
 // the 10 ms in which decays are judged.
 constexpr double kBin_s = 0.002;
 
-// The rays of a source are walked in this many shares, whatever the number of threads, and their
-// energies are added in order: the sum's last bits do not depend on who was first.
-constexpr int kShares = 8;
-
 void check_options(const TraceOptions& options) {
   EARPOINT_CHECK(options.rays > 0 && options.max_bounces > 0);
   EARPOINT_CHECK(options.mirror_rays >= 0 && options.max_mirrors >= 0);
@@ -32,13 +27,24 @@ void check_options(const TraceOptions& options) {
   check_air(options.air);
 }
 
+// Nearer to a point source the level grows without end.
+void check_apart(std::span<const Source> sources, std::span<const Vector3> listeners) {
+  constexpr double kLeast_m = 1e-3;
+  for (const Source& source : sources) {
+    for (const Vector3& listener : listeners) {
+      if (norm(listener - source.world_from_source.position_m) >= kLeast_m) continue;
+      throw InputError("listener", "stands where the source is",
+                       "move one of them by 1 mm or more");
+    }
+  }
+}
+
 // The straight way, through whatever lets sound through.
 void add_direct(const SceneGeometry& scene, const Source& source, const Vector3& listener,
                 const Propagation& propagation, PointResponse& response) {
   const Vector3& source_m = source.world_from_source.position_m;
   const Vector3 way = listener - source_m;
   response.distance_m = norm(way);
-  EARPOINT_CHECK(response.distance_m > 0.0);
   const Vector3 departure = way / response.distance_m;
   BandArray energy = sent_energy(source, departure);
   if (!scene.transmit(source_m, listener, scene.mask_without(source.body), energy)) return;
@@ -77,7 +83,7 @@ class ArrivalFinder {
       add_direct(scene_, source, listeners_[i], propagation_, response);
       if (from) {
         const std::vector<Arrival> round =
-            diffracted_arrivals(scene_, source, *from, views_[i], propagation_);
+            diffracted_arrivals(scene_, source, *from, views_[i], response.arrivals, propagation_);
         response.arrivals.insert(response.arrivals.end(), round.begin(), round.end());
       }
       std::stable_sort(response.arrivals.begin(), response.arrivals.end(),
@@ -120,51 +126,17 @@ void absorb_in_air(const Propagation& propagation, EnergyHistogram& late) {
   }
 }
 
-void check_escape(double fraction, double limit) {
-  if (fraction <= limit) return;
-  throw InputError("the mesh",
-                   fmt::format("leaks: {:.1f} % of the sound escapes through holes, expected at "
-                               "most {:.1f} %",
-                               100.0 * fraction, 100.0 * limit),
-                   "close the holes; --close-ceiling puts a missing ceiling on");
-}
-
-// Walks the rays of all sources; adds the shares of each source up in order.
-std::vector<WalkTally> walk_sources(const WalkSetup& setup, std::span<const Source> sources,
-                                    ThreadPool& pool) {
-  const std::int64_t rays = setup.options->rays;
-  std::vector<WalkTally> shares(sources.size() * kShares);
-  pool.run(std::ssize(shares), [&](std::ptrdiff_t task, int) {
-    const auto source = static_cast<std::size_t>(task / kShares);
-    const std::int64_t share = task % kShares;
-    shares[task] = walk_rays(setup, {.source = &sources[source],
-                                     .stream = source,
-                                     .first_ray = static_cast<int>(share * rays / kShares),
-                                     .last_ray = static_cast<int>((share + 1) * rays / kShares)});
-  });
-  std::vector<WalkTally> totals;
-  for (std::size_t source = 0; source < sources.size(); ++source) {
-    WalkTally& total = totals.emplace_back(std::move(shares[source * kShares]));
-    for (int share = 1; share < kShares; ++share) {
-      const WalkTally& tally = shares[source * kShares + share];
-      total.emitted += tally.emitted;
-      total.escaped += tally.escaped;
-      total.rays_cast += tally.rays_cast;
-      for (std::size_t i = 0; i < total.late.size(); ++i) total.late[i].add(tally.late[i]);
-    }
-  }
-  return totals;
-}
-
 }  // namespace
 
 TraceResult trace(const AcousticScene& scene, std::span<const Source> sources,
                   std::span<const Vector3> listeners, const TraceOptions& options,
                   ThreadPool& pool) {
   check_options(options);
+  check_apart(sources, listeners);
   const SceneGeometry& geometry = scene.geometry();
   const Propagation propagation = make_propagation(options);
-  WalkSetup setup{.scene = &geometry, .listeners = listeners, .options = &options};
+  WalkSetup setup{
+      .scene = &geometry, .listeners = listeners, .options = &options, .rays = options.rays};
   setup.mirrors = mirror_limits(options, propagation.speed_m_per_s);
   setup.bins = std::max(1, static_cast<int>(std::ceil(options.duration_s / kBin_s)));
   setup.bin_s = kBin_s;
@@ -175,8 +147,11 @@ TraceResult trace(const AcousticScene& scene, std::span<const Source> sources,
   ArrivalFinder finder(geometry, listeners, options, setup.mirrors);
   for (std::size_t i = 0; i < sources.size(); ++i) {
     WalkTally& tally = tallies[i];
-    result.escape_fraction.push_back(tally.emitted > 0.0 ? tally.escaped / tally.emitted : 0.0);
-    check_escape(result.escape_fraction.back(), options.max_escape_fraction);
+    // Rays that were thinned out stand for others too: a few of them may add up to a little more.
+    result.escape_fraction.push_back(
+        tally.emitted > 0.0 ? std::min(1.0, tally.escaped / tally.emitted) : 0.0);
+    check_escape(geometry, sources[i].world_from_source.position_m, result.escape_fraction.back(),
+                 options.max_escape_fraction);
     result.rays_cast += tally.rays_cast;
     std::vector<PointResponse>& responses = result.responses.emplace_back(listeners.size());
     finder.find(sources[i], pool, responses);

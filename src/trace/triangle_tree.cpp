@@ -8,6 +8,7 @@
 #include <fmt/core.h>
 
 #include <earpoint/core/error.h>
+#include <earpoint/scene/embree_config.h>
 
 namespace earpoint {
 namespace {
@@ -53,16 +54,14 @@ void SoundRayPacket::set(int lane, const std::array<float, 3>& origin,
   rays.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
 }
 
-TriangleTree::TriangleTree(const Mesh& mesh, std::span<const LayerMask> layers) {
+TriangleTree::TriangleTree(const Mesh& mesh, std::span<const LayerMask> layers) : planes_(mesh) {
   EARPOINT_CHECK(layers.size() == mesh.triangles.size());
   original_.resize(mesh.triangles.size());
   std::iota(original_.begin(), original_.end(), 0U);
   std::stable_sort(original_.begin(), original_.end(),
                    [&](std::uint32_t a, std::uint32_t b) { return layers[a] < layers[b]; });
 
-  // One thread: a tree built by several may differ from run to run, and with it the last bit of a
-  // hit.
-  device_.reset(rtcNewDevice("threads=1"));
+  device_.reset(rtcNewDevice(embree_config()));
   if (device_ == nullptr) throw std::runtime_error("Embree: no device");
   if (rtcGetDeviceProperty(device_.get(), RTC_DEVICE_PROPERTY_RAY_MASK_SUPPORTED) == 0) {
     throw std::runtime_error("Embree: built without ray masks");
@@ -119,7 +118,10 @@ std::optional<TriangleHit> TriangleTree::closest(const Vector3& origin, const Ve
   rtcInitIntersectContext(&context);
   rtcIntersect1(scene_.get(), &context, &ray);
   if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
-  return TriangleHit{ray.ray.tfar, original_[first_[ray.hit.geomID] + ray.hit.primID]};
+  const std::uint32_t triangle = original_[first_[ray.hit.geomID] + ray.hit.primID];
+  return TriangleHit{planes_.distance(triangle, {ray.ray.org_x, ray.ray.org_y, ray.ray.org_z},
+                                      {ray.ray.dir_x, ray.ray.dir_y, ray.ray.dir_z}, ray.ray.tfar),
+                     triangle};
 }
 
 bool TriangleTree::occluded(const Vector3& from, const Vector3& to, LayerMask mask) const {
@@ -135,6 +137,12 @@ void TriangleTree::closest(SoundRayPacket& packet) const {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   rtcIntersect16(packet.valid, scene_.get(), &context, &packet.rays);
+  RTCRay16& ray = packet.rays.ray;
+  for (int i = 0; i < kPacketSize; ++i) {
+    if (packet.valid[i] == 0 || !packet.hit(i)) continue;
+    ray.tfar[i] = planes_.distance(triangle(packet, i), {ray.org_x[i], ray.org_y[i], ray.org_z[i]},
+                                   {ray.dir_x[i], ray.dir_y[i], ray.dir_z[i]}, ray.tfar[i]);
+  }
 }
 
 std::uint32_t TriangleTree::occluded(SoundRayPacket& packet) const {

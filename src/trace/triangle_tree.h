@@ -11,6 +11,7 @@
 
 #include <earpoint/core/vector3.h>
 #include <earpoint/scene/mesh.h>
+#include <earpoint/scene/triangle_planes.h>
 
 namespace earpoint {
 
@@ -48,7 +49,9 @@ struct SoundRayPacket {
 };
 
 /// Rays against triangles: a thin layer over Embree in robust mode. Watertight: a ray does not slip
-/// through an edge that two triangles share. Const calls may be made from many threads at once.
+/// through an edge that two triangles share. Distances are those to the triangles' planes, the same
+/// on every processor; which triangle a ray meets may differ where it passes within rounding of an
+/// edge. Const calls may be made from many threads at once.
 class TriangleTree {
  public:
   /// @param layers  [triangles], one bit per triangle
@@ -86,6 +89,7 @@ class TriangleTree {
   void attach(RTCBuffer positions, const Mesh& mesh, std::size_t begin, std::size_t end,
               LayerMask layer);
 
+  TrianglePlanes planes_;
   Owned<RTCDevice> device_;
   Owned<RTCScene> scene_;
   std::vector<std::uint32_t> original_;  // triangles sorted by layer -> the mesh's

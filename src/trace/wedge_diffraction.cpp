@@ -16,24 +16,27 @@ namespace {
 constexpr int kParts = 3;
 using Parts = std::array<double, kParts>;
 
-constexpr int kFrequenciesPerBand = 3;
-
 // Secondary sources are gathered by their time of arrival into bins of this length: a phase error
 // of 0.04 of a period at 8 kHz, shared between two bins.
 constexpr double kBin_m = 0.0035;
 
-// Near a shadow boundary the integrand peaks at the apex; steps grow from this size with distance.
-constexpr double kFinestStep_m = 1e-5;
+// Steps along the edge grow with the distance from the apex. The first is integrated in closed
+// form: near a shadow boundary the integrand peaks there, however narrowly.
+constexpr double kFirstStep = 1e-3;  // of the nearer end's radius
 constexpr double kGrowth = 0.12;
 constexpr double kCoarsestStep_m = 0.01;
 
 class Integrand {
  public:
-  Integrand(const Wedge& wedge, const EdgePoint& source, const EdgePoint& receiver)
+  Integrand(const Wedge& wedge, const EdgePoint& source, const EdgePoint& receiver,
+            const UnbentSound& unbent)
       : source_(source), receiver_(receiver), index_(kPi / wedge.open_angle_rad) {
+    const double difference = std::abs(source.angle_rad - receiver.angle_rad);
     const double sum = source.angle_rad + receiver.angle_rad;
-    const double difference = source.angle_rad - receiver.angle_rad;
-    angles_ = {kPi + sum, kPi + difference, kPi - difference, kPi - sum};
+    const double other_sum = 2.0 * wedge.open_angle_rad - sum;
+    angles_ = {kPi - off_boundary(other_sum, unbent.mirrored) + 2.0 * wedge.open_angle_rad,
+               kPi + difference, kPi - off_boundary(difference, unbent.straight),
+               kPi - off_boundary(sum, unbent.mirrored)};
     for (int i = 0; i < 4; ++i) {
       sines_[i] = std::sin(index_ * angles_[i]);
       cosines_[i] = std::cos(index_ * angles_[i]);
@@ -48,12 +51,7 @@ class Integrand {
 
   // Pressure per metre of edge.
   [[nodiscard]] Parts at(double z) const {
-    const double in_m = std::hypot(source_.radius_m, z - source_.z_m);
-    const double out_m = std::hypot(receiver_.radius_m, z - receiver_.z_m);
-    const double ratio = (in_m * out_m + (z - source_.z_m) * (z - receiver_.z_m)) /
-                         (source_.radius_m * receiver_.radius_m);
-    // 1 at the apex; rounding may take it below.
-    const double cosh_eta = std::max(1.0, ratio);
+    const double cosh_eta = cosh_angle(z);
     const double power = std::pow(cosh_eta + std::sqrt(cosh_eta * cosh_eta - 1.0), index_);
     const double cosh_index_eta = (power + 1.0 / power) / 2.0;
     std::array<double, 4> beta;
@@ -61,11 +59,48 @@ class Integrand {
       const double below = cosh_index_eta - cosines_[i];
       beta[i] = below > 0.0 ? sines_[i] / below : 0.0;
     }
+    return weigh(z, beta);
+  }
+
+  // Pressure from the apex to a near point: there cosh(x) - 1 is x^2 / 2.
+  [[nodiscard]] Parts from_apex(double apex_z, double z) const {
+    const double reach = index_ * std::acosh(cosh_angle(z));
+    std::array<double, 4> beta{};
+    if (reach > 0.0) {
+      for (int i = 0; i < 4; ++i) {
+        const double half = std::sin(index_ * angles_[i] / 2.0);
+        const double turn =
+            2.0 * std::cos(index_ * angles_[i] / 2.0) * std::atan(reach / (2.0 * std::abs(half)));
+        beta[i] = std::copysign(std::abs(z - apex_z) / reach, half) * turn;
+      }
+    }
+    return weigh((apex_z + z) / 2.0, beta);
+  }
+
+ private:
+  // Moves a turn of half a circle, where sound starts to pass, to the side where it does.
+  [[nodiscard]] static double off_boundary(double turn_rad, bool passes) {
+    if (std::abs(turn_rad - kPi) > kOnBoundary_rad) return turn_rad;
+    return passes ? kPi - kOnBoundary_rad : kPi + kOnBoundary_rad;
+  }
+
+  // Of the imaginary angle between source and receiver, as a point of the edge has it.
+  [[nodiscard]] double cosh_angle(double z) const {
+    const double in_m = std::hypot(source_.radius_m, z - source_.z_m);
+    const double out_m = std::hypot(receiver_.radius_m, z - receiver_.z_m);
+    const double ratio = (in_m * out_m + (z - source_.z_m) * (z - receiver_.z_m)) /
+                         (source_.radius_m * receiver_.radius_m);
+    // 1 at the apex; rounding may take it below.
+    return std::max(1.0, ratio);
+  }
+
+  [[nodiscard]] Parts weigh(double z, const std::array<double, 4>& beta) const {
+    const double in_m = std::hypot(source_.radius_m, z - source_.z_m);
+    const double out_m = std::hypot(receiver_.radius_m, z - receiver_.z_m);
     const double scale = -index_ / (4.0 * kPi * in_m * out_m);
     return {scale * (beta[1] + beta[2]), scale * beta[3], scale * beta[0]};
   }
 
- private:
   EdgePoint source_;
   EdgePoint receiver_;
   double index_;
@@ -106,74 +141,95 @@ class BinnedResponse {
   std::vector<Parts> bins_;
 };
 
-double apex_z(const EdgePoint& source, const EdgePoint& receiver,
-              std::span<const EdgeInterval> intervals) {
-  // On the unfolded plane the way is straight.
-  const double unbounded = source.z_m + (receiver.z_m - source.z_m) * source.radius_m /
-                                            (source.radius_m + receiver.radius_m);
-  double nearest = intervals.front().begin_m;
-  for (const EdgeInterval& interval : intervals) {
-    const double z = std::clamp(unbounded, interval.begin_m, interval.end_m);
-    if (std::abs(z - unbounded) < std::abs(nearest - unbounded)) nearest = z;
-  }
-  return nearest;
+// On the unfolded plane the shortest way is straight.
+double unbounded_apex_z(const EdgePoint& source, const EdgePoint& receiver) {
+  return source.z_m +
+         (receiver.z_m - source.z_m) * source.radius_m / (source.radius_m + receiver.radius_m);
 }
 
 // From `begin` towards `end`, away from the apex: midpoint rule over growing steps.
-void integrate(const Integrand& integrand, double apex, double begin, double end,
+void integrate(const Integrand& integrand, double apex, double begin, double end, double first_step,
                BinnedResponse& response) {
   const double direction = end > begin ? 1.0 : -1.0;
   double z = begin;
   while (z != end) {
-    const double wanted = std::min(kFinestStep_m + kGrowth * std::abs(z - apex), kCoarsestStep_m);
+    const double wanted = std::min(first_step + kGrowth * std::abs(z - apex), kCoarsestStep_m);
     const double step = std::min(wanted, std::abs(end - z));
     const double next = step == std::abs(end - z) ? end : z + direction * step;
     const double middle = (z + next) / 2.0;
-    Parts parts = integrand.at(middle);
-    for (double& part : parts) part *= std::abs(next - z);
+    Parts parts;
+    if (z == apex) {
+      parts = integrand.from_apex(apex, next);
+    } else {
+      parts = integrand.at(middle);
+      for (double& part : parts) part *= std::abs(next - z);
+    }
     response.add(integrand.path_m(middle), parts);
     z = next;
   }
 }
 
-BandArray band_gains(const Wedge& wedge, const BinnedResponse& response, double speed_m_per_s) {
-  BandArray gains;
-  for (int band = 0; band < kOctaveBands; ++band) {
-    double energy = 0.0;
-    double real = 0.0;
-    for (int i = 0; i < kFrequenciesPerBand; ++i) {
-      const double octaves = (i - (kFrequenciesPerBand - 1) / 2.0) / kFrequenciesPerBand;
-      const double frequency_hz = kOctaveBandCentresHz[band] * std::exp2(octaves);
-      const auto parts = response.spectrum(2.0 * kPi * frequency_hz / speed_m_per_s);
-      const std::complex<double> sum = parts[0] +
-                                       static_cast<double>(wedge.reflection[0][band]) * parts[1] +
-                                       static_cast<double>(wedge.reflection[1][band]) * parts[2];
-      energy += std::norm(sum) / kFrequenciesPerBand;
-      real += sum.real();
-    }
-    gains[band] = static_cast<float>(std::copysign(std::sqrt(energy), real));
+DiffractionSpectrum sum_parts(const Wedge& wedge, const BinnedResponse& response,
+                              double speed_m_per_s) {
+  DiffractionSpectrum spectrum;
+  for (int i = 0; i < kDiffractionFrequencies; ++i) {
+    const int band = i / kFrequenciesPerBand;
+    const auto parts = response.spectrum(2.0 * kPi * diffraction_frequency_hz(i) / speed_m_per_s);
+    spectrum[i] = parts[0] + static_cast<double>(wedge.reflection[0][band]) * parts[1] +
+                  static_cast<double>(wedge.reflection[1][band]) * parts[2];
   }
-  return gains;
+  return spectrum;
 }
 
 }  // namespace
 
-DiffractedSound diffract(const Wedge& wedge, const EdgePoint& source, const EdgePoint& receiver,
-                         std::span<const EdgeInterval> intervals, double speed_m_per_s) {
+double diffraction_frequency_hz(int index) {
+  const int place = index % kFrequenciesPerBand;
+  const double octaves = (place - (kFrequenciesPerBand - 1) / 2.0) / kFrequenciesPerBand;
+  return kOctaveBandCentresHz[index / kFrequenciesPerBand] * std::exp2(octaves);
+}
+
+std::vector<EdgeInterval> overlap(const std::vector<EdgeInterval>& a,
+                                  const std::vector<EdgeInterval>& b) {
+  std::vector<EdgeInterval> both;
+  for (const EdgeInterval& x : a) {
+    for (const EdgeInterval& y : b) {
+      const EdgeInterval shared{std::max(x.begin_m, y.begin_m), std::min(x.end_m, y.end_m)};
+      if (shared.begin_m < shared.end_m) both.push_back(shared);
+    }
+  }
+  return both;
+}
+
+EdgeApex find_apex(const EdgePoint& source, const EdgePoint& receiver,
+                   std::span<const EdgeInterval> intervals) {
+  EARPOINT_CHECK(!intervals.empty());
+  const double apex_z = unbounded_apex_z(source, receiver);
+  double nearest = intervals.front().begin_m;
+  for (const EdgeInterval& interval : intervals) {
+    const double z = std::clamp(apex_z, interval.begin_m, interval.end_m);
+    if (std::abs(z - apex_z) < std::abs(nearest - apex_z)) nearest = z;
+  }
+  return {.distance_m = std::hypot(source.radius_m, nearest - source.z_m) +
+                        std::hypot(receiver.radius_m, nearest - receiver.z_m),
+          .z_m = nearest};
+}
+
+DiffractionSpectrum diffract(const Wedge& wedge, const EdgePoint& source, const EdgePoint& receiver,
+                             std::span<const EdgeInterval> intervals, const UnbentSound& unbent,
+                             double speed_m_per_s) {
   EARPOINT_CHECK(!intervals.empty() && wedge.open_angle_rad > 0.0);
   EARPOINT_CHECK(source.radius_m > 0.0 && receiver.radius_m > 0.0);
-  const Integrand integrand(wedge, source, receiver);
-  DiffractedSound sound;
-  sound.apex_z_m = apex_z(source, receiver, intervals);
-  sound.distance_m = integrand.path_m(sound.apex_z_m);
-  BinnedResponse response(sound.distance_m);
+  const Integrand integrand(wedge, source, receiver, unbent);
+  const double apex = unbounded_apex_z(source, receiver);
+  const double first_step = kFirstStep * std::min(source.radius_m, receiver.radius_m);
+  BinnedResponse response(find_apex(source, receiver, intervals).distance_m);
   for (const EdgeInterval& interval : intervals) {
-    const double apex = std::clamp(sound.apex_z_m, interval.begin_m, interval.end_m);
-    integrate(integrand, sound.apex_z_m, apex, interval.end_m, response);
-    integrate(integrand, sound.apex_z_m, apex, interval.begin_m, response);
+    const double start = std::clamp(apex, interval.begin_m, interval.end_m);
+    integrate(integrand, apex, start, interval.end_m, first_step, response);
+    integrate(integrand, apex, start, interval.begin_m, first_step, response);
   }
-  sound.gain = band_gains(wedge, response, speed_m_per_s);
-  return sound;
+  return sum_parts(wedge, response, speed_m_per_s);
 }
 
 }  // namespace earpoint

@@ -98,6 +98,11 @@ GtfLearner make_learner(const GtfDescription& description, const GtfLearnerOptio
 TrainingTask gtf_task(const TrainConfig& config, std::string_view where,
                       const TaskOptions& options) {
   PairOptions pairs = pair_options(config, where, options);
+  if (pairs.layout == DatasetLayout::replay) {
+    throw InputError(options.data.string(),
+                     "gtf learns from what was spoken and from where, which recordings do not tell",
+                     "take simulated data, or train a vigas or vam network");
+  }
   const std::string network = fmt::format("{}: 'network'", where);
   std::string section = config.network;
   GtfLearnerOptions learner_options;

@@ -1,3 +1,5 @@
+#include "spoil_view.h"
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -9,6 +11,7 @@
 #include <earpoint/core/error.h>
 #include <earpoint/core/random.h>
 #include <earpoint/dataset/ambient.h>
+#include <earpoint/dataset/dataset_folder.h>
 #include <earpoint/dataset/pair_list.h>
 #include <earpoint/train/example_source.h>
 
@@ -17,8 +20,8 @@ namespace {
 
 // What the released loader clamps the delay to; the way is at most 4 m longer.
 constexpr double kLargestShift = 200.0;
-/// In a row, by when the data set is beyond repair.
-constexpr std::uint64_t kMostBadExamples = 100;
+// The seed of validation pairs that are drawn because there is no list.
+constexpr std::uint64_t kValidationDraw = 1;
 
 /// Keys of random streams: the draws of an example, and of its noise.
 enum Purpose : std::uint64_t { kDraw = 1, kNoise = 2, kValidationNoise = 3 };
@@ -51,14 +54,6 @@ void align_target(PairSample& sample) {
   sample.target = std::move(moved);
 }
 
-/// `count` of `size` numbers, evenly spread.
-std::vector<std::size_t> spread(std::size_t size, std::size_t count) {
-  if (count == 0 || count > size) count = size;
-  std::vector<std::size_t> chosen(count);
-  for (std::size_t i = 0; i < count; ++i) chosen[i] = i * size / count;
-  return chosen;
-}
-
 std::vector<int> speaking(const SoundSpacesClip& clip) {
   std::vector<int> found;
   for (std::size_t i = 0; i < clip.speakers.size(); ++i) {
@@ -72,8 +67,15 @@ std::vector<int> speaking(const SoundSpacesClip& clip) {
 
 }  // namespace
 
+std::vector<std::size_t> evenly_spread(std::size_t size, std::size_t count) {
+  if (count == 0 || count > size) count = size;
+  std::vector<std::size_t> chosen(count);
+  for (std::size_t i = 0; i < count; ++i) chosen[i] = i * size / count;
+  return chosen;
+}
+
 struct PairExamples::State {
-  State(PairOptions pair_options, Encoder encoder)
+  State(PairOptions pair_options, PairEncoder encoder)
       : options(std::move(pair_options)),
         encode(std::move(encoder)),
         train(soundspaces_options(options.data, "train")),
@@ -84,13 +86,15 @@ struct PairExamples::State {
                       options.target),
         // Validation is the same whatever training looks like, so that runs can be compared.
         val_sampler(val, options.cache_bytes / 4, ResponseDelays::dropped, options.target) {
-    const std::filesystem::path list = options.data / "pairs-val.json";
-    const PairList pairs = read_pair_list(list);
-    for (const std::size_t index : spread(pairs.pairs.size(), options.validation_pairs)) {
+    const auto list = find_pair_list(options.data, "val");
+    const PairList pairs =
+        list ? read_pair_list(*list) : draw_pair_list(val, PairDraw::every_target, kValidationDraw);
+    const std::string where = list ? list->string() : "the drawn pairs";
+    for (const std::size_t index : evenly_spread(pairs.pairs.size(), options.validation_pairs)) {
       const ViewPair& pair = pairs.pairs[index];
-      validation.emplace_back(&clip_of(pair, val.clips(), list.string()), pair.choice);
+      validation.emplace_back(&clip_of(pair, val.clips(), where), pair.choice);
     }
-    if (validation.empty()) throw InputError(list.string(), "holds no pair");
+    if (validation.empty()) throw InputError(where, "holds no pair");
   }
 
   /// Where a window of the speaker's speech begins.
@@ -151,11 +155,25 @@ struct PairExamples::State {
     if (options.alignment == Alignment::gcc_phat) align_target(sample);
     // Drawn in any case, so that the other draws are the same with and without.
     const bool is_mirrored = random.index(2) == 1;
-    return options.mirror && is_mirrored ? mirrored(sample) : sample;
+    if (options.mirror && is_mirrored) sample = mirrored(sample);
+    spoil_view(sample, random);
+    return sample;
+  }
+
+  /// Takes away what a user's camera may not show.
+  void spoil_view(PairSample& sample, RandomStream& random) const {
+    const bool is_spoilt = random.uniform() < options.spoilt_pictures;
+    const bool is_hidden = random.uniform() < options.hidden_boxes;
+    if (is_hidden) sample.speaker_box.reset();
+    if (!is_spoilt) return;
+    const SoundSpacesClip& other = train.clips()[random.index(train.clips().size())];
+    const auto viewpoint = static_cast<int>(random.index(other.viewpoints.size()));
+    sample.picture =
+        spoilt_picture(*sample.picture, train_sampler.picture(other, viewpoint), random);
   }
 
   PairOptions options;
-  Encoder encode;
+  PairEncoder encode;
   SoundSpacesDataset train;
   SoundSpacesDataset val;
   PairSampler train_sampler;
@@ -163,7 +181,7 @@ struct PairExamples::State {
   std::vector<std::pair<const SoundSpacesClip*, SoundSpacesChoice>> validation;
 };
 
-PairExamples::PairExamples(PairOptions options, Encoder encode)
+PairExamples::PairExamples(PairOptions options, PairEncoder encode)
     : state_(std::make_unique<State>(std::move(options), std::move(encode))) {}
 PairExamples::~PairExamples() = default;
 

@@ -121,6 +121,35 @@ TEST_F(PairExamplesTest, MirroringCanBeTurnedOffAndChangesNothingElse) {
   EXPECT_LT(swapped, 33);
 }
 
+TEST_F(PairExamplesTest, SpoilsPicturesAndHidesBoxesAsOftenAsAskedAndChangesNothingElse) {
+  PairOptions poor = options();
+  poor.spoilt_pictures = 0.5;
+  poor.hidden_boxes = 0.25;
+  const PairExamples plain = examples(options());
+  const PairExamples spoilt = examples(poor);
+  int pictures = 0;
+  int boxes = 0;
+  int seen = 0;
+  constexpr int kDraws = 200;
+  for (std::uint64_t n = 0; n < kDraws; ++n) {
+    const PairSample one = plain.training_sample(n);
+    const PairSample two = spoilt.training_sample(n);
+    EXPECT_TRUE(std::ranges::equal(one.source.planar(), two.source.planar()));
+    EXPECT_EQ(one.source_from_target, two.source_from_target);
+    EXPECT_EQ(one.picture->width(), two.picture->width());
+    pictures += std::ranges::equal(one.picture->pixels(), two.picture->pixels()) ? 0 : 1;
+    seen += one.speaker_box ? 1 : 0;
+    boxes += one.speaker_box && !two.speaker_box ? 1 : 0;
+  }
+  // Of 200 draws 100 +- 7 are spoilt; of those an eighth may get their own picture back from
+  // another place. Of those seen a quarter loses the box, +- 6.
+  EXPECT_GT(pictures, 60);
+  EXPECT_LT(pictures, 125);
+  EXPECT_GT(boxes, seen / 4 - 25);
+  EXPECT_LT(boxes, seen / 4 + 25);
+  EXPECT_GT(boxes, 0);
+}
+
 TEST_F(PairExamplesTest, GccPhatTakesOutTheWaysDifference) {
   PairOptions kept = options();
   kept.alignment = Alignment::none;

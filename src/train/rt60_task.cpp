@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include <earpoint/core/error.h>
+#include <earpoint/dataset/dataset_folder.h>
 #include <earpoint/dataset/pair_sample.h>
 #include <earpoint/dataset/reverberant_speech.h>
 #include <earpoint/model/strict_json.h>

@@ -48,6 +48,12 @@ const fs::path& made(const fs::path& folder) {
 
 }  // namespace
 
+RunLock::RunLock(const fs::path& folder) : lock_(made(folder) / ".lock") {
+  if (lock_.try_lock(0, 1)) return;
+  throw InputError(folder.string(), "another process is training there",
+                   "wait for it, or name another folder with --out");
+}
+
 RunState run_state_in(const SafetensorsFile& checkpoint) {
   const auto found = checkpoint.metadata.find(kStateKey);
   if (found == checkpoint.metadata.end()) {

@@ -143,13 +143,20 @@ Json merged(const fs::path& path, int chain) {
 void add_inputs(ViGasDescription& d, bool sees_box) {
   if (d.image_encoder) d.inputs.push_back({"visual_feat", d.image_encoder->feature_width()});
   d.inputs.push_back({"tgt_pose", 3});
-  d.inputs.push_back({"tgt_rotation", 6});
+  d.inputs.push_back({"tgt_rotation", d.pose_encoding == PoseEncoding::soundspaces ? 2 : 6});
   if (sees_box) d.inputs.push_back({"bboxes", 4});
 }
 
-ImageEncoderDescription encoder_from(const Json& json, const std::string& where) {
+/// The published network's for the data set whose poses are encoded so.
+ImageEncoderDescription published_encoder(PoseEncoding encoding) {
+  if (encoding == PoseEncoding::replay) return {384, 216, 8};
+  return {256, 256, 8};
+}
+
+/// @param encoder  what is left out has its values
+ImageEncoderDescription encoder_from(const Json& json, const std::string& where,
+                                     ImageEncoderDescription encoder) {
   Section section(json, where);
-  ImageEncoderDescription encoder{256, 256, 8};
   section.take("width_px", encoder.width_px, 32, 1024);
   section.take("height_px", encoder.height_px, 32, 1024);
   section.take("channels", encoder.channels, 1, 512);
@@ -198,21 +205,29 @@ TrainConfig read_train_config(const fs::path& path) {
 ViGasConfig vigas_config_from_json(std::string_view text, std::string_view where, bool separated) {
   constexpr std::array<std::pair<LossKind, std::string_view>, 2> kLosses{
       {{LossKind::magnitude, "magnitude"}, {LossKind::log_magnitude, "log_magnitude"}}};
-  constexpr std::array<std::pair<BoxEncoding, std::string_view>, 2> kBoxEncodings{
-      {{BoxEncoding::corners, "corners"}, {BoxEncoding::centre, "centre"}}};
+  constexpr std::array<std::pair<BoxEncoding, std::string_view>, 3> kBoxEncodings{
+      {{BoxEncoding::corners, "corners"},
+       {BoxEncoding::centre, "centre"},
+       {BoxEncoding::soundspaces, "soundspaces"}}};
+  constexpr std::array<std::pair<PoseEncoding, std::string_view>, 3> kPoseEncodings{
+      {{PoseEncoding::full, "full"},
+       {PoseEncoding::soundspaces, "soundspaces"},
+       {PoseEncoding::replay, "replay"}}};
   const Json json = parsed(text, where);
   Section section(json, std::string(where));
   ViGasConfig config;
   ViGasDescription& d = config.description;
   d.pose_encoding = PoseEncoding::full;
-  d.box_encoding = BoxEncoding::corners;
+  section.take("pose_encoding", d.pose_encoding, kPoseEncodings);
+  d.box_encoding = d.pose_encoding == PoseEncoding::soundspaces ? BoxEncoding::soundspaces
+                                                                : BoxEncoding::corners;
   if (separated) d.highpass_cutoff_hz = kSeparationCutoffHz;
-  d.image_encoder = ImageEncoderDescription{256, 256, 8};
+  d.image_encoder = published_encoder(d.pose_encoding);
   if (section.is_null("picture")) {
     d.image_encoder.reset();
   } else if (section.reader().has("picture")) {
-    d.image_encoder =
-        encoder_from(section.reader().value("picture"), fmt::format("{}: 'picture'", where));
+    d.image_encoder = encoder_from(section.reader().value("picture"),
+                                   fmt::format("{}: 'picture'", where), *d.image_encoder);
   }
   bool sees_box = true;
   section.take("box", sees_box);
@@ -266,6 +281,8 @@ PairOptions pair_options_from_json(std::string_view text, std::string_view where
   options.samples = samples;
   section.take("any_speech", options.any_speech);
   section.take("mirror", options.mirror);
+  section.take("spoilt_pictures", options.spoilt_pictures, 0.0, 1.0);
+  section.take("hidden_boxes", options.hidden_boxes, 0.0, 1.0);
   section.take("align", options.alignment, kAlignments);
   section.take("target", options.target, kTargets);
   if (options.target == PairTarget::near_microphone && options.alignment != Alignment::responses) {

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <csignal>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -64,6 +65,19 @@ class TrainerTest : public ::testing::Test {
 
   fs::path folder_;
 };
+
+TEST_F(TrainerTest, TwoProcessesDoNotTrainInOneFolder) {
+  std::optional<RunLock> first(folder_ / "run");
+  try {
+    const RunLock second(folder_ / "run");
+    FAIL() << "expected InputError";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("another process is training there"),
+              std::string::npos);
+  }
+  first.reset();
+  EXPECT_NO_THROW(RunLock(folder_ / "run"));
+}
 
 TEST_F(TrainerTest, LearnsAndKeepsTheBestWeights) {
   std::vector<double> errors;

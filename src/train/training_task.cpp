@@ -62,13 +62,20 @@ std::unique_ptr<Learner> vigas_learner(const ViGasConfig& config, std::uint64_t 
 TrainingTask vigas_task(const TrainConfig& config, std::string_view where,
                         const TaskOptions& options) {
   PairOptions pairs = pair_options(config, where, options);
-  const ViGasConfig network =
+  ViGasConfig network =
       vigas_config_from_json(config.network, fmt::format("{}: 'network'", where), pairs.separate);
+  if (pairs.layout == DatasetLayout::replay) {
+    network.description.highpass_cutoff_hz = kReplayCutoffHz;
+    if (network.place > 0.0) {
+      throw InputError(where, "'network': 'place': recordings do not tell where the speaker is",
+                       "leave it out");
+    }
+  }
   TrainingTask task;
   const auto encode = [description = network.description](const PairSample& sample) {
     return vigas_example(description, sample);
   };
-  task.examples = std::make_unique<PairExamples>(std::move(pairs), encode);
+  task.examples = pair_examples(std::move(pairs), encode);
   task.learner = vigas_learner(network, config.training.seed, where, options);
   return task;
 }
@@ -96,6 +103,7 @@ PairOptions pair_options(const TrainConfig& config, std::string_view where,
                          const TaskOptions& options) {
   PairOptions pairs = pair_options_from_json(config.data, fmt::format("{}: 'data'", where));
   pairs.data = options.data;
+  pairs.layout = dataset_layout(options.data, options.layout);
   pairs.seed = config.training.seed;
   pairs.cache_bytes = options.cache_bytes;
   pairs.on_bad = options.on_bad;
@@ -124,7 +132,8 @@ TrainingExample vigas_example(const ViGasDescription& description, const PairSam
     for (float& value : picture.values) value /= 255.0F;
     example.picture = std::move(picture.values);
   }
-  EncodedPose pose = encode_pose(description.pose_encoding, sample.source_from_target);
+  EncodedPose pose =
+      encode_pose(description.pose_encoding, sample.source_from_target, sample.world_from_source);
   example.inputs["tgt_pose"] = std::move(pose.tgt_pose);
   example.inputs["tgt_rotation"] = std::move(pose.tgt_rotation);
   if (description.has_input("bboxes")) {

@@ -18,13 +18,14 @@ TrainingTask vam_task(const TrainConfig& config, std::string_view where,
   const std::string network = fmt::format("{}: 'network'", where);
   VamDescription usual;
   if (pairs.separate) usual.highpass_cutoff_hz = kSeparationCutoffHz;
+  if (pairs.layout == DatasetLayout::replay) usual.highpass_cutoff_hz = kReplayCutoffHz;
   const VamDescription description =
       vam_description_from_json(description_with(config.network, to_json(usual), network), network);
   TrainingTask task;
   const auto encode = [description](const PairSample& sample) {
     return vam_example(description, sample);
   };
-  task.examples = std::make_unique<PairExamples>(std::move(pairs), encode);
+  task.examples = pair_examples(std::move(pairs), encode);
   auto learner = std::make_unique<VamLearner>(
       options.checkpoint == nullptr
           ? VamLearner(initial_vam_weights(description, config.training.seed), options.device)

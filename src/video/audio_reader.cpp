@@ -66,9 +66,26 @@ bool append_samples(const AVFrame& frame, int channel, std::int64_t begin, std::
   }
 }
 
-int choose_stream(const ffmpeg::InputContainer& container, const std::string& path,
+/// The preferred stream, or where that cannot be decoded, the first that can.
+int decodable_stream(ffmpeg::InputContainer& container) {
+  const auto has_decoder = [&](int index) {
+    return avcodec_find_decoder(container.stream(index).codecpar->codec_id) != nullptr;
+  };
+  const int preferred = container.preferred_stream(StreamKind::audio);
+  if (has_decoder(preferred)) return preferred;
+  for (const StreamInfo& stream : container.describe().streams) {
+    if (stream.kind != StreamKind::audio || !has_decoder(stream.index)) continue;
+    container.warn(fmt::format("audio stream {} cannot be decoded (codec {}); took stream {} ({})",
+                               preferred, container.describe(preferred).codec, stream.index,
+                               stream.codec));
+    return stream.index;
+  }
+  return preferred;  // the decoder says what is missing
+}
+
+int choose_stream(ffmpeg::InputContainer& container, const std::string& path,
                   std::optional<int> wanted) {
-  if (!wanted) return container.preferred_stream(StreamKind::audio);
+  if (!wanted) return decodable_stream(container);
   std::string known;
   for (const StreamInfo& stream : container.describe().streams) {
     if (stream.kind != StreamKind::audio) continue;
@@ -158,6 +175,7 @@ struct AudioReader::State {
         const auto late = std::llround(late_s * info.sample_rate_hz);
         overlap = std::clamp<std::int64_t>(-late, 0, frame->nb_samples);
         if (late > 0) owe_silence(late);
+        warn_of_gap(late_s);
       }
     }
     const std::int64_t end = samples_meant();
@@ -203,6 +221,15 @@ struct AudioReader::State {
     queued += samples;
   }
 
+  void warn_of_gap(double late_s) {
+    constexpr double kWorthTelling_s = 1.0;
+    // `queued` holds the silence already; what comes before the first sample is no gap.
+    const double from_s = queued_s() - late_s;
+    if (late_s < kWorthTelling_s || from_s <= 0.0) return;
+    container.warn(fmt::format("has no sound from {:.3f} to {:.3f} s; silence is there instead",
+                               from_s, queued_s()));
+  }
+
   ffmpeg::InputContainer container;
   int stream;
   StreamInfo info;
@@ -227,6 +254,9 @@ AudioReader& AudioReader::operator=(AudioReader&&) noexcept = default;
 
 int AudioReader::sample_rate_hz() const { return state_->info.sample_rate_hz; }
 const StreamInfo& AudioReader::info() const { return state_->info; }
+const std::vector<std::string>& AudioReader::warnings() const {
+  return state_->container.warnings();
+}
 
 std::optional<double> AudioReader::duration_s() const {
   const StreamInfo& info = state_->info;

@@ -79,6 +79,76 @@ TEST_F(AudioReaderTest, AWaveFileFromAPipeHasNoLengthAndNoFault) {
   EXPECT_EQ(read_all(reader).left.size(), 44100U);
 }
 
+TEST_F(AudioReaderTest, WaveFilesGoToTheirTrueEndWhateverTheirHeaderSays) {
+  run_ffmpeg(fmt::format("{} -bitexact a.wav", clicks(16000)));
+  std::string bytes = read_text_file(file("a.wav"));
+  const std::size_t data = bytes.find("data");
+  const auto samples = static_cast<std::uint32_t>(bytes.size() - data - 8);
+  for (const std::uint32_t length : {0U, 0x7FFFF000U, 0xFFFFFFFFU, samples + 16}) {
+    std::memcpy(bytes.data() + 4, &length, 4);
+    std::memcpy(bytes.data() + data + 4, &length, 4);
+    write_file(file("a.wav"), bytes);
+    AudioReader reader(file("a.wav"));
+    EXPECT_EQ(read_all(reader).left.size(), 16000U) << length;
+  }
+  write_file(file("a.wav"), bytes.substr(0, bytes.size() / 2));
+  AudioReader cut(file("a.wav"));
+  EXPECT_TRUE(mentions(input_error([&] { read_all(cut); }), "ends too early"));
+}
+
+TEST_F(AudioReaderTest, JumpsOfATransportStreamsClockAreClosedAndTold) {
+  // Back to where the first began; back to zero, which FFmpeg takes for a clock that has run over;
+  // and forward.
+  const std::string movie =
+      fmt::format("-f lavfi -i testsrc2=s=64x48:r=25:d=1 {} -c:a mp2 -b:a 192k", clicks(48000));
+  for (const auto& [first_s, second_s] : {std::pair{0, 0}, {500, 0}, {0, 500}}) {
+    run_ffmpeg(fmt::format("{} -output_ts_offset {} a.ts", movie, first_s));
+    run_ffmpeg(fmt::format("{} -output_ts_offset {} b.ts", movie, second_s));
+    write_file(file("c.ts"), read_text_file(file("a.ts")) + read_text_file(file("b.ts")));
+    AudioReader reader(file("c.ts"));
+    const Ears ears = read_all(reader);
+    // MP2 frames of 24 ms; the picture's second lasts as long, the sound's a frame more.
+    EXPECT_NEAR(static_cast<double>(ears.left.size()), 2.0 * 48000, 0.1 * 48000);
+    ASSERT_EQ(reader.warnings().size(), 1U) << first_s << " " << second_s;
+    EXPECT_TRUE(mentions(reader.warnings()[0], "its clock is set anew after"))
+        << reader.warnings()[0];
+
+    // Picture and sound go on together: the second's first frame comes with its first sample.
+    FrameReader frames(file("c.ts"));
+    EXPECT_NEAR(frames.duration_s(), 2.0, 0.1);
+    for (double t = 0.0; t < 3.0; t += 0.5) (void)frames.frame_nearest(t);
+    EXPECT_NEAR(frames.frame_time_s(), 1.96, 0.1);
+    EXPECT_EQ(frames.frames_decoded(), 50);
+  }
+}
+
+TEST_F(AudioReaderTest, AGapIsSilenceAndTold) {
+  run_ffmpeg(fmt::format("{} -c:a pcm_s16le a.mkv", clicks(16000)));
+  run_ffmpeg("-i a.mkv -af \"asetpts=PTS+if(gt(T\\,0.5)\\,3/TB\\,0)\" -c:a pcm_s16le b.mkv");
+  AudioReader reader(file("b.mkv"));
+  EXPECT_NEAR(static_cast<double>(read_all(reader).left.size()), 4.0 * 16000, 0.1 * 16000);
+  ASSERT_EQ(reader.warnings().size(), 1U);
+  EXPECT_TRUE(mentions(reader.warnings()[0], "has no sound from")) << reader.warnings()[0];
+}
+
+TEST_F(AudioReaderTest, ATrackThatCannotBeDecodedIsPassedOver) {
+  run_ffmpeg(fmt::format("{0} {0} -map 0 -map 1 -c:a aac a.mp4", clicks(48000)));
+  std::string bytes = read_text_file(file("a.mp4"));
+  for (const auto& [known, unknown] : {std::pair{"mp4a", "apac"}, {"esds", "apad"}}) {
+    const std::size_t codec = bytes.find(known);
+    ASSERT_NE(codec, std::string::npos);
+    bytes.replace(codec, 4, unknown);
+  }
+  write_file(file("a.mp4"), bytes);
+  AudioReader reader(file("a.mp4"));
+  EXPECT_EQ(reader.info().index, 1);
+  ASSERT_EQ(reader.warnings().size(), 1U);
+  EXPECT_TRUE(mentions(reader.warnings()[0], "audio stream 0 cannot be decoded"))
+      << reader.warnings()[0];
+  EXPECT_TRUE(
+      mentions(input_error([&] { AudioReader(file("a.mp4"), std::nullopt, 0); }), "no decoder"));
+}
+
 TEST_F(AudioReaderTest, ReadsEverySampleFormat) {
   for (const char* codec :
        {"pcm_u8", "pcm_s16le", "pcm_s24le", "pcm_s32le", "pcm_f32le", "pcm_f64le"}) {

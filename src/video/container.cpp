@@ -1,10 +1,12 @@
 #include "container.h"
 
+#include "exif.h"
 #include "frame_image.h"
 
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
 #include <new>
 #include <utility>
@@ -14,6 +16,7 @@
 
 #include <earpoint/core/error.h>
 #include <earpoint/core/parallel.h>
+#include <earpoint/core/wav_data.h>
 
 extern "C" {
 #include <libavutil/avstring.h>
@@ -94,14 +97,6 @@ const AVInputFormat* container_kind(AVIOContext& io, const fs::path& path) {
   return kind;
 }
 
-/// Whether a RIFF file was written where its length could not be filled in.
-bool has_open_length(std::FILE* file) {
-  std::array<std::uint8_t, 8> head{};
-  const bool is_read = pread(fileno(file), head.data(), head.size(), 0) == 8;
-  return is_read &&
-         std::all_of(head.begin() + 4, head.end(), [](auto byte) { return byte == 0xff; });
-}
-
 /// When the first sample or picture is due: priming comes before it.
 std::optional<double> start_of(const AVStream& stream) {
   if (stream.start_time == AV_NOPTS_VALUE) return std::nullopt;
@@ -138,13 +133,28 @@ Orientation orientation_of(const AVStream& stream) {
   return orientation_from_display_matrix(reinterpret_cast<const std::int32_t*>(matrix));
 }
 
-void describe_picture(const AVStream& stream, StreamInfo& info) {
+/// The lens that Apple's cameras note, in the stream's or the movie's metadata; 0 if none.
+double focal_length_35mm(const AVStream& stream, const AVFormatContext& format) {
+  constexpr const char* kKey = "com.apple.quicktime.camera.focal_length.35mm_equivalent";
+  for (const AVDictionary* metadata : {stream.metadata, format.metadata}) {
+    const AVDictionaryEntry* entry = av_dict_get(metadata, kKey, nullptr, 0);
+    const double length = entry != nullptr ? std::atof(entry->value) : 0.0;
+    if (length > 1.0 && length < 10'000.0) return length;
+  }
+  return 0.0;
+}
+
+void describe_picture(const AVStream& stream, const AVFormatContext& format, StreamInfo& info) {
   const AVCodecParameters& codec = *stream.codecpar;
   const Orientation orientation = orientation_of(stream);
   info.rotation_deg = rotation_deg(orientation);
   info.width = codec.width;
   info.height = codec.height;
   if (orientation.xx == 0) std::swap(info.width, info.height);
+  const double focal_length = focal_length_35mm(stream, format);
+  if (focal_length > 0.0 && info.width > 0 && info.height > 0) {
+    info.horizontal_fov_rad = horizontal_fov_rad(focal_length, info.width, info.height);
+  }
   const AVRational rate =
       stream.avg_frame_rate.num > 0 ? stream.avg_frame_rate : stream.r_frame_rate;
   if (info.kind == StreamKind::video && rate.num > 0 && rate.den > 0) {
@@ -194,7 +204,10 @@ void InputContainer::open() {
   check(avformat_open_input(&format, path_.c_str(), kind, nullptr), path_.string(), kProblem,
         kDamagedMend);
   format_.reset(format);
-  has_no_length_ = std::strcmp(kind->name, "wav") == 0 && has_open_length(file_.get());
+  if (std::strcmp(kind->name, "wav") == 0) {
+    const std::optional<WavData> data = find_wav_data(path_);
+    has_no_length_ = data && data->goes_to_the_end();
+  }
   ProbeOptions options(format_->nb_streams);
   check(avformat_find_stream_info(format_.get(), options.get()), path_.string(), kProblem,
         kDamagedMend);
@@ -236,10 +249,10 @@ StreamInfo InputContainer::describe(int index) const {
   info.codec = avcodec_get_name(source.codecpar->codec_id);
   info.is_default = (source.disposition & AV_DISPOSITION_DEFAULT) != 0;
   info.start_s = std::max(0.0, time_s(index, source.start_time).value_or(0.0));
-  if (source.duration != AV_NOPTS_VALUE && source.duration > 0) {
+  if (source.duration != AV_NOPTS_VALUE && source.duration > 0 && !may_jump()) {
     info.duration_s = static_cast<double>(source.duration) * av_q2d(source.time_base);
   }
-  if (source.codecpar->codec_type == AVMEDIA_TYPE_VIDEO) describe_picture(source, info);
+  if (source.codecpar->codec_type == AVMEDIA_TYPE_VIDEO) describe_picture(source, *format_, info);
   if (source.codecpar->codec_type == AVMEDIA_TYPE_AUDIO) describe_sound(source, info);
   return info;
 }
@@ -256,7 +269,8 @@ MediaInfo InputContainer::describe() const {
     const double end_s = stream.start_s + *stream.duration_s;
     info.duration_s = std::max(info.duration_s.value_or(0.0), end_s);
   }
-  if (!info.duration_s && format_->duration != AV_NOPTS_VALUE && format_->duration > 0) {
+  if (!info.duration_s && !may_jump() && format_->duration != AV_NOPTS_VALUE &&
+      format_->duration > 0) {
     info.duration_s = static_cast<double>(format_->duration) / AV_TIME_BASE;
   }
   return info;
@@ -284,9 +298,55 @@ std::string InputContainer::where(int index, std::optional<double> time_s) const
 
 void InputContainer::select(int index) {
   selected_ = index;
+  // Where times may jump, the other streams are watched: a jump is as long in all of them.
+  if (may_jump()) {
+    clocks_.assign(format_->nb_streams, {});
+    return;
+  }
   for (unsigned i = 0; i < format_->nb_streams; ++i) {
     format_->streams[i]->discard = static_cast<int>(i) == index ? AVDISCARD_DEFAULT : AVDISCARD_ALL;
   }
+}
+
+/// Broadcast streams are cut and joined without a thought for their clocks, and state no length.
+bool InputContainer::may_jump() const {
+  return av_match_list(format_->iformat->name, "mpegts,mpeg", ',') != 0;
+}
+
+/// Lets a packet follow the one before it where the container's clock was set anew.
+void InputContainer::close_jump(AVPacket& packet) {
+  constexpr double kForward_s = 10.0;  // a pause of the recording may be that long
+  constexpr double kBackward_s = 0.5;  // times of decoding do not go back at all
+  const AVStream& source = stream(packet.stream_index);
+  const double tick_s = av_q2d(source.time_base);
+  const std::int64_t stamp = packet.dts != AV_NOPTS_VALUE ? packet.dts : packet.pts;
+  const StreamKind kind = kind_of(source);
+  if (stamp == AV_NOPTS_VALUE || (kind != StreamKind::video && kind != StreamKind::audio)) return;
+  if (clocks_.size() <= static_cast<std::size_t>(packet.stream_index)) {
+    clocks_.resize(static_cast<std::size_t>(packet.stream_index) + 1);  // begins in mid-file
+  }
+  StreamClock& clock = clocks_[packet.stream_index];
+  const double start_s = static_cast<double>(stamp) * tick_s;
+  const double jump_s = clock.end_s ? start_s + clock.offset_s - *clock.end_s : 0.0;
+  if (jump_s > kForward_s || jump_s < -kBackward_s) {
+    // The stream that comes to a jump first tells its length; the others stay in time with it.
+    const bool is_known =
+        clock.jumps < jumps_s_.size() && std::abs(jumps_s_[clock.jumps] - jump_s) < kForward_s;
+    if (!is_known) {
+      warn(fmt::format("its clock is set anew after {:.3f} s; what follows is joined there",
+                       *clock.end_s - origin_s_));
+      jumps_s_.resize(clock.jumps);
+      jumps_s_.push_back(jump_s);
+    }
+    clock.offset_s -= jumps_s_[clock.jumps++];
+    clock.since_jump = 0;
+  } else {
+    ++clock.since_jump;
+  }
+  const std::int64_t shift = std::llround(clock.offset_s / tick_s);
+  if (packet.dts != AV_NOPTS_VALUE) packet.dts += shift;
+  if (packet.pts != AV_NOPTS_VALUE) packet.pts += shift;
+  clock.end_s = start_s + clock.offset_s + static_cast<double>(packet.duration) * tick_s;
 }
 
 void InputContainer::throw_damaged(int error) const {
@@ -308,20 +368,36 @@ bool InputContainer::read(AVPacket& packet) {
     const int error = av_read_frame(format_.get(), &packet);
     if (error == AVERROR(EAGAIN)) continue;
     if (error < 0) {
+      if (suspect_) throw_damaged(AVERROR_INVALIDDATA);
       check_whole(error);
       return false;
     }
+    if (may_jump()) close_jump(packet);
     if (packet.stream_index == selected_) break;
     av_packet_unref(&packet);
   }
   const std::int64_t stamp = packet.pts != AV_NOPTS_VALUE ? packet.pts : packet.dts;
-  if (const auto time = time_s(selected_, stamp)) last_time_s_ = time;
-  // The last block of a file without a length is as long as it happens to be.
-  if ((packet.flags & AV_PKT_FLAG_CORRUPT) && !has_no_length_) throw_damaged(AVERROR_INVALIDDATA);
+  if (const auto time = time_s(selected_, stamp); time && !suspect_) last_time_s_ = time;
+  check_packet(packet);
   return true;
 }
 
+void InputContainer::check_packet(AVPacket& packet) {
+  // Where two transport streams are joined, whole packets on either side count as damaged.
+  constexpr int kNearJumpPackets = 4;
+  const bool is_near_jump = may_jump() && clocks_[selected_].since_jump < kNearJumpPackets;
+  if (is_near_jump) suspect_.reset();
+  // The last block of a file without a length is as long as it happens to be.
+  if ((packet.flags & AV_PKT_FLAG_CORRUPT) && !has_no_length_ && !is_near_jump) {
+    if (!may_jump()) throw_damaged(AVERROR_INVALIDDATA);
+    if (!suspect_) suspect_ = kNearJumpPackets;
+  }
+  if (may_jump()) packet.flags &= ~AV_PKT_FLAG_CORRUPT;
+  if (suspect_ && (*suspect_)-- == 0) throw_damaged(AVERROR_INVALIDDATA);
+}
+
 bool InputContainer::seek(int index, std::int64_t timestamp) {
+  if (may_jump()) return false;  // nobody knows where a time is
   listen_to_log();
   return av_seek_frame(format_.get(), index, timestamp, AVSEEK_FLAG_BACKWARD) >= 0;
 }

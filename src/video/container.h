@@ -11,6 +11,8 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <earpoint/video/media.h>
 
@@ -61,12 +63,26 @@ class InputContainer {
   /// @return false at the end
   /// @throws InputError naming stream and time if the file is damaged or ends too early
   bool read(AVPacket& packet);
+  /// What the user should know of what was read so far, each one line without the file's name.
+  [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
+  void warn(std::string warning) { warnings_.push_back(std::move(warning)); }
   /// Goes to a key frame at or before the timestamp. @return false if the file cannot do that
   bool seek(int stream, std::int64_t timestamp);
 
  private:
+  /// Where a stream is in time.
+  struct StreamClock {
+    std::optional<double> end_s;  // of the packet before
+    double offset_s = 0.0;        // closes the jumps so far
+    std::size_t jumps = 0;
+    int since_jump = 1000;  // packets
+  };
+
   void open();
   void find_origin();
+  [[nodiscard]] bool may_jump() const;
+  void close_jump(AVPacket& packet);
+  void check_packet(AVPacket& packet);
   void check_whole(int error);
   [[noreturn]] void throw_damaged(int error) const;
 
@@ -77,7 +93,11 @@ class InputContainer {
   std::unique_ptr<AVFormatContext, InputFormatDeleter> format_;
   double origin_s_ = 0.0;
   int selected_ = -1;
-  bool has_no_length_ = false;         // written to a pipe: its header leaves the length open
+  std::optional<int> suspect_;       // packets until one is damaged, unless time jumps before
+  bool has_no_length_ = false;       // written to a pipe: its header leaves the length open
+  std::vector<StreamClock> clocks_;  // of containers whose times may jump
+  std::vector<double> jumps_s_;      // found so far, the same for all streams
+  std::vector<std::string> warnings_;
   std::optional<double> last_time_s_;  // of the packet read last, for messages
 };
 

@@ -1,3 +1,4 @@
+#include "exif.h"
 #include "ffmpeg.h"
 #include "frame_image.h"
 #include "picture.h"
@@ -14,7 +15,6 @@
 #include <earpoint/video/image_file.h>
 
 extern "C" {
-#include <libavutil/display.h>
 #include <libavutil/opt.h>
 }
 
@@ -50,16 +50,6 @@ bool ends_properly(std::span<const std::byte> jpeg) {
   return false;
 }
 
-/// The orientation that a JPEG's Exif data ask for.
-Orientation orientation_of(const AVFrame& frame) {
-  const AVFrameSideData* matrix = av_frame_get_side_data(&frame, AV_FRAME_DATA_DISPLAYMATRIX);
-  if (matrix != nullptr) {
-    return orientation_from_display_matrix(reinterpret_cast<const std::int32_t*>(matrix->data));
-  }
-  const AVDictionaryEntry* entry = av_dict_get(frame.metadata, "Orientation", nullptr, 0);
-  return orientation_from_exif(entry == nullptr ? 1 : std::atoi(entry->value));
-}
-
 FramePtr decode_picture(std::span<const std::byte> bytes, AVCodecID id, const std::string& where) {
   CodecContextPtr codec = make_codec_context(avcodec_find_decoder(id));
   codec->max_pixels = kMaxPixels;
@@ -80,6 +70,17 @@ FramePtr decode_picture(std::span<const std::byte> bytes, AVCodecID id, const st
     check(AVERROR_INVALIDDATA, where, kProblem, kDamagedMend);
   }
   return frame;
+}
+
+/// What the extension asks for.
+AVCodecID codec_of(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (extension == ".jpg" || extension == ".jpeg") return AV_CODEC_ID_MJPEG;
+  if (extension == ".png") return AV_CODEC_ID_PNG;
+  throw InputError(path.string(),
+                   fmt::format("pictures are written as .png, .jpg or .jpeg, not '{}'", extension));
 }
 
 /// The whole picture as the bytes of a file.
@@ -124,10 +125,40 @@ std::optional<PictureFormat> picture_format(std::span<const std::byte> bytes) {
   return std::nullopt;
 }
 
+std::optional<std::string_view> other_picture(std::span<const std::byte> bytes) {
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  if (text.size() >= 12 && text.substr(4, 4) == "ftyp") {
+    const std::string_view brand = text.substr(8, 4);
+    for (const char* heif : {"heic", "heix", "heim", "heis", "hevc", "hevx", "mif1", "msf1"}) {
+      if (brand == heif) return "HEIC";
+    }
+    if (brand == "avif" || brand == "avis") return "AVIF";
+  }
+  if (text.starts_with("RIFF") && text.size() >= 12 && text.substr(8, 4) == "WEBP") return "WebP";
+  if (text.starts_with("GIF8")) return "GIF";
+  if (text.starts_with(std::string_view("II*\0", 4)) ||
+      text.starts_with(std::string_view("MM\0*", 4))) {
+    return "TIFF or raw";
+  }
+  if (text.size() >= 14 && text.starts_with("BM") &&
+      text.substr(6, 4) == std::string_view("\0\0\0\0", 4)) {
+    return "BMP";
+  }
+  return std::nullopt;
+}
+
+void refuse_other_picture(std::span<const std::byte> bytes, const std::string& name) {
+  const auto kind = other_picture(bytes);
+  if (!kind) return;
+  throw InputError(name, fmt::format("is a {} picture; PNG and JPEG are read", *kind),
+                   "convert it to one of them");
+}
+
 Image decode_image(std::span<const std::byte> bytes, std::string_view name) {
   const std::string where(name);
   if (bytes.empty()) throw InputError(where, "is empty");
   const auto format = picture_format(bytes);
+  if (!format) refuse_other_picture(bytes, where);
   if (!format) throw InputError(where, "is neither a PNG nor a JPEG picture");
 
   const bool is_jpeg = *format == PictureFormat::jpeg;
@@ -137,7 +168,8 @@ Image decode_image(std::span<const std::byte> bytes, std::string_view name) {
   const FramePtr frame =
       decode_picture(bytes, is_jpeg ? AV_CODEC_ID_MJPEG : AV_CODEC_ID_PNG, where);
   ImageMaker maker;
-  return oriented(maker.image(*frame, where), orientation_of(*frame));
+  const Orientation orientation = orientation_from_exif(read_exif(bytes).orientation);
+  return oriented(maker.image(*frame, where), orientation);
 }
 
 Image read_image(const std::filesystem::path& path) {
@@ -152,19 +184,16 @@ std::vector<std::byte> encode_png(const Image& image) {
   return {bytes.begin(), bytes.end()};
 }
 
+void check_image_path(const std::filesystem::path& path) {
+  (void)codec_of(path);
+  const AtomicFile probe(path);
+}
+
 void write_image(const std::filesystem::path& path, const Image& image) {
   EARPOINT_CHECK(!image.empty() && (image.channels() == 1 || image.channels() == 3));
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  const bool is_jpeg = extension == ".jpg" || extension == ".jpeg";
-  if (!is_jpeg && extension != ".png") {
-    throw InputError(
-        path.string(),
-        fmt::format("pictures are written as .png, .jpg or .jpeg, not '{}'", extension));
-  }
+  const AVCodecID codec = codec_of(path);
   listen_to_log();
-  const PacketPtr packet = encode_picture(image, is_jpeg ? AV_CODEC_ID_MJPEG : AV_CODEC_ID_PNG);
+  const PacketPtr packet = encode_picture(image, codec);
   write_file(path, std::as_bytes(std::span(packet->data, static_cast<std::size_t>(packet->size))));
 }
 

@@ -1,5 +1,6 @@
 #include "test_media.h"
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 
@@ -7,6 +8,7 @@
 
 #include <earpoint/core/random.h>
 #include <earpoint/video/image_file.h>
+#include <earpoint/video/media.h>
 
 namespace earpoint {
 namespace {
@@ -168,6 +170,28 @@ void add_exif_orientation(const std::filesystem::path& path, int orientation) {
   write_file(path, jpeg);
 }
 
+std::string big_endian(std::uint32_t value) {
+  return bytes_of({static_cast<int>(value >> 24), static_cast<int>(value >> 16 & 0xff),
+                   static_cast<int>(value >> 8 & 0xff), static_cast<int>(value & 0xff)});
+}
+
+/// Puts an eXIf chunk with an orientation behind a PNG file's header.
+void add_exif_chunk(const std::filesystem::path& path, int orientation) {
+  const std::string exif = bytes_of({'M', 'M', 0, 42, 0, 0, 0,           8, 0, 1, 0x01, 0x12, 0,
+                                     3,   0,   0, 0,  1, 0, orientation, 0, 0, 0, 0,    0,    0});
+  const std::string chunk = "eXIf" + exif;
+  std::uint32_t crc = 0xffffffff;
+  for (const char c : chunk) {
+    crc ^= static_cast<unsigned char>(c);
+    for (int bit = 0; bit < 8; ++bit) crc = crc >> 1 ^ (crc & 1 ? 0xedb88320U : 0U);
+  }
+  constexpr std::size_t kHeaderEnd = 8 + 25;
+  std::string png = read_text_file(path);
+  png.insert(kHeaderEnd,
+             big_endian(static_cast<std::uint32_t>(exif.size())) + chunk + big_endian(~crc));
+  write_file(path, png);
+}
+
 TEST_F(ImageFile, ExifOrientationIsApplied) {
   // Left half red, right half blue, a green top edge: a mark for every side.
   Image upright(64, 32, 3);
@@ -188,6 +212,40 @@ TEST_F(ImageFile, ExifOrientationIsApplied) {
   EXPECT_GT(read.at(10, 2, 1), 200);
   EXPECT_GT(read.at(10, 20, 0), 200);
   EXPECT_GT(read.at(50, 20, 2), 200);
+
+  write_image(file("a.png"), stored);
+  add_exif_chunk(file("a.png"), 6);
+  const Image turned = read_image(file("a.png"));
+  EXPECT_TRUE(std::ranges::equal(turned.pixels(), upright.pixels()));
+}
+
+TEST_F(ImageFile, TheLensTellsTheFieldOfView) {
+  // Big endian; one entry, which points to a second directory with the focal length of 24 mm.
+  std::string exif = bytes_of({0xff, 0xe1, 0,    2 + 6 + 8 + 2 + 12 + 4 + 2 + 12 + 4,
+                               'E',  'x',  'i',  'f',
+                               0,    0,    'M',  'M',
+                               0,    42,   0,    0,
+                               0,    8,    0,    1,
+                               0x87, 0x69, 0,    4,
+                               0,    0,    0,    1,
+                               0,    0,    0,    26,
+                               0,    0,    0,    0,
+                               0,    1,    0xA4, 0x05,
+                               0,    3,    0,    0,
+                               0,    1,    0,    24,
+                               0,    0,    0,    0,
+                               0,    0});
+  write_image(file("a.jpg"), Image(64, 48, 3));
+  std::string jpeg = read_text_file(file("a.jpg"));
+  EXPECT_FALSE(probe_media(file("a.jpg")).streams.at(0).horizontal_fov_rad);
+  write_file(file("a.jpg"), jpeg.insert(2, exif));
+  // 2 atan(43.27 / 48 x 0.8): 71.6 degrees, as a phone's main camera has.
+  EXPECT_NEAR(probe_media(file("a.jpg")).streams.at(0).horizontal_fov_rad.value(), 1.2497, 1e-3);
+
+  run_ffmpeg(
+      "-f lavfi -i testsrc2=s=64x48:r=25:d=0.2 -movflags use_metadata_tags -metadata "
+      "com.apple.quicktime.camera.focal_length.35mm_equivalent=24 a.mov");
+  EXPECT_NEAR(probe_media(file("a.mov")).streams.at(0).horizontal_fov_rad.value(), 1.2497, 1e-3);
 }
 
 TEST_F(ImageFile, CutShortOrOverwrittenFilesAreRefused) {
@@ -236,6 +294,21 @@ TEST_F(ImageFile, HugeDimensionsAreRefusedBeforeMemoryIsTaken) {
 TEST_F(ImageFile, OtherFilesAreRefusedByName) {
   write_file(file("a.png"), "this is no picture");
   write_file(file("b.png"), "");
+  for (const auto& [bytes, kind] : {std::pair{std::string("\0\0\0\x1c"
+                                                          "ftypheic\0\0\0\0",
+                                                          16),
+                                              "HEIC"},
+                                    {std::string("RIFF\x10\0\0\0WEBPVP8 ", 16), "WebP"},
+                                    {std::string("GIF89a\1\0\1\0", 10), "GIF"},
+                                    {std::string("II*\0\x08\0\0\0", 8), "TIFF"}}) {
+    write_file(file("q"), bytes);
+    for (const std::string& message : {input_error([&] { (void)read_image(file("q")); }),
+                                       input_error([&] { (void)probe_media(file("q")); })}) {
+      EXPECT_TRUE(mentions(message, std::string("is a ") + kind) &&
+                  mentions(message, "PNG and JPEG are read"))
+          << message;
+    }
+  }
   EXPECT_TRUE(mentions(input_error([&] { (void)read_image(file("a.png")); }), "neither a PNG"));
   EXPECT_TRUE(mentions(input_error([&] { (void)read_image(file("b.png")); }), "empty"));
   EXPECT_TRUE(mentions(input_error([&] { (void)read_image(file("c.png")); }), "no such file"));

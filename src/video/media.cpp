@@ -1,10 +1,12 @@
 #include "container.h"
+#include "exif.h"
 #include "picture.h"
 
 #include <array>
 #include <fstream>
 
 #include <earpoint/core/error.h>
+#include <earpoint/core/file.h>
 #include <earpoint/video/image_file.h>
 #include <earpoint/video/media.h>
 
@@ -17,11 +19,14 @@ std::optional<PictureFormat> picture_format_of(const std::filesystem::path& path
   std::array<std::byte, 16> head{};
   std::ifstream file(path, std::ios::binary);
   file.read(reinterpret_cast<char*>(head.data()), head.size());
-  return picture_format(std::span(head).first(static_cast<std::size_t>(file.gcount())));
+  const auto bytes = std::span(head).first(static_cast<std::size_t>(file.gcount()));
+  refuse_other_picture(bytes, path.string());
+  return picture_format(bytes);
 }
 
 MediaInfo describe_picture_file(const std::filesystem::path& path, PictureFormat format) {
-  const Image image = read_image(path);
+  const std::vector<std::byte> bytes = read_file(path);
+  const Image image = decode_image(bytes, path.string());
   MediaInfo info;
   info.kind = MediaKind::picture;
   info.format = format == PictureFormat::png ? "png" : "jpeg";
@@ -30,6 +35,9 @@ MediaInfo describe_picture_file(const std::filesystem::path& path, PictureFormat
   stream.codec = format == PictureFormat::png ? "png" : "mjpeg";
   stream.width = image.width();
   stream.height = image.height();
+  if (const auto focal_length = read_exif(bytes).focal_length_35mm) {
+    stream.horizontal_fov_rad = horizontal_fov_rad(*focal_length, image.width(), image.height());
+  }
   return info;
 }
 

@@ -215,6 +215,29 @@ TEST_F(MovieWriterTest, CopiedFramesKeepTimeRotationAndContent) {
   }
 }
 
+TEST_F(MovieWriterTest, TheContainerFollowsTheExtension) {
+  write_flashes("a.mp4", 44100);
+  for (const auto& [name, format] :
+       {std::pair{"b.mov", "mov"}, {"b.mkv", "matroska"}, {"b.MP4", "mp4"}}) {
+    MovieWriter writer(file(name), file("a.mp4"), 44100);
+    writer.write_sound(clicks(44100));
+    writer.close();
+    EXPECT_TRUE(mentions(probe_media(file(name)).format, format)) << name;
+    EXPECT_GT(FrameReader(file(name)).frame_nearest(0.0).width(), 0);
+  }
+}
+
+TEST_F(MovieWriterTest, PicturesFromBeforeTimeZeroOfAMatroskaFileAreKept) {
+  run_ffmpeg(
+      "-f lavfi -i testsrc2=s=64x48:r=25:d=2 -f lavfi -i sine=d=2 -ac 2 -c:v libx264 -bf 0 -c:a "
+      "aac "
+      "-output_ts_offset -1 -avoid_negative_ts disabled a.mkv");
+  MovieWriter writer(file("b.mp4"), file("a.mkv"), 44100);
+  writer.write_sound(Waveform(2, 88200, 44100));
+  writer.close();
+  EXPECT_NEAR(FrameReader(file("b.mp4")).duration_s(), 2.0, 0.1);  // a frame or two at the edges
+}
+
 TEST_F(MovieWriterTest, PicturesComeBackInTheirColours) {
   Image image(35, 27, 3);  // odd: one more column and row in the file
   for (int y = 0; y < 27; ++y) {

@@ -1,7 +1,7 @@
 #include "output_container.h"
 
 #include <algorithm>
-#include <array>
+#include <cctype>
 #include <cerrno>
 #include <new>
 #include <system_error>
@@ -29,12 +29,16 @@ constexpr int kIoBufferBytes = 1 << 18;
                    error == ENOSPC || error == EDQUOT ? "free some space or write elsewhere" : "");
 }
 
-const fs::path& checked_extension(const fs::path& path) {
-  const std::string extension = path.extension().string();
-  constexpr std::array kKnown = {".mp4", ".m4v", ".mov", ".MP4", ".M4V", ".MOV"};
-  if (std::find(kKnown.begin(), kKnown.end(), extension) != kKnown.end()) return path;
-  throw InputError(path.string(),
-                   fmt::format("movies are written as .mp4, .m4v or .mov, not '{}'", extension));
+/// FFmpeg's name of the container that the extension asks for.
+const char* format_of(const fs::path& path) {
+  std::string extension = path.extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (extension == ".mp4" || extension == ".m4v") return "mp4";
+  if (extension == ".mov") return "mov";
+  if (extension == ".mkv") return "matroska";
+  throw InputError(
+      path.string(),
+      fmt::format("movies are written as .mp4, .m4v, .mov or .mkv, not '{}'", extension));
 }
 
 }  // namespace
@@ -82,10 +86,10 @@ std::int64_t OutputFile::seek_bytes(void* self, std::int64_t offset, int whence)
 }
 
 OutputContainer::OutputContainer(const fs::path& path)
-    : path_(checked_extension(path)), file_(path), output_(file_.temporary_path()) {
+    : path_(path), format_name_(format_of(path)), file_(path), output_(file_.temporary_path()) {
   listen_to_log();
   AVFormatContext* format = nullptr;
-  check_memory(avformat_alloc_output_context2(&format, nullptr, "mp4", nullptr));
+  check_memory(avformat_alloc_output_context2(&format, nullptr, format_name_, nullptr));
   format_.reset(format);
   format_->pb = output_.io();
   format_->flags |= AVFMT_FLAG_CUSTOM_IO | AVFMT_FLAG_BITEXACT;

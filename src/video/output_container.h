@@ -40,10 +40,13 @@ class OutputFile {
 /// Streams are added, then begin(), packets in any order, finish().
 class OutputContainer {
  public:
-  /// @throws InputError if the path's extension is no mp4's or it cannot be written
+  /// @throws InputError if the path's extension is not .mp4, .m4v, .mov or .mkv or it cannot be
+  /// written
   explicit OutputContainer(const std::filesystem::path& path);
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+  /// FFmpeg's name of the container: "mp4", "mov" or "matroska".
+  [[nodiscard]] std::string_view format_name() const { return format_name_; }
 
   /// A new stream. The file may change its time base in begin().
   AVStream& add_stream(const AVCodecParameters& codec, AVRational time_base);
@@ -58,6 +61,7 @@ class OutputContainer {
   void check_written(int error);
 
   std::filesystem::path path_;
+  const char* format_name_;
   AtomicFile file_;
   OutputFile output_;
   std::unique_ptr<AVFormatContext, OutputFormatDeleter> format_;

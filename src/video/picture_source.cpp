@@ -49,7 +49,8 @@ class CopiedPictures : public PictureSource {
     const AVStream& input = source_->stream(index_);
     AVStream& stream = output_.add_stream(*input.codecpar, input.time_base);
     // The name by which every player knows HEVC with its parameters kept aside, as they are here.
-    const bool is_hevc = input.codecpar->codec_id == AV_CODEC_ID_HEVC;
+    const bool is_hevc =
+        input.codecpar->codec_id == AV_CODEC_ID_HEVC && output_.format_name() != "matroska";
     stream.codecpar->codec_tag = is_hevc ? MKTAG('h', 'v', 'c', '1') : 0;
     stream.sample_aspect_ratio = input.sample_aspect_ratio;
     stream.avg_frame_rate = input.avg_frame_rate;
@@ -151,6 +152,15 @@ bool is_copyable(const AVInputFormat& container, AVCodecID codec) {
   }
 }
 
+/// Matroska drops times before zero: what was recorded then has to be counted, which needs
+/// decoding.
+bool begins_with_a_time(const std::filesystem::path& source, int index) {
+  InputContainer container(source);
+  container.select(index);
+  const PacketPtr packet = make_packet();
+  return !container.read(*packet) || packet->pts != AV_NOPTS_VALUE || packet->dts != AV_NOPTS_VALUE;
+}
+
 }  // namespace
 
 std::unique_ptr<PictureSource> picture_of_movie(const std::filesystem::path& source,
@@ -158,7 +168,7 @@ std::unique_ptr<PictureSource> picture_of_movie(const std::filesystem::path& sou
   auto container = std::make_unique<InputContainer>(source);
   const int index = container->preferred_stream(StreamKind::video);
   const AVCodecID codec = container->stream(index).codecpar->codec_id;
-  if (is_copyable(*container->format().iformat, codec)) {
+  if (is_copyable(*container->format().iformat, codec) && begins_with_a_time(source, index)) {
     return std::make_unique<CopiedPictures>(std::move(container), index, output);
   }
   container.reset();

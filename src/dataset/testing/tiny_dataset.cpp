@@ -138,4 +138,38 @@ void write_tiny_dataset(const fs::path& folder, const TinyDataset& options) {
   }
 }
 
+void write_published_dataset(const fs::path& folder, const TinyDataset& options, bool pcm16) {
+  const fs::path scenes = "data/synthetic_dataset/v16";
+  const fs::path plain = folder / "plain";
+  write_tiny_dataset(plain, options);
+  fs::create_directories(folder / "data/synthetic_dataset");
+  fs::remove_all(folder / scenes);
+  fs::remove_all(folder / "data/LibriSpeech-wav");
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(plain / "speech")) {
+    if (!entry.is_regular_file()) continue;
+    // libsndfile goes by the contents; only writing looks at the name.
+    const fs::path wave = entry.path().string() + ".wav";
+    write_sound(wave, read_sound(entry.path()),
+                pcm16 ? SampleFormat::pcm16 : SampleFormat::float32);
+    fs::rename(wave, entry.path());
+  }
+  fs::rename(plain / "speech", folder / "data/LibriSpeech-wav");
+  for (const char* split : {"train", "val", "test"}) {
+    fs::remove(plain / fmt::format("pairs-{}.json", split));
+    // Paths begin at the root.
+    const fs::path metadata = plain / split / "room" / kSoundSpacesMetadata;
+    std::vector<SoundSpacesClip> clips =
+        parse_soundspaces_metadata(read_text_file(metadata), metadata.string(), "room");
+    for (SoundSpacesClip& clip : clips) {
+      for (SoundSpacesViewpoint& viewpoint : clip.viewpoints) {
+        viewpoint.image = (scenes / viewpoint.image).string();
+        for (auto& [id, rir] : viewpoint.rir) rir = (scenes / rir).string();
+      }
+    }
+    write_file(metadata, soundspaces_metadata(clips));
+  }
+  fs::remove(plain / "dataset.json");
+  fs::rename(plain, folder / scenes);
+}
+
 }  // namespace earpoint

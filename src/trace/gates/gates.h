@@ -34,12 +34,22 @@ enum class Effort { quick, thorough };
 /// Mean and spread over the number of rays.
 std::vector<GateRow> ray_count_gate(ThreadPool& pool, Effort effort);
 
+/// Rooms whose late sound is that of a few rays: uneven absorption, a smooth corridor.
+std::vector<GateRow> uneven_gate(ThreadPool& pool, Effort effort);
+
 /// The default HRTF: left and right, front and back, above and below, turns of the head.
 std::vector<GateRow> ear_gate();
+
+/// A lone arrival's ringing, a source near the head, a source that moves.
+std::vector<GateRow> motion_gate(ThreadPool& pool);
 
 /// A wall with an open door, a closed one, and none; the level behind it against the uniform theory
 /// of diffraction.
 std::vector<GateRow> diffraction_gate(ThreadPool& pool);
+
+/// Walls and doorways of real thickness against a wave solver; no jump where a step of 1 mm crosses
+/// a shadow line; no place behind a wall louder than free field.
+std::vector<GateRow> thick_wall_gate(ThreadPool& pool);
 
 /// Equal bytes for any number of threads; meshes with holes are refused.
 std::vector<GateRow> determinism_gate();

@@ -82,6 +82,26 @@ double decay_time_s(std::span<const double> backward, double steps_per_s, double
   return -60.0 * (n * sum_tt - sum_t * sum_t) / (n * sum_tl - sum_t * sum_l);
 }
 
+double arrivals_level_db(const PointResponse& response, int band, double speed_m_per_s) {
+  constexpr int kFrequencies = 9;
+  double sum = 0.0;
+  double weights = 0.0;
+  for (int i = 0; i < kFrequencies; ++i) {
+    const double frequency_hz =
+        kOctaveBandCentresHz[band] * std::exp2((i + 0.5) / kFrequencies - 0.5);
+    const double wave_number = 2.0 * kPi * frequency_hz / speed_m_per_s;
+    std::complex<double> pressure = 0.0;
+    for (const Arrival& arrival : response.arrivals) {
+      pressure += static_cast<double>(arrival.gain[band]) *
+                  std::polar(1.0, -wave_number * arrival.delay_s * speed_m_per_s);
+    }
+    // White sound has its energy even over frequency, not over octaves.
+    sum += frequency_hz * std::norm(pressure);
+    weights += frequency_hz;
+  }
+  return decibels(sum / weights);
+}
+
 double energy(std::span<const double> signal) {
   double sum = 0.0;
   for (const double sample : signal) sum += sample * sample;

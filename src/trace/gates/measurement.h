@@ -3,6 +3,8 @@
 #include <span>
 #include <vector>
 
+#include <earpoint/trace/tracer.h>
+
 namespace earpoint::gates {
 
 /// How an impulse response is measured by the gates: written apart from the code under test.
@@ -23,6 +25,10 @@ std::vector<double> backward_energy(std::span<const double> signal);
 ///         std::runtime_error if the decay does not reach the lower one
 double decay_time_s(std::span<const double> backward, double steps_per_s, double from_db,
                     double to_db);
+
+/// The energy of the octave around a band's centre in the sum of arrivals as they are, without the
+/// late field and the renderer's filters: the mean over frequencies, pressure 1 at 1 m being 0 dB.
+double arrivals_level_db(const PointResponse& response, int band, double speed_m_per_s);
 
 double energy(std::span<const double> signal);
 double decibels(double energy_ratio);

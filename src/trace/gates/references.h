@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <complex>
 #include <vector>
 
@@ -32,22 +33,27 @@ std::vector<BoxImage> box_images(const Box& box, const Vector3& source, const Ve
                                  double max_distance_m);
 
 /// The impulse response of a set of images, summed in the frequency domain, so that every arrival
-/// lies exactly at its time. Gains between the bands' centres as `octave_band_weight` has them.
+/// lies exactly at its time. Gains between the bands' centres as `octave_band_weight` has them; the
+/// top 8 % of the spectrum fade out, as the renderer's do.
 std::vector<float> image_response(const Box& box, const std::vector<BoxImage>& images,
                                   int sample_rate_hz, int samples);
 
 /// Eyring's reverberation time (1930), with the air's absorption.
 double eyring_time_s(const Box& box, int band);
 
-/// The energy over time at a listener in a box whose walls scatter by Lambert's law: particles that
-/// bounce between the six planes, counted by the length of their way inside a sphere of 0.5 m
-/// around the listener, with the direct sound added exactly. No rays against meshes, no next-event
-/// estimation.
-/// @param absorption  of the walls; the air takes nothing
+/// What the walls of a box do to energy that meets them.
+struct BoxWalls {
+  std::array<double, 6> absorption{};  ///< x low, x high, y low, y high, z low, z high
+  double scattering = 1.0;             ///< by Lambert's law; the rest is mirrored
+};
+
+/// The energy over time at a listener in a box: particles that bounce between the six planes,
+/// counted by the length of their way inside a sphere of 0.5 m around the listener, with the direct
+/// sound added exactly. No rays against meshes, no next-event estimation; the air takes nothing.
 /// @return  energy per bin
-std::vector<double> lambert_box_energies(const Box& box, double absorption, const Vector3& source,
-                                         const Vector3& listener, int bins, double bin_s,
-                                         int particles);
+std::vector<double> particle_box_energies(const Box& box, const BoxWalls& walls,
+                                          const Vector3& source, const Vector3& listener, int bins,
+                                          double bin_s, int particles);
 
 /// Lets the air take its share of energies over time.
 void absorb_in_air(const Box& box, int band, double bin_s, std::vector<double>& energies);

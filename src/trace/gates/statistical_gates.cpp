@@ -61,9 +61,10 @@ std::vector<std::vector<double>> particle_decays(const Box& box, double absorpti
   const int bins = static_cast<int>(duration_s / kBin_s);
   std::vector<std::vector<double>> decays;
   decays.reserve(listeners.size());
+  BoxWalls walls;
+  walls.absorption.fill(absorption);
   for (const Vector3& listener : listeners) {
-    decays.push_back(
-        lambert_box_energies(box, absorption, source, listener, bins, kBin_s, kParticles));
+    decays.push_back(particle_box_energies(box, walls, source, listener, bins, kBin_s, kParticles));
   }
   return decays;
 }
@@ -132,10 +133,12 @@ std::vector<GateRow> reverberation_gate(ThreadPool& pool) {
     const Source from = omni(source);
     const TraceResult traced = trace(scene, {&from, 1}, listeners, options, pool);
     const ResponseRenderer renderer({.sample_rate_hz = kRate_hz, .duration_s = options.duration_s});
+    // A fast decay holds few periods of a low band: more draws of its noise.
+    const std::uint64_t draws = absorption < 0.3F ? 4 : 24;
     std::vector<Waveform> responses;
     for (std::size_t i = 0; i < listeners.size(); ++i) {
-      for (std::uint64_t draw = 0; draw < 4; ++draw) {
-        responses.push_back(renderer.mono(traced.responses[0][i], 4 * i + draw));
+      for (std::uint64_t draw = 0; draw < draws; ++draw) {
+        responses.push_back(renderer.mono(traced.responses[0][i], draws * i + draw));
       }
     }
     const auto decays = particle_decays(box, static_cast<double>(absorption), source, listeners,

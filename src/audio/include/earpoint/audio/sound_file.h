@@ -53,8 +53,8 @@ class SoundReader {
 enum class SampleFormat { pcm16, pcm24, float32 };
 
 /// Writes a sound file block by block, aside and renamed when whole: without close() nothing is
-/// left. The format follows the extension: .wav, .w64, .flac or .ogg. Equal samples give equal
-/// bytes, except for OGG, whose streams carry a random serial number.
+/// left. The format follows the extension: .wav, .w64, .flac, .ogg or .mp3. Equal samples give
+/// equal bytes, except for OGG, whose streams carry a random serial number.
 class SoundWriter {
  public:
   /// @param channels        > 0

@@ -88,6 +88,10 @@ class PairSampler {
   [[nodiscard]] PairTruth truth(const SoundSpacesClip& clip, const SoundSpacesChoice& choice,
                                 std::ptrdiff_t samples = kPairSamples) const;
 
+  /// The picture of one of the clip's viewpoints. @throws InputError as sample()
+  [[nodiscard]] std::shared_ptr<const Image> picture(const SoundSpacesClip& clip,
+                                                     int viewpoint) const;
+
   /// How long a speaker's speech is, at 16 kHz. @throws InputError as sample()
   [[nodiscard]] std::ptrdiff_t speech_samples(const SoundSpacesSpeaker& speaker) const;
 
@@ -99,11 +103,5 @@ class PairSampler {
 /// The sample as a mirror shows it: left and right change places in sounds, picture and poses.
 /// Heads are nearly symmetric, so it could have been heard.
 PairSample mirrored(const PairSample& sample);
-
-/// Where things lie in a folder that `earpoint simulate` wrote (told by its dataset.json), or else
-/// in one that holds the published layout.
-/// @throws InputError if it is neither
-SoundSpacesDataset::Options soundspaces_options(const std::filesystem::path& folder,
-                                                const std::string& split);
 
 }  // namespace earpoint

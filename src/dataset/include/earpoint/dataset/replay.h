@@ -12,6 +12,9 @@
 
 namespace earpoint {
 
+/// The released loader's high-pass of the recordings.
+inline constexpr double kReplayCutoffHz = 150.0;
+
 /// Where a camera of the Replay recordings stands and looks.
 struct ReplayCamera {
   Vector3 centre;     ///< their frame and unit: z up, centimetres

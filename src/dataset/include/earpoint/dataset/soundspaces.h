@@ -35,10 +35,12 @@ class SoundSpacesDataset {
   /// @throws InputError naming file and field if one is malformed or no scene is found
   explicit SoundSpacesDataset(Options options);
 
+  [[nodiscard]] const std::string& split() const { return options_.split; }
   [[nodiscard]] const std::vector<SoundSpacesClip>& clips() const { return clips_; }
 
   /// Draws what the released loader draws for an item: permutation of the viewpoints, one of the
   /// speakers who have speech, and in training a window of longer speech.
+  /// @throws InputError if the clip has fewer than two viewpoints, or nobody has speech
   [[nodiscard]] SoundSpacesChoice draw(const SoundSpacesClip& clip, NumpyRandom& random) const;
 
   /// Makes the sample as the released loader does.
@@ -52,6 +54,9 @@ class SoundSpacesDataset {
   /// A recording as samples are made of it: high-passed, 1 channel, 16 kHz.
   /// @throws InputError naming the file
   [[nodiscard]] Waveform read_speech(const std::string& speech) const;
+
+  /// How many samples read_speech() gives, by the file's header. @throws InputError naming the file
+  [[nodiscard]] std::ptrdiff_t speech_samples(const std::string& speech) const;
 
   /// A binaural response at 16 kHz, and where it begins.
   struct Response {

@@ -20,6 +20,7 @@ struct ClipResult {
   std::string name;
   std::string scene;
   int cluster = 0;
+  std::optional<std::string> voice;  ///< nothing where the data do not tell
   Pose source_from_target;
   std::optional<Vector3> speaker_m;   ///< source view's frame; nothing where it is not known
   bool speaker_in_sight = false;      ///< of the source view
@@ -58,8 +59,9 @@ struct EvaluationOptions {
 inline constexpr std::size_t kReleasedBatch = 32;
 
 /// Runs every method on every pair and measures it twice: honestly, and with what the released
-/// evaluation does with the target's help (fix_sign over batches of the list's order, and
-/// EvaluationSet::released_sample). Only oracles are given the target and the truth.
+/// evaluation does with the target's help (fix_sign over batches of the list's order, where
+/// MethodEntry::fixes_sign, and EvaluationSet::released_sample). Only oracles are given the target
+/// and the truth.
 ///
 /// The number of threads has no influence on the result.
 /// @throws InputError for a pair that cannot be read, unless skip_bad; for a method that lacks what

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include <earpoint/dataset/pair_list.h>
 #include <earpoint/dataset/pair_sample.h>
 
 namespace earpoint {
@@ -22,6 +23,12 @@ class EvaluationSet {
   [[nodiscard]] virtual std::string scene(std::size_t pair) const = 0;
   /// Pairs of one conversation have the same number; they are not independent of each other.
   [[nodiscard]] virtual int cluster(std::size_t pair) const = 0;
+  /// Whose voice is heard; nothing where the data do not tell.
+  [[nodiscard]] virtual std::optional<std::string> voice(std::size_t /*pair*/) const {
+    return std::nullopt;
+  }
+  /// Where the pairs come from: a file, or how they were drawn.
+  [[nodiscard]] virtual std::string pairs() const = 0;
   /// @throws InputError naming the file that is missing or malformed
   [[nodiscard]] virtual PairSample sample(std::size_t pair) const = 0;
   /// Whether samples tell where the speaker stands.
@@ -36,17 +43,24 @@ class EvaluationSet {
   }
 };
 
-/// The frozen pair list of a split in the SoundSpaces-NVAS layout.
-/// @param folder      of the data set, as `earpoint simulate` or the publishers wrote it
-/// @param pair_list   nothing: pairs-<split>.json in the folder
+/// Which pairs of a split in the SoundSpaces layout.
+struct PairChoice {
+  std::optional<std::filesystem::path> list{};  ///< nothing: pairs-<split>.json of the data set
+  /// Drawn, and no list read. Without it pairs are drawn (every_target, seed 1) only where the data
+  /// set has no list, as the published one has not.
+  std::optional<PairDraw> draw{};
+};
+
+/// The pairs of a split in the SoundSpaces-NVAS layout.
+/// @param folder      of the data set, as soundspaces_options() knows it
 /// @param limit       take that many pairs, spread evenly over the list; nothing: all
 /// @param cache_bytes that it may keep of files
 /// @param target      near_microphone: the source of every pair is to be enhanced
 /// @throws InputError if a file is missing or malformed, or the list does not fit the data
 [[nodiscard]] std::unique_ptr<EvaluationSet> soundspaces_evaluation_set(
-    const std::filesystem::path& folder, const std::string& split,
-    const std::optional<std::filesystem::path>& pair_list, std::optional<std::size_t> limit,
-    std::size_t cache_bytes, PairTarget target = PairTarget::viewpoint);
+    const std::filesystem::path& folder, const std::string& split, const PairChoice& pairs,
+    std::optional<std::size_t> limit, std::size_t cache_bytes,
+    PairTarget target = PairTarget::viewpoint);
 
 /// The same pairs in a room that is not silent. Sources get the noise of add_room_noise(), drawn by
 /// the pair's number, so that every method hears the same, and are separated into the primary sound
@@ -56,14 +70,13 @@ class EvaluationSet {
 [[nodiscard]] std::unique_ptr<EvaluationSet> with_ambient(std::unique_ptr<EvaluationSet> set,
                                                           double level_db);
 
-/// Whether a folder holds the Replay-NVAS data set (v3 layout).
-[[nodiscard]] bool is_replay_folder(const std::filesystem::path& folder);
-
 /// The pairs that the released evaluation draws of a split of Replay-NVAS; a recording session is a
 /// cluster. Where the speaker stands is not known. The released samples have their source moved by
 /// a delay that was found against the target.
+/// @param folder  as replay_options() knows it
 /// @throws InputError as ReplayDataset
 [[nodiscard]] std::unique_ptr<EvaluationSet> replay_evaluation_set(
-    const std::filesystem::path& root, const std::string& split, std::optional<std::size_t> limit);
+    const std::filesystem::path& folder, const std::string& split,
+    std::optional<std::size_t> limit);
 
 }  // namespace earpoint

@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <earpoint/evaluate/bootstrap.h>
@@ -36,16 +37,31 @@ struct EvaluationTable {
   std::vector<TableRow> rows;
   std::size_t clips = 0;
   std::size_t conversations = 0;
+  std::size_t homes = 0;              ///< of recordings, sessions
+  std::optional<std::size_t> voices;  ///< nothing where the data do not tell
   std::vector<BadPair> skipped;
+
+  /// What intervals are drawn by.
+  [[nodiscard]] std::string_view interval_unit() const {
+    return homes > 1 ? "home" : "conversation";
+  }
 };
 
-/// Means with 95 % intervals, over clips, bootstrapped by conversation.
+/// The cluster of every clip that intervals are drawn by. Conversations of one home share its
+/// rooms, so it is the home where there are several, else the conversation.
+[[nodiscard]] std::vector<int> interval_clusters(const EvaluationResult& result);
+
+/// "36 clips of 12 conversations in 3 homes, 4 voices"
+[[nodiscard]] std::string extent_of(const EvaluationTable& table);
+
+/// Means with 95 % intervals, over clips, bootstrapped by interval_clusters().
 [[nodiscard]] EvaluationTable make_table(const EvaluationResult& result);
 
 /// What an evaluation's pairs are of, for those who read it.
 struct EvaluationSubject {
   std::string data;
   std::string split;
+  std::string pairs;  ///< where they come from
   PairTarget target = PairTarget::viewpoint;
   std::optional<double> ambient_db;  ///< as with_ambient() has it
 };

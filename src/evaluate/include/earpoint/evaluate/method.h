@@ -34,6 +34,10 @@ struct MethodEntry {
   bool is_oracle = false;  ///< it is shown what it should find out
   std::function<std::unique_ptr<Method>()> make;
   bool needs_speaker = false;  ///< it must be told where the speaker stands
+  /// Whether the released evaluation would fix its sign by the target, as it does with all that is
+  /// synthesized: the source's sound as it is never passes there.
+  bool fixes_sign = true;
+  bool needs_truth = false;  ///< it must be shown what only a simulator knows
 };
 
 /// The paper's first baseline: the target hears what the source heard.

@@ -15,6 +15,7 @@ namespace earpoint {
 struct ReportOptions {
   std::string data;  ///< what the page calls the data
   std::string split;
+  std::string pairs;       ///< where they come from
   int random_clips = 3;    ///< shown besides the best, the median and the worst
   std::uint64_t seed = 1;  ///< that they are drawn with
 };

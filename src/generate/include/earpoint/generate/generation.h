@@ -58,9 +58,12 @@ class SceneSource {
 /// A conversation is written aside and renamed when it is whole; a run that is started again with
 /// the same options goes on where the last one ended, however that was. Every conversation draws
 /// from a random stream of its own, named by seed, scene and conversation: the bytes do not depend
-/// on jobs, shards or interruptions. Metadata is put together at the end, from whatever is there.
-/// @throws InputError if the folder holds a data set that was begun with other options, the corpus
-///         lacks speakers, a scene has no room, or the disk is full
+/// on jobs, shards or interruptions. Conversations that lack a file are made again. Metadata is put
+/// together at the end, from whatever is there. Several processes may share the folder if each
+/// makes other conversations.
+/// @throws InputError if the folder holds a data set that was begun with other options, another
+///         process makes one of these conversations, the corpus lacks speakers, a scene has no
+///         room, or the disk is full
 GenerationSummary generate_dataset(const GenerationOptions& options, const SceneSource& scenes,
                                    const FigureLibrary& figures, const SpeechCorpus& corpus,
                                    ProgressSink& progress);

@@ -34,8 +34,9 @@ struct ImportReport {
   std::map<std::string, std::string> sounds;  ///< surface name -> acoustic material
   std::map<std::string, std::size_t> unknown_surfaces;  ///< no pattern matched: name -> faces
   double added_ceiling_m2 = 0.0;
-  Vector3 size_m;   ///< along each axis
-  Closure closure;  ///< of the scene as returned
+  double coordinate_step_m = 0.0;  ///< of single precision, at the file's largest coordinate
+  Vector3 size_m;                  ///< along each axis
+  Closure closure;                 ///< of the scene as returned
 
   /// @return one line for each thing that a user should know, with its mend
   [[nodiscard]] std::vector<std::string> warnings() const;
@@ -43,6 +44,10 @@ struct ImportReport {
 
 struct ImportedScene {
   Scene scene;
+  /// Where the scene's origin lies in the file's coordinates (metres, our axes). Zero but for
+  /// models far from their origin, more than 1 km, as in a land survey's coordinates: those are
+  /// moved.
+  Vector3 origin_m;
   ImportReport report;
 };
 

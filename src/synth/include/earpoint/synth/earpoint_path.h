@@ -41,6 +41,8 @@ class EarpointPath {
   /// @return source_from_target at that time; before the first and after the last row, that row
   [[nodiscard]] Pose at(double time_s) const;
   [[nodiscard]] bool is_moving() const { return rows_.size() > 1; }
+  /// @return the time of the last row; 0 for what stands still
+  [[nodiscard]] double end_s() const { return rows_.back().time_s; }
 
  private:
   struct Row {

@@ -8,6 +8,7 @@
 #include <earpoint/infer/gtf.h>
 #include <earpoint/model/gtf.h>
 #include <earpoint/synth/render.h>
+#include <earpoint/synth/source_stream.h>
 
 namespace earpoint {
 
@@ -22,11 +23,14 @@ struct SpeakerSighting {
 struct LocatedSpeaker {
   GtfSpeaker speaker;  ///< the mean over windows, the loud ones first
   /// Standard deviations over windows: of the azimuth, and of the distance's logarithm. They tell
-  /// how steady the answer is, not how right; 0 with a single window.
+  /// how steady the answer is, not how right; 0 with a single window. Of stereo that is not
+  /// binaural they are those of any distance and, without a box, any azimuth; the heading's
+  /// certainty is 0.
   double azimuth_spread_rad = 0.0;
   double log_distance_spread = 0.0;
   bool has_picture = false;  ///< the network looked at one
   bool has_box = false;      ///< it was told where the speaker is seen
+  SoundSurvey survey;        ///< of the recording, with warnings
   std::vector<SpeakerSighting> sightings;
 };
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <memory>
 
@@ -17,13 +18,17 @@ class SoundSink {
   [[nodiscard]] virtual int sample_rate_hz() const = 0;
 };
 
-/// Opens the sink that fits the output's extension: .wav (32-bit float), .flac (24 bit), .ogg,
-/// .w64 (32-bit float), or .mp4 with the picture of `movie`.
+/// Opens the sink that fits the output's extension: .wav (32-bit float; also for "-", standard
+/// output), .flac (24 bit), .ogg, .mp3, .w64 (32-bit float), or .mp4, .m4v, .mov and .mkv with the
+/// picture of `movie`.
 ///
-/// @param movie  the source movie; empty if the source has no moving picture
-/// @throws InputError if the extension is not known, the file cannot be written, or .mp4 is asked
-///         for without a movie
+/// @param movie    the source movie; empty if the source has no moving picture
+/// @param samples  that will be written, per ear
+/// @throws InputError if the extension is not known, the file cannot be written, a movie is asked
+/// for
+///         without one, or a WAV file cannot hold so many samples
 std::unique_ptr<SoundSink> open_sound_sink(const std::filesystem::path& output, int sample_rate_hz,
-                                           const std::filesystem::path& movie);
+                                           const std::filesystem::path& movie,
+                                           std::ptrdiff_t samples);
 
 }  // namespace earpoint

@@ -5,10 +5,12 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include <earpoint/audio/butterworth.h>
 #include <earpoint/audio/resample.h>
+#include <earpoint/audio/stereo_check.h>
 #include <earpoint/core/waveform.h>
 #include <earpoint/synth/stream_buffer.h>
 #include <earpoint/video/media.h>
@@ -20,6 +22,7 @@ namespace earpoint {
 struct SoundSource {
   std::filesystem::path path;                           ///< a sound file or a movie
   std::optional<std::array<int, 2>> binaural_channels;  ///< left, right; needed beyond two channels
+  std::optional<int> audio_stream;  ///< StreamInfo::index; by default the preferred
 };
 
 /// What a first reading of the whole recording finds.
@@ -27,6 +30,11 @@ struct SoundSurvey {
   int sample_rate_hz = 0;
   std::ptrdiff_t samples = 0;
   std::array<double, 2> level_db{};  ///< root mean square per ear re full scale
+  /// What the two channels are. Plausible where both were asked to be one channel.
+  StereoKind stereo = StereoKind::plausible;
+  /// What the user should know, each one line without the file's name: of stereo that is not
+  /// binaural, and AudioReader::warnings().
+  std::vector<std::string> warnings;
 
   [[nodiscard]] double duration_s() const { return static_cast<double>(samples) / sample_rate_hz; }
 };

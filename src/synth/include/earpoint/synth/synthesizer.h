@@ -37,6 +37,9 @@ struct Observation {
   std::optional<Box> speaker_box;
   /// Where the speaker's mouth is, in the source view's frame.
   std::optional<Vector3> speaker_m;
+  /// Where the source view stands in the recording's world, for networks that learned poses in the
+  /// world's axes. Nothing where only relative poses are known: it then looks along x.
+  std::optional<Pose> world_from_source{};
 };
 
 /// When a synthesizer looks at the picture.

@@ -23,6 +23,7 @@ class ViGasSynthesizer : public AcousticSynthesizer {
   [[nodiscard]] WindowShape window_shape(int source_rate_hz) const override;
   [[nodiscard]] double ambient_cutoff_hz() const override;
   [[nodiscard]] PictureUse picture_use() const override;
+  [[nodiscard]] std::vector<std::string> doubts(const RenderOutline& outline) const override;
   void observe(const Observation& observation) override;
   [[nodiscard]] Waveform synthesize(const Pose& source_from_target) override;
 
@@ -32,6 +33,7 @@ class ViGasSynthesizer : public AcousticSynthesizer {
   std::shared_ptr<const Image> seen_;  ///< whose feature this is:
   std::vector<float> visual_feature_;
   std::vector<float> box_;
+  Pose world_from_source_;
   std::vector<float> fused_;
 };
 

@@ -20,8 +20,9 @@ struct RenderOptions {
 /// Makes impulse responses of traced sound. The delay of the way is kept: a source 3.43 m away
 /// starts after 10 ms. A level of 1 is that of the source at 1 m in free field.
 ///
-/// Arrivals are band-limited pulses at their exact (fractional) sample. The late field is noise
-/// whose energy follows the histogram in every band.
+/// Arrivals are band-limited pulses at their exact (fractional) sample; the top 8 % below the
+/// Nyquist frequency fade out, so that they do not ring on. The late field is noise whose energy
+/// follows the histogram in every band. Up to 6 ms before the first sound all samples are zero.
 /// Holds tables for one rate and duration: make one and keep it. Const calls may be made from many
 /// threads at once.
 class ResponseRenderer {

@@ -52,8 +52,8 @@ struct TraceResult {
 /// Traces sound from every source to every listener, source-centred: one bundle of rays per source
 /// serves all listeners.
 /// @param listeners  positions; the head's turn comes later (`ResponseRenderer`)
-/// @throws InputError if more than `max_escape_fraction` of the energy escapes, or the air is
-///         out of range
+/// @throws InputError if more than `max_escape_fraction` of the energy escapes, a listener is less
+///         than 1 mm from a source, or the air is out of range
 /// @throws std::logic_error if an option is out of range
 TraceResult trace(const AcousticScene& scene, std::span<const Source> sources,
                   std::span<const Vector3> listeners, const TraceOptions& options,

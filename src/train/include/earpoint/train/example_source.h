@@ -7,8 +7,12 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
+#include <earpoint/dataset/dataset_folder.h>
 #include <earpoint/dataset/pair_sample.h>
+#include <earpoint/dataset/replay.h>
 #include <earpoint/train/training_batch.h>
 
 namespace earpoint {
@@ -38,11 +42,14 @@ enum class Alignment {
 
 /// How pairs of viewpoints become examples.
 struct PairOptions {
-  std::filesystem::path data;      ///< a folder that soundspaces_options() knows
-  std::uint64_t seed = 1;          ///< of the draws in training
-  std::ptrdiff_t samples = 16000;  ///< of a training window; validation takes a second
-  bool any_speech = false;         ///< whoever speaks says what anyone of the split said
-  bool mirror = true;              ///< half of the training examples are mirrored, left to right
+  std::filesystem::path data;           ///< a folder that dataset_layout() knows
+  std::optional<DatasetLayout> layout;  ///< of it; nothing: whichever there is
+  std::uint64_t seed = 1;               ///< of the draws in training
+  std::ptrdiff_t samples = 16000;       ///< of a training window; validation takes a second
+  bool any_speech = false;              ///< whoever speaks says what anyone of the split said
+  bool mirror = true;            ///< half of the training examples are mirrored, left to right
+  double spoilt_pictures = 0.0;  ///< share of training examples whose picture tells nothing
+  double hidden_boxes = 0.0;     ///< share of training examples without the speaker's box
   PairTarget target = PairTarget::viewpoint;   ///< in validation too
   Alignment alignment = Alignment::responses;  ///< in training; validation pairs are aligned
   /// Level of room noise in both sounds, dB re full scale; near microphones hear none.
@@ -55,15 +62,15 @@ struct PairOptions {
   std::function<void(const std::string&)> on_bad;
 };
 
-/// Pairs of viewpoints: random clip, pair, speaker and window of `train`; the frozen pair list of
-/// `val`, "pairs-val.json".
+/// Makes an example of a sample; any thread may call it.
+using PairEncoder = std::function<TrainingExample(const PairSample&)>;
+
+/// Pairs of viewpoints in the SoundSpaces layout: random clip, pair, speaker and window of `train`;
+/// of `val` the frozen pair list, drawn where there is none.
 class PairExamples : public ExampleSource {
  public:
-  using Encoder = std::function<TrainingExample(const PairSample&)>;
-
-  /// @param encode  makes an example of a sample; any thread may call it
   /// @throws InputError if the data set or its pair list is missing or malformed
-  PairExamples(PairOptions options, Encoder encode);
+  PairExamples(PairOptions options, PairEncoder encode);
   ~PairExamples() override;
 
   [[nodiscard]] TrainingExample training(std::uint64_t number) const override;
@@ -77,5 +84,40 @@ class PairExamples : public ExampleSource {
   struct State;
   std::unique_ptr<State> state_;
 };
+
+/// Pairs of cameras of Replay-NVAS: random clip and pair of `train`, always the first second, as
+/// the released loader takes it; of `val` the pairs that the released draw gives. With
+/// Alignment::gcc_phat the source is moved by the delay found against the target, as the released
+/// loader does, in validation too; with Alignment::none it is not.
+class ReplayExamples : public ExampleSource {
+ public:
+  /// @throws InputError if the data set is missing or malformed, or an option asks for what
+  ///         recordings do not tell (responses, near microphones, room noise, other speech), for
+  ///         another window, or for spoilt views
+  ReplayExamples(PairOptions options, PairEncoder encode);
+
+  [[nodiscard]] TrainingExample training(std::uint64_t number) const override;
+  [[nodiscard]] std::size_t validations() const override { return validation_.size(); }
+  [[nodiscard]] std::optional<TrainingExample> validation(std::size_t index) const override;
+
+ private:
+  [[nodiscard]] PairSample training_sample(std::uint64_t number, std::uint64_t attempt) const;
+
+  PairOptions options_;
+  PairEncoder encode_;
+  ReplayDataset train_;
+  ReplayDataset val_;
+  std::vector<std::pair<const ReplayClip*, ReplayChoice>> validation_;
+};
+
+/// PairExamples or ReplayExamples, as the data set is.
+/// @throws InputError as these do
+[[nodiscard]] std::unique_ptr<ExampleSource> pair_examples(PairOptions options, PairEncoder encode);
+
+/// In a row, by when a data set is beyond repair.
+inline constexpr std::uint64_t kMostBadExamples = 100;
+
+/// `count` of `size` numbers, evenly spread; all of them if count is 0.
+[[nodiscard]] std::vector<std::size_t> evenly_spread(std::size_t size, std::size_t count);
 
 }  // namespace earpoint

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <earpoint/core/progress.h>
+#include <earpoint/core/range_lock.h>
 #include <earpoint/model/safetensors.h>
 #include <earpoint/train/example_source.h>
 #include <earpoint/train/learner.h>
@@ -53,6 +54,17 @@ struct TrainerOptions {
   /// learner; the first alone writes into the folder.
   ProcessGroup* processes = nullptr;
   std::function<void(const ValidationResult&)> on_validation;
+};
+
+/// Keeps other processes out of a run's folder as long as it lives, or its process does.
+class RunLock {
+ public:
+  /// Makes the folder if it is not there.
+  /// @throws InputError if another process trains there or it cannot be written
+  explicit RunLock(const std::filesystem::path& folder);
+
+ private:
+  RangeLock lock_;
 };
 
 /// Trains, and keeps in the run's folder

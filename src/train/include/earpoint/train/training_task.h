@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include <earpoint/train/example_source.h>
@@ -20,6 +21,7 @@ struct TrainingTask {
 
 struct TaskOptions {
   std::filesystem::path data;
+  std::optional<DatasetLayout> layout{};  ///< as PairOptions has it
   std::string device = "cpu";
   std::size_t cache_bytes = std::size_t{2} << 30;
   /// As PairOptions has it.

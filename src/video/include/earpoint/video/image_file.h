@@ -13,8 +13,8 @@ namespace earpoint {
 /// Reads a PNG or JPEG file; its first bytes, not its name, say which.
 ///
 /// Whatever comes in (grey, palette, 1 to 16 bits, transparency, YCbCr) goes out as RGB. Samples of
-/// other depths are scaled to 0..255 and rounded; transparent pixels are composited on black; a
-/// JPEG's Exif orientation is applied. Colour profiles are not: values are taken as sRGB.
+/// other depths are scaled to 0..255 and rounded; transparent pixels are composited on black; the
+/// Exif orientation is applied. Colour profiles are not: values are taken as sRGB.
 ///
 /// @return  shape [height][width][3]
 /// @throws  InputError if the file is missing, neither PNG nor JPEG, damaged, cut short, or larger
@@ -29,6 +29,10 @@ namespace earpoint {
 /// @param image  not empty; 3 channels (RGB), or 1 (grey)
 /// @return the bytes of a PNG file
 [[nodiscard]] std::vector<std::byte> encode_png(const Image& image);
+
+/// Finds out before long work whether write_image() can write there.
+/// @throws InputError as write_image
+void check_image_path(const std::filesystem::path& path);
 
 /// Writes a picture, whole or not at all. The extension chooses the format: .png is lossless;
 /// .jpg and .jpeg have full colour resolution (4:4:4) and high quality.

@@ -38,6 +38,8 @@ struct StreamInfo {
   int height = 0;
   double frame_rate_hz = 0.0;  ///< average; 0 if unknown or a still picture
   int rotation_deg = 0;        ///< clockwise turn that shows it upright: 0, 90, 180 or 270
+  /// The camera's angle of view, where the file tells its lens (Exif, QuickTime), after rotation.
+  std::optional<double> horizontal_fov_rad;
 
   // Sound.
   int channels = 0;
@@ -59,7 +61,7 @@ struct MediaInfo {
 };
 
 /// What a file holds: movies (mp4, mov, mkv, webm, avi, ts), sound files (wav, w64, aiff, flac,
-/// ogg, mp3, aac, m4a) and pictures (PNG, JPEG).
+/// ogg, mp3, aac, m4a) and pictures (PNG, JPEG). Transport streams state no duration.
 /// @throws  InputError if it is missing, none of these, or damaged so far that it does not open
 [[nodiscard]] MediaInfo probe_media(const std::filesystem::path& path);
 
@@ -101,15 +103,18 @@ class FrameReader {
 /// The two ears' sound of a movie or sound file, from beginning to end.
 ///
 /// Sample k is at time k / rate: a stream that starts after the container does begins with silence,
-/// encoder priming is dropped, and a gap between timestamps is filled with silence. Samples come as
-/// they are stored: values beyond [-1, 1], NaN and silence are the caller's to judge.
-/// Memory: one block. Not for use from two threads at once.
+/// encoder priming is dropped, and a gap between timestamps is filled with silence. Where the clock
+/// of a transport stream (mpegts, mpeg) was set anew, back by more than half a second or forward by
+/// more than ten, what follows is joined. Samples come as they are stored: values beyond [-1, 1],
+/// NaN and silence are the caller's to judge. Memory: one block. Not for use from two threads at
+/// once.
 class AudioReader {
  public:
   /// @param path              movie or sound file
   /// @param binaural_channels which channels are the left and the right ear, counted from 0; needed
   ///                          unless the stream has exactly two
-  /// @param audio_stream      StreamInfo::index; by default MediaInfo::preferred
+  /// @param audio_stream      StreamInfo::index; by default MediaInfo::preferred, or the first that
+  ///                          can be decoded
   /// @throws  InputError as probe_media; if there is no (such) audio stream; if it is mono or has
   ///          more than two channels and binaural_channels is not given (the message names the
   ///          stream and --binaural-channels); if it holds no sample at all
@@ -122,6 +127,9 @@ class AudioReader {
 
   [[nodiscard]] int sample_rate_hz() const;
   [[nodiscard]] const StreamInfo& info() const;
+  /// What the user should know of what was read so far, each one line without the file's name: time
+  /// that jumps, gaps of a second or more, another audio stream taken than the preferred one.
+  [[nodiscard]] const std::vector<std::string>& warnings() const;
   /// As the container states it, from t = 0; the number of samples that read() gives may differ.
   [[nodiscard]] std::optional<double> duration_s() const;
 

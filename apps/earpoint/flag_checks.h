@@ -1,0 +1,6 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+/// For flags like --seed: a whole number, not negative, of at most 64 bits.
+CLI::Validator whole_number();

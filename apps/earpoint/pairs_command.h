@@ -1,0 +1,8 @@
+#pragma once
+
+namespace CLI {
+class App;
+}
+
+/// Adds `earpoint pairs` to the program.
+void add_pairs_command(CLI::App& app);

@@ -1,0 +1,29 @@
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+
+#include <fuzz_file.h>
+
+#include <earpoint/core/error.h>
+#include <earpoint/spatial/sofa_file.h>
+
+/// Any bytes as a SOFA file: refused with InputError, also where the library that reads it fails in
+/// its own process, or read, and then whole and finite.
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace earpoint;  // NOLINT(google-build-using-namespace): one function
+  const FuzzFile file(data, size);
+  try {
+    const SofaFile sofa = read_sofa(file.path());
+    const std::size_t measurements = sofa.positions_m.size();
+    if (sofa.delays_samples.size() != measurements ||
+        sofa.responses.size() != measurements * 2 * static_cast<std::size_t>(sofa.taps)) {
+      std::abort();
+    }
+    for (const float value : sofa.responses) {
+      if (!std::isfinite(value)) std::abort();
+    }
+  } catch (const InputError&) {
+    return 0;
+  }
+  return 0;
+}

@@ -1,0 +1,102 @@
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <earpoint/audio/convolution.h>
+#include <earpoint/audio/sound_file.h>
+#include <earpoint/audio/stereo_check.h>
+#include <earpoint/core/error.h>
+#include <earpoint/core/pose.h>
+#include <earpoint/core/random.h>
+#include <earpoint/spatial/hrtf.h>
+#include <earpoint/synth/sound_sink.h>
+#include <earpoint/synth/source_stream.h>
+
+namespace earpoint {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kRate = 16000;
+
+/// Two seconds of noise in syllables, falling with frequency as speech does.
+std::vector<float> syllables() {
+  RandomStream random(5);
+  std::vector<float> sound(2 * kRate);
+  double low = 0.0;
+  for (std::size_t i = 0; i < sound.size(); ++i) {
+    low += 0.3 * (random.uniform(-1.0, 1.0) - low);
+    const double loud = std::max(0.0, std::sin(25.0 * static_cast<double>(i) / kRate));
+    sound[i] = static_cast<float>(0.5 * loud * low);
+  }
+  return sound;
+}
+
+Waveform two_ears(const std::vector<float>& left, const std::vector<float>& right) {
+  Waveform wave(2, std::ssize(left), kRate);
+  std::ranges::copy(left, wave.channel(0).begin());
+  std::ranges::copy(right, wave.channel(1).begin());
+  return wave;
+}
+
+TEST(StereoOfDryBinauralSound, IsPlausibleFromAllSidesAndSameOnlyInTheMiddle) {
+  // The hardest case: no room, one still source, a head whose measured halves are mirror images.
+  const HrtfSet hrtf = HrtfSet::load(kRate);
+  const std::vector<float> sound = syllables();
+  for (const int elevation_deg : {-30, 0, 30}) {
+    for (int azimuth_deg = -180; azimuth_deg < 180; azimuth_deg += 15) {
+      const double azimuth = radians_from_degrees(azimuth_deg);
+      const double elevation = radians_from_degrees(elevation_deg);
+      const Hrir hrir =
+          hrtf.interpolated({std::cos(elevation) * std::cos(azimuth),
+                             std::cos(elevation) * std::sin(azimuth), std::sin(elevation)});
+      StereoCheck check(kRate);
+      check.add(two_ears(convolve(sound, hrir.taps[0]), convolve(sound, hrir.taps[1])));
+      const bool is_middle = azimuth_deg == 0 || azimuth_deg == -180;
+      // In the middle the two ears hear the same, which nothing tells from mono.
+      if (is_middle && check.kind() == StereoKind::same) continue;
+      EXPECT_EQ(name_of(check.kind()), "plausible") << azimuth_deg << " " << elevation_deg;
+    }
+  }
+}
+
+class SurveyTest : public ::testing::Test {
+ protected:
+  void TearDown() override { fs::remove(file_); }
+  fs::path file_ = fs::path(testing::TempDir()) / ("survey_" + std::to_string(::getpid()) + ".wav");
+};
+
+TEST_F(SurveyTest, WarnsOfStereoThatIsNotBinauralUnlessAskedForOneChannel) {
+  const std::vector<float> sound = syllables();
+  std::vector<float> quieter = sound;
+  for (float& sample : quieter) sample *= 0.5F;
+  write_sound(file_, two_ears(sound, quieter), SampleFormat::float32);
+  SoundSource source{.path = file_, .binaural_channels = {}, .audio_stream = {}};
+  const SoundSurvey survey = survey_sound(source);
+  EXPECT_EQ(survey.stereo, StereoKind::panned);
+  ASSERT_EQ(survey.warnings.size(), 1U);
+  EXPECT_NE(survey.warnings[0].find("not binaural"), std::string::npos) << survey.warnings[0];
+  source.binaural_channels = {0, 0};
+  EXPECT_TRUE(survey_sound(source).warnings.empty());
+}
+
+TEST(SoundSink, AWavFileThatCannotHoldTheSoundIsRefusedBeforehand) {
+  const fs::path folder = testing::TempDir();
+  try {
+    (void)open_sound_sink(folder / "long.wav", 48000, {}, std::ptrdiff_t{540'000'000});
+    FAIL() << "expected InputError";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("would be 4.3 GB"), std::string::npos) << error.what();
+  }
+  EXPECT_NO_THROW(
+      (void)open_sound_sink(folder / "long.w64", 48000, {}, std::ptrdiff_t{540'000'000}));
+  EXPECT_NO_THROW(
+      (void)open_sound_sink(folder / "long.wav", 48000, {}, std::ptrdiff_t{530'000'000}));
+}
+
+}  // namespace
+}  // namespace earpoint

@@ -1,0 +1,89 @@
+#include <utility>
+
+#include <fmt/format.h>
+
+#include <earpoint/core/error.h>
+#include <earpoint/core/random.h>
+#include <earpoint/dataset/numpy_random.h>
+#include <earpoint/dataset/replay_pair.h>
+#include <earpoint/train/example_source.h>
+
+namespace earpoint {
+namespace {
+
+// As the released draw of pairs.
+constexpr std::uint32_t kValidationSeed = 0;
+
+/// What a configuration asks for must be there in recordings.
+PairOptions checked(PairOptions options) {
+  const auto refuse = [](const char* key, const char* expected) {
+    throw InputError(fmt::format("'data': '{}'", key),
+                     fmt::format("expected {} for recordings of Replay-NVAS", expected));
+  };
+  if (options.alignment == Alignment::responses) refuse("align", "\"gcc_phat\" or \"none\"");
+  if (options.target != PairTarget::viewpoint) refuse("target", "\"viewpoint\"");
+  if (options.ambient_db) refuse("ambient_db", "null");
+  if (options.any_speech) refuse("any_speech", "false");
+  if (options.spoilt_pictures > 0.0) refuse("spoilt_pictures", "0");
+  if (options.hidden_boxes > 0.0) refuse("hidden_boxes", "0");
+  if (options.samples != kPairSamples) refuse("window_samples", "16000");
+  return options;
+}
+
+}  // namespace
+
+ReplayExamples::ReplayExamples(PairOptions options, PairEncoder encode)
+    : options_(checked(std::move(options))),
+      encode_(std::move(encode)),
+      train_(replay_options(options_.data, "train")),
+      val_(replay_options(options_.data, "val")) {
+  NumpyRandom random(kValidationSeed);
+  std::vector<std::pair<const ReplayClip*, ReplayChoice>> all;
+  for (const ReplayClip& clip : val_.clips()) all.emplace_back(&clip, val_.draw(clip, random));
+  for (const std::size_t index : evenly_spread(all.size(), options_.validation_pairs)) {
+    validation_.push_back(all[index]);
+  }
+}
+
+PairSample ReplayExamples::training_sample(std::uint64_t number, std::uint64_t attempt) const {
+  RandomStream random(options_.seed, {number, attempt});
+  const ReplayClip& clip = train_.clips()[random.index(train_.clips().size())];
+  ReplayChoice choice;
+  choice.source = static_cast<int>(random.index(clip.images.size()));
+  choice.target = static_cast<int>(random.index(clip.images.size() - 1));
+  if (choice.target >= choice.source) ++choice.target;
+  const bool is_mirrored = random.index(2) == 1;
+  PairSample sample = replay_pair(train_, clip, choice, options_.alignment == Alignment::gcc_phat);
+  return options_.mirror && is_mirrored ? mirrored(sample) : sample;
+}
+
+TrainingExample ReplayExamples::training(std::uint64_t number) const {
+  for (std::uint64_t attempt = 0;; ++attempt) {
+    try {
+      return encode_(training_sample(number, attempt));
+    } catch (const InputError& error) {
+      if (!options_.on_bad || attempt == kMostBadExamples) throw;
+      options_.on_bad(error.what());
+    }
+  }
+}
+
+std::optional<TrainingExample> ReplayExamples::validation(std::size_t index) const {
+  const auto& [clip, choice] = validation_.at(index);
+  try {
+    return encode_(replay_pair(val_, *clip, choice, options_.alignment == Alignment::gcc_phat));
+  } catch (const InputError& error) {
+    if (!options_.on_bad) throw;
+    options_.on_bad(error.what());
+    return std::nullopt;
+  }
+}
+
+std::unique_ptr<ExampleSource> pair_examples(PairOptions options, PairEncoder encode) {
+  if (dataset_layout(options.data, options.layout) == DatasetLayout::replay) {
+    return std::make_unique<ReplayExamples>(std::move(options), std::move(encode));
+  }
+  return std::make_unique<PairExamples>(std::move(options), std::move(encode));
+}
+
+}  // namespace earpoint
