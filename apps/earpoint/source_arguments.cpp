@@ -104,10 +104,10 @@ RenderSource parse_source(const SourceArguments& arguments) {
 }
 
 double fov_deg_of(const SourceArguments& arguments, const RenderSource& source, bool tells) {
-  constexpr double kAssumed_deg = 90.0;
+  constexpr double kAssumedDegrees = 90.0;
   if (arguments.fov_deg) return *arguments.fov_deg;
   const std::optional<StreamInfo> picture = picture_of(source);
-  if (!picture) return kAssumed_deg;
+  if (!picture) return kAssumedDegrees;
   const std::string& name = arguments.inputs.front();
   if (picture->horizontal_fov_rad) {
     const double fov_deg =
@@ -122,7 +122,7 @@ double fov_deg_of(const SourceArguments& arguments, const RenderSource& source, 
     fmt::print(stderr, "earpoint: {}: field of view not known, 90 degrees assumed; --fov sets it\n",
                name);
   }
-  return kAssumed_deg;
+  return kAssumedDegrees;
 }
 
 void print_warnings(const SourceArguments& arguments, const SoundSurvey& survey) {
