@@ -19,8 +19,9 @@ import time
 
 SHORT_STEPS = 8
 BATCH = 16
-# Loss after the same steps, float32 sums in other orders: what Adam makes of rounding.
-MOST_DIFFERENCE = 1e-4
+# Loss after the same steps, float32 sums in other orders: what Adam makes of rounding. By its number of threads
+# alone the build that the passes replaced differed by 4e-4 of its loss.
+MOST_DIFFERENCE = 1e-3
 
 
 def train(binary, config, data, steps, jobs, folder):
