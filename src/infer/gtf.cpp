@@ -49,6 +49,7 @@ struct Gtf::State {
         spectra(static_cast<std::size_t>((ahead + kBlock) * kFrame)),
         filtered(static_cast<std::size_t>(kFrame)) {
     statistics.summary.resize(static_cast<std::size_t>(description.summary_features()));
+    band_power.fill(1.0);  // a stream measures no window: all bands count alike
     reserve(description.window_samples);
     start_over();
   }
