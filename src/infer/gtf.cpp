@@ -2,6 +2,7 @@
 #include "gtf_ear.h"
 #include "gtf_filter.h"
 #include "gtf_frames.h"
+#include "gtf_phases.h"
 #include "gtf_trunk.h"
 
 #include <algorithm>
@@ -42,6 +43,7 @@ struct Gtf::State {
         ear(description),
         trunk(weights, kBlock),
         filter(weights, kBlock),
+        phases(description.phase_rounds),
         frames(kBlock),
         states(static_cast<std::size_t>((late_states() + kBlock) * trunk.row())),
         block_features(static_cast<std::size_t>(kBlock * description.frame_features())),
@@ -73,6 +75,7 @@ struct Gtf::State {
     std::ranges::fill(states, 0.0F);
     std::ranges::fill(magnitudes, 0.0F);
     std::ranges::fill(spectra, Complex{});
+    phases.reset();
     frames.reset();
     frames_in = 0;
   }
@@ -94,6 +97,17 @@ struct Gtf::State {
     const infer::GtfGeometry* geometry = conditions.geometry();
     pose_gain = geometry != nullptr ? geometry->expected_gain(band_power) : 1.0;
     is_aimed = true;
+  }
+
+  /// Lets the frame in `filtered` sound, or the one that it pushes out of the phase rounds.
+  void sound_frame() {
+    const float scale = statistics.level / kHeardLevel;
+    if (phases.is_empty()) {
+      frames.add(filtered, scale);
+      return;
+    }
+    for (Complex& value : filtered) value *= scale;
+    if (phases.take(filtered, scale)) frames.add(filtered, 1.0F);
   }
 
   /// Takes a block of frames and filters those that have all they need.
@@ -124,7 +138,7 @@ struct Gtf::State {
           std::span<const Complex>(spectra).subspan(static_cast<std::size_t>(i * kFrame),
                                                     static_cast<std::size_t>(kFrame)),
           filtered);
-      frames.add(filtered, statistics.level / kHeardLevel);
+      sound_frame();
     }
     const auto keep = [&](auto& rows, std::ptrdiff_t kept, std::ptrdiff_t width) {
       std::copy_n(rows.data() + count * width, kept * width, rows.data());
@@ -147,6 +161,7 @@ struct Gtf::State {
   infer::GtfEar ear;
   infer::GtfTrunk trunk;
   infer::GtfFilter filter;
+  infer::GtfPhases phases;
   infer::GtfFrames frames;
 
   Pose source_from_target;
@@ -263,6 +278,10 @@ void Gtf::State::render_window(std::span<const Pose> path, std::span<float> outp
     t += count;
     drain_to(frames.finished_samples());
   }
+  while (phases.drain(filtered)) {
+    frames.add(filtered, 1.0F);
+    drain_to(frames.finished_samples());
+  }
   drain_to(samples);
   expected_gain = expected_power / std::reduce(frame_power.begin(), frame_power.end());
 }
@@ -328,6 +347,11 @@ void Gtf::aim(const Pose& source_from_target, const std::optional<Vector3>& spea
   state_->is_aimed = false;
 }
 
+void Gtf::ask_for_texture(double texture) {
+  state_->conditions.ask_for_texture(static_cast<float>(texture));
+  state_->is_aimed = false;
+}
+
 void Gtf::synthesize(std::span<const float> source, std::span<float> output) {
   synthesize(source, {&state_->source_from_target, 1}, output);
 }
@@ -340,6 +364,7 @@ void Gtf::synthesize(std::span<const float> source, std::span<const Pose> path,
   State& state = *state_;
   state.reserve(std::ssize(source) / kEars);
   state.start_over();
+  state.phases.reset(std::ssize(source) / kEars);
   state.measure_window(source);
   state.hear();
   state.render_window(path, output);
@@ -405,7 +430,9 @@ void Gtf::advance(std::span<const float> source, std::span<float> output) {
   }
 }
 
-std::ptrdiff_t Gtf::latency_samples() const { return D::kHop * (state_->ahead + 1) + kHalf; }
+std::ptrdiff_t Gtf::latency_samples() const {
+  return D::kHop * (state_->ahead + state_->description.phase_ahead() + 1) + kHalf;
+}
 
 std::optional<Vector3> Gtf::speaker_m() const {
   if (!state_->description.geometry) return std::nullopt;

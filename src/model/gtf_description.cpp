@@ -108,12 +108,14 @@ void check_description(const GtfDescription& d, std::string_view where) {
   check_range(where, "locator_width", d.locator_width, 1, kLargestWidth);
   check_range(where, "summary_width", d.summary_width, 1, kLargestWidth);
   check_range(where, "conditioning_width", d.conditioning_width, 1, kLargestWidth);
+  constexpr int kMostRounds = 16;
+  check_range(where, "phase_rounds", d.phase_rounds, 0, kMostRounds);
 }
 
 std::string to_json(const GtfDescription& d) {
   Json highpass;
   if (d.highpass_cutoff_hz) highpass = *d.highpass_cutoff_hz;
-  return Json{{"format", kFormat},
+  Json json{{"format", kFormat},
               {"network", kNetwork},
               {"sample_rate_hz", GtfDescription::kSampleRateHz},
               {"window_samples", d.window_samples},
@@ -132,8 +134,11 @@ std::string to_json(const GtfDescription& d) {
               {"picture_width", d.picture_width},
               {"locator_width", d.locator_width},
               {"summary_width", d.summary_width},
-              {"conditioning_width", d.conditioning_width}}
-      .dump();
+              {"conditioning_width", d.conditioning_width}};
+  // Left out where they are as in the first networks, whose files stay the same bytes.
+  if (d.phase_rounds > 0) json["phase_rounds"] = d.phase_rounds;
+  if (d.texture) json["texture"] = true;
+  return json.dump();
 }
 
 GtfDescription gtf_description_from_json(std::string_view text, std::string_view where) {
@@ -163,6 +168,8 @@ GtfDescription gtf_description_from_json(std::string_view text, std::string_view
   d.locator_width = reader.integer("locator_width");
   d.summary_width = reader.integer("summary_width");
   d.conditioning_width = reader.integer("conditioning_width");
+  if (reader.has("phase_rounds")) d.phase_rounds = reader.integer("phase_rounds");
+  if (reader.has("texture")) d.texture = reader.boolean("texture");
   reader.expect_nothing_else();
   check_description(d, where);
   return d;

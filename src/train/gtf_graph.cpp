@@ -1,5 +1,6 @@
 #include "gtf_graph.h"
 
+#include "phase_pass.h"
 #include "torch_tensor.h"
 #include "trunk_pass.h"
 
@@ -10,6 +11,7 @@
 #include <ATen/ops/arange.h>
 #include <ATen/ops/cat.h>
 #include <ATen/ops/conv2d.h>
+#include <ATen/ops/full.h>
 #include <ATen/ops/group_norm.h>
 #include <ATen/ops/linear.h>
 #include <ATen/ops/silu.h>
@@ -125,6 +127,9 @@ GtfGraph::Conditions GtfGraph::condition(const GtfInputs& inputs, const Heard& h
   }
   if (picture.defined()) known.push_back(picture);
   known.push_back(at::silu(linear("summary", heard.summary)));
+  if (description_.texture) {
+    known.push_back(at::full({heard.summary.size(0), 1}, inputs.texture));
+  }
   const at::Tensor hidden = at::silu(linear("conditioning.0", at::cat(known, 1)));
   conditions.vector = at::silu(linear("conditioning.1", hidden));
   return conditions;
@@ -157,9 +162,11 @@ at::Tensor GtfGraph::filter(const Heard& heard, const at::Tensor& state,
     source_delay_s = conditions.move.source_delay_s;
     target_delay_s = conditions.move.target_delay_s;
   }
-  return filter_pass(description_, {heard.spectrum, heard.magnitude, heard.samples}, state,
-                     modulated("kernel", conditions.vector), modulated("gain", conditions.vector),
-                     share, source_delay_s, target_delay_s);
+  const at::Tensor spectrum =
+      filter_pass(description_, {heard.spectrum, heard.magnitude, heard.samples}, state,
+                  modulated("kernel", conditions.vector), modulated("gain", conditions.vector),
+                  share, source_delay_s, target_delay_s);
+  return phase_pass(spectrum, description_.phase_rounds, heard.samples);
 }
 
 GtfOutput GtfGraph::forward(const GtfInputs& inputs) {

@@ -21,6 +21,7 @@ struct GtfInputs {
   at::Tensor box;             ///< [clips][5]: 1 if seen, then x_min, y_min, x_max, y_max
   at::Tensor target_m;        ///< [clips][3]
   at::Tensor target_yaw_rad;  ///< [clips][1]
+  double texture = 1.0;       ///< of all clips, where the network is told it
 };
 
 struct GtfOutput {

@@ -57,6 +57,11 @@ class Gtf {
   /// much weaker as the way to it costs the direct sound; the diffuse field stays.
   void aim(const Pose& source_from_target, const std::optional<Vector3>& speaker_m = {});
 
+  /// Which texture is rendered from here on, in a network that has been told it in training: 0 the
+  /// mean of what is possible, with the least error of magnitudes; 1 a natural one, with the depth
+  /// of modulation and the decay of such a sound. 1 from the start.
+  void ask_for_texture(double texture);
+
   /// The sound at the target of a window on its own.
   /// @param source  planar, [2][samples], left ear first, at 16 kHz, samples >= 400
   /// @param output  the same size; must not overlap it
@@ -91,7 +96,8 @@ class Gtf {
   /// @param output  planar, [2][hop]
   void advance(std::span<const float> source, std::span<float> output);
 
-  /// By how much the output of a stream is later than its input: the frames ahead and the window.
+  /// By how much the output of a stream is later than its input: the frames ahead, those that the
+  /// phase rounds need, and the window.
   [[nodiscard]] std::ptrdiff_t latency_samples() const;
 
   /// Where the speaker was taken to be, in the source's frame; nothing without geometry.
