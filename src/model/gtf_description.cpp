@@ -138,6 +138,7 @@ std::string to_json(const GtfDescription& d) {
   // Left out where they are as in the first networks, whose files stay the same bytes.
   if (d.phase_rounds > 0) json["phase_rounds"] = d.phase_rounds;
   if (d.texture) json["texture"] = true;
+  if (d.dry_voice) json["dry_voice"] = true;
   return json.dump();
 }
 
@@ -170,6 +171,7 @@ GtfDescription gtf_description_from_json(std::string_view text, std::string_view
   d.conditioning_width = reader.integer("conditioning_width");
   if (reader.has("phase_rounds")) d.phase_rounds = reader.integer("phase_rounds");
   if (reader.has("texture")) d.texture = reader.boolean("texture");
+  if (reader.has("dry_voice")) d.dry_voice = reader.boolean("dry_voice");
   reader.expect_nothing_else();
   check_description(d, where);
   return d;
@@ -203,6 +205,10 @@ TensorShapes required_tensors(const GtfDescription& d) {
   constexpr std::int64_t kGains = std::int64_t{kEars} * GtfDescription::kBins;
   add_layer(shapes, "gain", {kGains, d.channels});
   add_layer(shapes, "gain.static", {kGains, d.conditioning_width});
+  if (d.dry_voice) {
+    add_layer(shapes, "dry", {GtfDescription::kBins, d.channels});
+    add_layer(shapes, "dry.static", {GtfDescription::kBins, d.conditioning_width});
+  }
   if (d.delays) add_layer(shapes, "phase", {std::int64_t{kEars} * d.bands, d.conditioning_width});
   return shapes;
 }

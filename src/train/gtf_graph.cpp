@@ -14,6 +14,7 @@
 #include <ATen/ops/full.h>
 #include <ATen/ops/group_norm.h>
 #include <ATen/ops/linear.h>
+#include <ATen/ops/matmul.h>
 #include <ATen/ops/silu.h>
 #include <ATen/ops/zeros.h>
 #include <fmt/format.h>
@@ -29,6 +30,7 @@ using D = GtfDescription;
 constexpr double kHeardLevel = 0.05;  // the root mean square that every sound is brought to
 constexpr double kQuietest = 1e-4;    // below it a sound counts as silence
 constexpr double kNormEpsilon = 1e-5;
+constexpr double kMagnitudeFloor = 1e-3;
 
 }  // namespace
 
@@ -169,6 +171,18 @@ at::Tensor GtfGraph::filter(const Heard& heard, const at::Tensor& state,
   return phase_pass(spectrum, description_.phase_rounds, heard.samples);
 }
 
+at::Tensor GtfGraph::dry_magnitude(const Heard& heard, const at::Tensor& state,
+                                   const at::Tensor& conditions) const {
+  constexpr double kLeastGain = -5.0;
+  constexpr double kMostGain = 4.0;
+  const std::int64_t frames = 1 + heard.samples / D::kHop;
+  const FrameLayer gain = modulated("dry", conditions);
+  const at::Tensor log_gain =
+      at::matmul(gain.weight, state.narrow(2, 0, frames)) + gain.still.unsqueeze(2);
+  return (heard.magnitude.mean(at::IntArrayRef({1})).narrow(2, 0, frames) + kMagnitudeFloor) *
+         log_gain.clamp(kLeastGain, kMostGain).exp();
+}
+
 GtfOutput GtfGraph::forward(const GtfInputs& inputs) {
   const at::Tensor level =
       inputs.source.square().mean(at::IntArrayRef({1, 2}), true).sqrt().clamp_min(kQuietest) /
@@ -178,6 +192,9 @@ GtfOutput GtfGraph::forward(const GtfInputs& inputs) {
   const Conditions conditions = condition(inputs, heard, output.speaker);
   const at::Tensor state = trunk(heard, conditions.vector);
   output.sound = filter(heard, state, conditions) * level;
+  if (description_.dry_voice) {
+    output.dry_magnitude = dry_magnitude(heard, state, conditions.vector) * level;
+  }
   return output;
 }
 

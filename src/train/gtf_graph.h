@@ -25,8 +25,9 @@ struct GtfInputs {
 };
 
 struct GtfOutput {
-  at::Tensor sound;                     ///< [clips][2][samples]
+  at::Tensor sound;  ///< [clips][2][samples]
   std::optional<SpeakerPlace> speaker;  ///< as estimated, in a network with geometry
+  at::Tensor dry_magnitude;  ///< [clips][bins][frames]: of the dry voice, in one that tells it
 };
 
 /// The geometric time-frequency network as a graph of LibTorch operations and fused passes over
@@ -60,6 +61,8 @@ class GtfGraph {
   Conditions condition(const GtfInputs& inputs, const Heard& heard,
                        std::optional<SpeakerPlace>& speaker) const;
   at::Tensor trunk(const Heard& heard, const at::Tensor& conditions) const;
+  at::Tensor dry_magnitude(const Heard& heard, const at::Tensor& state,
+                           const at::Tensor& conditions) const;
   at::Tensor filter(const Heard& heard, const at::Tensor& state,
                     const Conditions& conditions) const;
 

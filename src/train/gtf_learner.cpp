@@ -130,9 +130,13 @@ struct GtfLearner::State {
     GtfTruth truth{sounds(clips, clips.target),
                    spectrum,
                    {},
+                   {},
                    values(clips, "speaker_m", 3),
                    values(clips, "speaker_heading", 2)};
-    if (loss_weights.decay > 0) truth.dry = values(clips, "dry", truth.target.size(2));
+    if (loss_weights.decay > 0 || loss_weights.dry_voice > 0) {
+      truth.dry = values(clips, "dry", truth.target.size(2));
+    }
+    if (loss_weights.dry_voice > 0) truth.dry_magnitude = dry_magnitudes(truth.dry);
     const at::Tensor loss =
         gtf_loss(loss_weights, forward(twin, clips, is_natural ? 1.0 : 0.0), truth, share,
                  estimator ? &*estimator : nullptr);
@@ -152,6 +156,7 @@ struct GtfLearner::State {
 GtfLearner::GtfLearner(const GtfWeights& weights, GtfLearnerOptions options)
     : state_(std::make_unique<State>(weights, options)) {
   EARPOINT_CHECK(weights.description.texture == options.natural_loss.has_value());
+  EARPOINT_CHECK(weights.description.dry_voice || options.loss.dry_voice == 0.0);
 }
 GtfLearner::~GtfLearner() = default;
 GtfLearner::GtfLearner(GtfLearner&&) noexcept = default;

@@ -31,6 +31,7 @@ GtfLossWeights loss_from(const Json& json, const std::string& where, GtfLossWeig
            {"decay", &weights.decay},
            {"reverberation", &weights.reverberation},
            {"phase_difference", &weights.phase_difference},
+           {"dry_voice", &weights.dry_voice},
            {"place", &weights.place}}) {
     if (!reader.has(key)) continue;
     *weight = reader.number(key);
@@ -138,6 +139,10 @@ TrainingTask gtf_task(const TrainConfig& config, std::string_view where,
       gtf_description_from_json(description_with(section, to_json(usual), network), network);
   if (description.texture != start.natural_loss.has_value()) {
     throw InputError(network, "'texture' and 'loss.natural' need each other", "give both or none");
+  }
+  if (start.loss.dry_voice > 0 && !description.dry_voice) {
+    throw InputError(network, "'loss.dry_voice' needs a network that tells it",
+                     "set 'dry_voice' to true");
   }
   TrainingTask task;
   const auto encode = [description](const PairSample& sample) {

@@ -70,6 +70,8 @@ struct GtfDescription {
   int phase_rounds = 0;
   /// Whether it is told which texture to render: 0 the mean of what is possible, 1 a natural one.
   bool texture = false;
+  /// Whether it also tells the magnitudes of the dry voice, as a microphone at the mouth hears it.
+  bool dry_voice = false;
 
   int picture_width = 96;   ///< of the picture's feature
   int locator_width = 128;  ///< of the layers that find the speaker

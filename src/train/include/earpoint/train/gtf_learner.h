@@ -28,6 +28,7 @@ struct GtfLossWeights {
   double decay = 0.0;              ///< of the decay of the response from dry speech, dB
   double reverberation = 0.0;      ///< of reverberation time as an estimator hears it, seconds
   double phase_difference = 0.05;  ///< of the phase between the ears
+  double dry_voice = 0.0;          ///< of magnitudes of the dry voice, where the network tells them
   double place = 0.02;             ///< of the speaker's estimated direction, distance and heading
 
   friend bool operator==(const GtfLossWeights&, const GtfLossWeights&) = default;
