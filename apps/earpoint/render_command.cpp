@@ -310,9 +310,10 @@ void add_model_options(CLI::App& command, RenderArguments& arguments) {
       "input (copy), dsp (head filters), the name of a shipped model, or a weight file; "
       "default: gtf, or dsp where it is not there");
   command
-      .add_option("--texture", arguments.texture,
-                  "Of a gtf network that was trained for both: natural, with the modulation and decay of "
-                  "such a room; mean, with the least error of magnitudes; default: natural")
+      .add_option(
+          "--texture", arguments.texture,
+          "Of a gtf network that was trained for both: natural, with the modulation and decay of "
+          "such a room; mean, with the least error of magnitudes; default: natural")
       ->check(CLI::IsMember({"natural", "mean"}));
   command.add_option("--hrtf", arguments.hrtf, "Head filters for dsp: a SOFA file");
   command

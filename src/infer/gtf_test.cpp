@@ -1,4 +1,5 @@
 #include "allocation_count.h"
+#include "drawn_gtf.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +10,6 @@
 
 #include <gtest/gtest.h>
 
-#include <earpoint/audio/stft.h>
 #include <earpoint/core/pose.h>
 #include <earpoint/core/random.h>
 #include <earpoint/infer/gtf.h>
@@ -17,45 +17,15 @@
 namespace earpoint {
 namespace {
 
-constexpr std::size_t kSamples = 8000;
-constexpr std::size_t kHop = GtfDescription::kHop;
-const Pose kHere{{1, 2, 0}, {}};
-const Pose kThere{{-1, 0.5, 0}, quaternion_from_euler({.yaw_rad = 2})};
-
-std::vector<float> noise(std::size_t count, double size, std::uint64_t seed) {
-  RandomStream random(seed);
-  std::vector<float> values(count);
-  for (float& value : values) value = static_cast<float>(size * random.normal());
-  return values;
-}
-
-GtfDescription small() {
-  GtfDescription d;
-  d.channels = 20;
-  d.layers = 6;
-  d.bands = 12;
-  d.picture_px = 32;
-  d.window_samples = kSamples;
-  return d;
-}
-
-/// Random weights; tables of a head that is all level and delay.
-GtfWeights random_weights(const GtfDescription& d) {
-  GtfWeights weights{d, {}, {}};
-  std::uint64_t seed = 1;
-  for (const auto& [name, shape] : required_tensors(d)) {
-    std::vector<float> values =
-        noise(static_cast<std::size_t>(element_count(shape).value()), 0.1, seed++);
-    if (name.find("power") != std::string::npos) {
-      for (float& value : values) value = 0.5F + std::abs(value);
-    }
-    if (name == "head.delay_s") {
-      for (float& value : values) value *= 1e-3F;
-    }
-    weights.tensors[name] = make_tensor<float>(values, shape);
-  }
-  return weights;
-}
+using infer::engine_that_looks;
+using infer::kHere;
+using infer::kHop;
+using infer::kSamples;
+using infer::kThere;
+using infer::noise;
+using infer::random_weights;
+using infer::small;
+using infer::streamed;
 
 /// Kernels over past frames and tails that neither sound nor pose modulates; gains by the pose.
 GtfWeights steady_weights(const GtfDescription& d) {
@@ -67,131 +37,6 @@ GtfWeights steady_weights(const GtfDescription& d) {
         std::vector<float>(static_cast<std::size_t>(tensor.elements()), value), tensor.shape);
   }
   return weights;
-}
-
-Gtf engine_that_looks(const GtfDescription& d) {
-  Gtf engine(random_weights(d));
-  engine.look(noise(static_cast<std::size_t>(3 * d.picture_px * d.picture_px), 0.3, 5),
-              Box{0.1, 0.2, 0.3, 0.4});
-  engine.aim({{1, 2, 0}, quaternion_from_euler({.yaw_rad = 0.3})});
-  return engine;
-}
-
-/// The mean difference of short-time magnitudes of two planar sounds.
-double magnitude_difference(std::span<const float> a, std::span<const float> b) {
-  Stft stft;
-  double sum = 0.0;
-  std::size_t count = 0;
-  for (std::size_t ear = 0; ear < 2; ++ear) {
-    const Spectrogram x = stft.forward(a.subspan(ear * kSamples, kSamples));
-    const Spectrogram y = stft.forward(b.subspan(ear * kSamples, kSamples));
-    for (std::size_t i = 0; i < x.values.size(); ++i) {
-      sum += std::abs(std::abs(x.values[i]) - std::abs(y.values[i]));
-      ++count;
-    }
-  }
-  return sum / static_cast<double>(count);
-}
-
-/// Runs a planar sound through a stream that has begun. Calls before(hop) before each hop.
-template <typename Before>
-std::vector<float> streamed(Gtf& engine, std::span<const float> source, const Before& before) {
-  const std::size_t samples = source.size() / 2;
-  std::vector<float> result(source.size());
-  std::vector<float> in(2 * kHop);
-  std::vector<float> out(2 * kHop);
-  for (std::size_t hop = 0; (hop + 1) * kHop <= samples; ++hop) {
-    before(hop);
-    for (std::size_t ear = 0; ear < 2; ++ear) {
-      std::copy_n(source.begin() + ear * samples + hop * kHop, kHop, in.begin() + ear * kHop);
-    }
-    engine.advance(in, out);
-    for (std::size_t ear = 0; ear < 2; ++ear) {
-      std::copy_n(out.begin() + ear * kHop, kHop, result.begin() + ear * samples + hop * kHop);
-    }
-  }
-  return result;
-}
-
-/// @param latency  32.5 ms, and 20 ms for each round of phases
-void expect_a_stream_equals_a_window(const GtfDescription& d, std::size_t latency_samples) {
-  Gtf engine = engine_that_looks(d);
-  const std::vector<float> source = noise(2 * kSamples, 0.1, 2);
-  std::vector<float> window(source.size());
-  engine.synthesize(source, window);
-  engine.start(engine.statistics());
-  const std::vector<float> stream = streamed(engine, source, [](std::size_t) {});
-  const auto latency = static_cast<std::size_t>(engine.latency_samples());
-  ASSERT_EQ(latency, latency_samples);
-  for (std::size_t ear = 0; ear < 2; ++ear) {
-    for (std::size_t i = 0; i < latency; ++i) EXPECT_EQ(stream[ear * kSamples + i], 0.0F);
-    // The window's end is heard without what comes after it, and so is what a round of phases looks
-    // at from there.
-    const std::size_t unsure = (2 + static_cast<std::size_t>(d.phase_ahead())) * kHop;
-    for (std::size_t i = 0; i + latency + unsure < kSamples; ++i) {
-      // Only blocks differ, and the order of no sum depends on them.
-      ASSERT_NEAR(stream[ear * kSamples + latency + i], window[ear * kSamples + i], 1e-6) << i;
-    }
-  }
-}
-
-TEST(Gtf, AStreamEqualsAWindowOfTheSameStatistics) {
-  expect_a_stream_equals_a_window(small(), 680);
-}
-
-TEST(Gtf, AStreamOfAgreeingPhasesEqualsAWindowAndIsTwoFramesLaterARound) {
-  GtfDescription d = small();
-  d.phase_rounds = 2;
-  expect_a_stream_equals_a_window(d, 680 + 4 * kHop);
-}
-
-/// How far the sound's short-time magnitudes are from those that the network asked for can only be
-/// told of a network whose filter is known: an identity whose phases are those of the wrong place.
-TEST(Gtf, RoundsOfPhasesMakeFramesAgree) {
-  GtfDescription d = small();
-  const std::vector<float> source = noise(2 * kSamples, 0.1, 2);
-  std::vector<double> errors;
-  for (const int rounds : {0, 1, 4}) {
-    d.phase_rounds = rounds;
-    GtfWeights weights = random_weights(d);
-    for (auto& [name, tensor] : weights.tensors) {
-      if (!name.starts_with("kernel") && !name.starts_with("gain")) continue;
-      std::vector<float> values(static_cast<std::size_t>(tensor.elements()));
-      if (name == "kernel.bias") {
-        for (int ear = 0; ear < 2; ++ear) {
-          std::fill_n(values.begin() + (3 * ear * d.taps() + d.past_frames) * d.bands, d.bands,
-                      1.0F);
-        }
-      }
-      tensor = make_tensor<float>(values, tensor.shape);
-    }
-    Gtf engine(weights);
-    engine.look(std::vector<float>(std::size_t{3} * 32 * 32), {});
-    engine.aim(kThere);
-    std::vector<float> output(source.size());
-    engine.synthesize(source, output);
-    errors.push_back(magnitude_difference(output, source));
-  }
-  EXPECT_LT(errors[1], errors[0]);
-  EXPECT_LT(errors[2], errors[1]);
-}
-
-TEST(Gtf, AsksForATextureOnlyWhereThereAreTwo) {
-  GtfDescription d = small();
-  for (const bool has_two : {false, true}) {
-    d.texture = has_two;
-    Gtf engine = engine_that_looks(d);
-    const std::vector<float> source = noise(2 * kSamples, 0.1, 2);
-    std::vector<float> natural(source.size());
-    std::vector<float> mean(source.size());
-    engine.synthesize(source, natural);
-    engine.ask_for_texture(0);
-    engine.synthesize(source, mean);
-    EXPECT_EQ(mean != natural, has_two);
-    engine.ask_for_texture(1);
-    engine.synthesize(source, mean);
-    EXPECT_EQ(mean, natural);
-  }
 }
 
 TEST(Gtf, LouderInGivesLouderOut) {

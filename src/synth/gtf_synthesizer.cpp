@@ -6,8 +6,7 @@
 
 namespace earpoint {
 
-GtfSynthesizer::GtfSynthesizer(const GtfWeights& weights, double horizontal_fov_rad,
-                               double texture)
+GtfSynthesizer::GtfSynthesizer(const GtfWeights& weights, double horizontal_fov_rad, double texture)
     : network_(weights), horizontal_fov_rad_(horizontal_fov_rad) {
   network_.ask_for_texture(texture);
 }

@@ -25,7 +25,7 @@ struct GtfInputs {
 };
 
 struct GtfOutput {
-  at::Tensor sound;  ///< [clips][2][samples]
+  at::Tensor sound;                     ///< [clips][2][samples]
   std::optional<SpeakerPlace> speaker;  ///< as estimated, in a network with geometry
   at::Tensor dry_magnitude;  ///< [clips][bins][frames]: of the dry voice, in one that tells it
 };

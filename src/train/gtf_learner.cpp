@@ -127,19 +127,15 @@ struct GtfLearner::State {
                     bool is_natural, GtfGraph& twin) {
     const GtfLossWeights& loss_weights = is_natural ? *options.natural_loss : options.loss;
     forget_gradients(twin.parameters());
-    GtfTruth truth{sounds(clips, clips.target),
-                   spectrum,
-                   {},
-                   {},
-                   values(clips, "speaker_m", 3),
-                   values(clips, "speaker_heading", 2)};
+    GtfTruth truth{
+        sounds(clips, clips.target),        spectrum, {}, {}, values(clips, "speaker_m", 3),
+        values(clips, "speaker_heading", 2)};
     if (loss_weights.decay > 0 || loss_weights.dry_voice > 0) {
       truth.dry = values(clips, "dry", truth.target.size(2));
     }
     if (loss_weights.dry_voice > 0) truth.dry_magnitude = dry_magnitudes(truth.dry);
-    const at::Tensor loss =
-        gtf_loss(loss_weights, forward(twin, clips, is_natural ? 1.0 : 0.0), truth, share,
-                 estimator ? &*estimator : nullptr);
+    const at::Tensor loss = gtf_loss(loss_weights, forward(twin, clips, is_natural ? 1.0 : 0.0),
+                                     truth, share, estimator ? &*estimator : nullptr);
     loss.backward();
     return loss.item<double>();
   }
@@ -190,9 +186,9 @@ std::vector<float> GtfLearner::locate(const TrainingBatch& batch) {
 
 std::vector<double> GtfLearner::errors(const TrainingBatch& batch) {
   return state_->without_gradients<double>(batch, [&](const TrainingBatch& clips, GtfGraph& graph) {
-    return numbers_of<double>(magnitude_distance(
-        state_->magnitude, State::forward(graph, clips, 1.0).sound,
-        State::sounds(clips, clips.target)));
+    return numbers_of<double>(magnitude_distance(state_->magnitude,
+                                                 State::forward(graph, clips, 1.0).sound,
+                                                 State::sounds(clips, clips.target)));
   });
 }
 

@@ -314,8 +314,8 @@ TEST_P(PhasePass, ValueAndGradientAreThoseOfGriffinLim) {
     const at::Tensor ours = learned(at::constant_pad_nd(start, {0, extent.row() - kFrames}));
     const at::Tensor found = phase_pass(ours, rounds, kSamples);
     const at::Tensor theirs = learned(start);
-    const at::Tensor right = torch_rounds(
-        at::view_as_complex(theirs.permute({0, 1, 3, 4, 2}).contiguous()), rounds);
+    const at::Tensor right =
+        torch_rounds(at::view_as_complex(theirs.permute({0, 1, 3, 4, 2}).contiguous()), rounds);
     expect_same(found, right, "sound", 1e-4);
 
     const at::Tensor weights = noise({kClips, 2, kSamples}, 1.0, 51);

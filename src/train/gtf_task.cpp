@@ -82,8 +82,8 @@ GtfStart take_start(std::string& section, const std::string& where) {
   json.erase("loss");
   start.init = take_path(json, "init", "weights", where);
   start.estimator = take_path(json, "estimator", "an rt60 network's weights", where);
-  const bool is_heard = start.loss.reverberation > 0 ||
-                        (start.natural_loss && start.natural_loss->reverberation > 0);
+  const bool is_heard =
+      start.loss.reverberation > 0 || (start.natural_loss && start.natural_loss->reverberation > 0);
   if (is_heard != start.estimator.has_value()) {
     throw InputError(where, "'loss.reverberation' and 'estimator' need each other",
                      "give both or none");

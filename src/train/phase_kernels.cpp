@@ -80,9 +80,8 @@ void turn_back(const PhaseRound& round, std::ptrdiff_t count, std::ptrdiff_t ima
     const Vector by_magnitude = inner(phase, slope);
     add(scaled(start, hn::Div(by_magnitude, magnitude)), slopes.by_start, i);
     const Vector factor = hn::Mul(magnitude, near);
-    const Complex by_z{
-        hn::Mul(hn::NegMulAdd(phase.re, by_magnitude, slope.re), factor),
-        hn::Mul(hn::NegMulAdd(phase.im, by_magnitude, slope.im), factor)};
+    const Complex by_z{hn::Mul(hn::NegMulAdd(phase.re, by_magnitude, slope.re), factor),
+                       hn::Mul(hn::NegMulAdd(phase.im, by_magnitude, slope.im), factor)};
     add(scaled(by_z, hn::Set(d, 1.0F + kMomentum)), slopes.by_heard, i);
     const Complex by_before = scaled(by_z, hn::Set(d, -kMomentum));
     hn::StoreU(by_before.re, d, slopes.by_before + i);

@@ -100,9 +100,9 @@ TEST_F(TaskKinds, NamesWhatIsWrongWithAGeometricNetwork) {
   EXPECT_NE(said(R"({"kind": "gtf", "picture_px": 33})").find("multiple of 32"), std::string::npos);
   EXPECT_NE(said(R"({"kind": "gtf", "texture": true})").find("'texture' and 'loss.natural' need"),
             std::string::npos);
-  EXPECT_NE(said(R"({"kind": "gtf", "loss": {"natural": {}}})")
-                .find("'texture' and 'loss.natural' need"),
-            std::string::npos);
+  EXPECT_NE(
+      said(R"({"kind": "gtf", "loss": {"natural": {}}})").find("'texture' and 'loss.natural' need"),
+      std::string::npos);
   EXPECT_NE(said(R"({"kind": "gtf", "texture": true, "loss": {"natural": {"levels": 1}}})")
                 .find("'loss': 'natural'"),
             std::string::npos);

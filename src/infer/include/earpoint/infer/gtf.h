@@ -73,6 +73,13 @@ class Gtf {
   void synthesize(std::span<const float> source, std::span<const Pose> path,
                   std::span<float> output);
 
+  /// The dry voice in a window, as a microphone hears it 1 m before the mouth in free field, on
+  /// time with the direct sound at the source. Of a network that tells it
+  /// (GtfDescription::dry_voice).
+  /// @param source  as synthesize() takes it
+  /// @param voice   [samples]
+  void tell_voice(std::span<const float> source, std::span<float> voice);
+
   /// Finds the speaker by what was looked at and a window of sound, which statistics() then tells
   /// of.
   /// @param source  as synthesize() takes it
