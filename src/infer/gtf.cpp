@@ -52,7 +52,7 @@ void Gtf::synthesize(std::span<const float> source, std::span<const Pose> path,
   State& state = *state_;
   state.reserve(std::ssize(source) / kEars);
   state.start_over();
-  state.phases.reset(std::ssize(source) / kEars);
+  state.phases.reset(state.description.phase_rounds, std::ssize(source) / kEars);
   state.measure_window(source);
   state.hear();
   state.render_window(path, output);
@@ -90,9 +90,11 @@ double Gtf::expected_gain() const { return state_->expected_gain; }
 
 const GtfStatistics& Gtf::statistics() const { return state_->statistics; }
 
-void Gtf::start(std::optional<GtfStatistics> statistics) {
+void Gtf::start(std::optional<GtfStatistics> statistics, std::optional<int> phase_rounds) {
   State& state = *state_;
   state.start_over();
+  state.stream_rounds = phase_rounds.value_or(state.description.phase_rounds);
+  state.phases.reset(state.stream_rounds);
   state.reserve(state.description.window_samples);
   state.recent = {};
   state.hops = 0;
@@ -132,7 +134,8 @@ void Gtf::advance(std::span<const float> source, std::span<float> output) {
 }
 
 std::ptrdiff_t Gtf::latency_samples() const {
-  return D::kHop * (state_->ahead + state_->description.phase_ahead() + 1) + kHalf;
+  const std::ptrdiff_t of_rounds = std::ptrdiff_t{D::kOverlappingFrames} * state_->stream_rounds;
+  return D::kHop * (state_->ahead + of_rounds + 1) + kHalf;
 }
 
 std::optional<Vector3> Gtf::speaker_m() const {

@@ -71,6 +71,23 @@ TEST(Gtf, AStreamOfAgreeingPhasesEqualsAWindowAndIsTwoFramesLaterARound) {
   expect_a_stream_equals_a_window(d, 680 + 4 * kHop);
 }
 
+TEST(Gtf, AStreamMaySkipRoundsToBeInTimeSooner) {
+  GtfDescription d = small();
+  const std::vector<float> source = noise(2 * kSamples, 0.1, 2);
+  Gtf without = engine_that_looks(d);
+  std::vector<float> window(source.size());
+  without.synthesize(source, window);
+  d.phase_rounds = 2;
+  Gtf engine = engine_that_looks(d);
+  engine.start(without.statistics(), 0);
+  EXPECT_EQ(engine.latency_samples(), without.latency_samples());
+  const std::vector<float> skipped = streamed(engine, source, [](std::size_t) {});
+  without.start(without.statistics());
+  EXPECT_EQ(streamed(without, source, [](std::size_t) {}), skipped);
+  engine.start(without.statistics(), 1);
+  EXPECT_EQ(engine.latency_samples(), without.latency_samples() + 2 * kHop);
+}
+
 /// How far the sound's short-time magnitudes are from those that the network asked for can only be
 /// told of a network whose filter is known: an identity whose phases are those of the wrong place.
 TEST(Gtf, RoundsOfPhasesMakeFramesAgree) {

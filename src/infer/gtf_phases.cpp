@@ -81,12 +81,14 @@ void GtfPhaseRound::turn(GtfPhaseFrame& frame) {
   }
 }
 
-void GtfPhases::reset(std::ptrdiff_t end) {
+void GtfPhases::reset(int rounds, std::ptrdiff_t end) {
+  EARPOINT_CHECK(rounds >= 0 && rounds <= std::ssize(rounds_));
+  active_ = static_cast<std::size_t>(rounds);
   for (GtfPhaseRound& round : rounds_) round.reset(end);
 }
 
 bool GtfPhases::leave_through(std::size_t first_round, std::span<Complex> spectra) {
-  for (std::size_t i = first_round; i < rounds_.size(); ++i) {
+  for (std::size_t i = first_round; i < active_; ++i) {
     if (!rounds_[i].take(frame_)) return false;
   }
   std::ranges::copy(frame_.turned, spectra.begin());
@@ -103,7 +105,7 @@ bool GtfPhases::take(std::span<Complex> spectra, float scale) {
 }
 
 bool GtfPhases::drain(std::span<Complex> spectra) {
-  for (std::size_t i = 0; i < rounds_.size(); ++i) {
+  for (std::size_t i = 0; i < active_; ++i) {
     while (rounds_[i].drain(frame_)) {
       if (leave_through(i + 1, spectra)) return true;
     }

@@ -57,11 +57,14 @@ class GtfPhaseRound {
 /// All rounds of a network, one after the other.
 class GtfPhases {
  public:
-  explicit GtfPhases(int rounds) : rounds_(static_cast<std::size_t>(rounds)) {}
+  /// @param most_rounds  that reset() may ask for
+  explicit GtfPhases(int most_rounds) : rounds_(static_cast<std::size_t>(most_rounds)) {}
 
-  [[nodiscard]] bool is_empty() const { return rounds_.empty(); }
-  /// Begins anew. @param end  of the sound: silence from that sample on; none in a stream
-  void reset(std::ptrdiff_t end = std::numeric_limits<std::ptrdiff_t>::max());
+  /// Of them. Frames leave kOverlappingFrames later for each.
+  [[nodiscard]] int rounds() const { return static_cast<int>(active_); }
+  /// Begins anew with that many rounds.
+  /// @param end  of the sound: silence from that sample on; none in a stream
+  void reset(int rounds, std::ptrdiff_t end = std::numeric_limits<std::ptrdiff_t>::max());
 
   /// Takes the next frame. Allocates nothing.
   /// @param spectra  [2][bins], at the scale of the output; receives the frame that leaves
@@ -75,6 +78,7 @@ class GtfPhases {
   bool leave_through(std::size_t first_round, std::span<std::complex<float>> spectra);
 
   std::vector<GtfPhaseRound> rounds_;
+  std::size_t active_ = 0;  ///< the first ones
   GtfPhaseFrame frame_;
 };
 

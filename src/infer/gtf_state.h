@@ -49,6 +49,7 @@ struct Gtf::State {
     statistics.summary.resize(static_cast<std::size_t>(description.summary_features()));
     band_power.fill(1.0);  // a stream measures no window: all bands count alike
     reserve(description.window_samples);
+    stream_rounds = description.phase_rounds;
     start_over();
   }
 
@@ -71,7 +72,7 @@ struct Gtf::State {
     std::ranges::fill(states, 0.0F);
     std::ranges::fill(magnitudes, 0.0F);
     std::ranges::fill(spectra, Complex{});
-    phases.reset();
+    phases.reset(description.phase_rounds);
     frames.reset();
     frames_in = 0;
   }
@@ -113,7 +114,7 @@ struct Gtf::State {
   /// Lets the frame in `filtered` sound, or the one that it pushes out of the phase rounds.
   void sound_frame() {
     const float scale = statistics.level / kHeardLevel;
-    if (phases.is_empty()) {
+    if (phases.rounds() == 0) {
       frames.add(filtered, scale);
       return;
     }
@@ -200,6 +201,7 @@ struct Gtf::State {
   double expected_gain = 1.0;  ///< of the window, over its poses
 
   // Of a stream.
+  int stream_rounds = 0;  ///< of phases
   bool holds_statistics = false;
   std::array<std::array<float, D::kFrameSamples>, kEars> recent{};
   std::ptrdiff_t hops = 0;

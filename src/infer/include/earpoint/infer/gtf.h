@@ -95,15 +95,17 @@ class Gtf {
   [[nodiscard]] const GtfStatistics& statistics() const;
 
   /// Begins a stream at silence.
-  /// @param statistics  held throughout; without them running means of about a second are taken
-  void start(std::optional<GtfStatistics> statistics = {});
+  /// @param statistics    held throughout; without them running means of about a second are taken
+  /// @param phase_rounds  at most those of the description, which are taken if nothing is said. Each
+  ///                      one less is 20 ms less late, and the phases of frames agree less
+  void start(std::optional<GtfStatistics> statistics = {}, std::optional<int> phase_rounds = {});
 
   /// The next hop of a stream: source in, and out what lies latency_samples() back.
   /// @param source  planar, [2][hop]
   /// @param output  planar, [2][hop]
   void advance(std::span<const float> source, std::span<float> output);
 
-  /// By how much the output of a stream is later than its input: the frames ahead, those that the
+  /// By how much the output of a stream is later than its input: the frames ahead, those that its
   /// phase rounds need, and the window.
   [[nodiscard]] std::ptrdiff_t latency_samples() const;
 
