@@ -21,9 +21,10 @@ struct FilteredSound {
   std::int64_t samples = 0;
 };
 
-/// From the trunk's state to the target's spectra, and the gradient, clip by clip. An ear's magnitudes are
-/// (max(kernels over frames and ears, 0) + 1e-3) * exp(gain between -3 and 2); its phase is that of
-/// share / 2 * the speaker's voice as the target's ears hear it + (1 - share) * the source.
+/// From the trunk's state to the target's spectra, and the gradient, clip by clip. An ear's
+/// magnitudes are (max(kernels over frames and ears, 0) + 1e-3) * exp(gain between -3 and 2); its
+/// phase is that of share / 2 * the speaker's voice as the target's ears hear it + (1 - share) *
+/// the source.
 /// @param state           [clips][channels][row]
 /// @param kernels         outputs: of output ear, input ear, tap, band
 /// @param gains           outputs: of ear and bin

@@ -96,7 +96,8 @@ class Gtf {
 
   /// Begins a stream at silence.
   /// @param statistics    held throughout; without them running means of about a second are taken
-  /// @param phase_rounds  at most those of the description, which are taken if nothing is said. Each
+  /// @param phase_rounds  at most those of the description, which are taken if nothing is said.
+  /// Each
   ///                      one less is 20 ms less late, and the phases of frames agree less
   void start(std::optional<GtfStatistics> statistics = {}, std::optional<int> phase_rounds = {});
 
