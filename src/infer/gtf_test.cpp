@@ -1,4 +1,3 @@
-#include "allocation_count.h"
 #include "drawn_gtf.h"
 
 #include <algorithm>
@@ -10,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include <earpoint/core_testing/allocation_count.h>
 #include <earpoint/core/pose.h>
 #include <earpoint/core/random.h>
 #include <earpoint/infer/gtf.h>
@@ -60,7 +60,7 @@ TEST(Gtf, AllocatesNothingAfterTheFirstWindow) {
   const std::vector<float> picture = noise(3 * 32 * 32, 0.3, 5);
   std::vector<float> output(source.size());
   std::vector<float> hop(2 * kHop);
-  infer::AllocationCount counted;
+  AllocationCount counted;
   engine.ask_for_texture(0.5);
   engine.look(picture, Box{0.1, 0.2, 0.3, 0.4});
   engine.aim({}, Vector3{1, 1, 0});
