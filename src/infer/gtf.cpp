@@ -52,6 +52,7 @@ void Gtf::synthesize(std::span<const float> source, std::span<const Pose> path,
   State& state = *state_;
   state.reserve(std::ssize(source) / kEars);
   state.start_over();
+  state.is_stream = false;
   state.phases.reset(state.description.phase_rounds, std::ssize(source) / kEars);
   state.measure_window(source);
   state.hear();
@@ -77,6 +78,7 @@ std::optional<GtfSpeaker> Gtf::locate(std::span<const float> source) {
   State& state = *state_;
   state.reserve(std::ssize(source) / kEars);
   state.start_over();
+  state.is_stream = false;
   state.measure_window(source);
   state.hear();
   if (!state.description.geometry) return std::nullopt;
@@ -86,13 +88,21 @@ std::optional<GtfSpeaker> Gtf::locate(std::span<const float> source) {
                     .yaw_certainty = std::min(std::hypot(place.heading_x, place.heading_y), 1.0)};
 }
 
-double Gtf::expected_gain() const { return state_->expected_gain; }
+double Gtf::expected_gain() const {
+  const State& state = *state_;
+  if (!state.is_stream) return state.expected_gain;
+  if (state.frames_in == 0) return 1.0;
+  const infer::GtfGeometry* geometry = state.conditions.geometry();
+  return geometry != nullptr ? geometry->expected_gain(state.band_power) : 1.0;
+}
 
 const GtfStatistics& Gtf::statistics() const { return state_->statistics; }
 
 void Gtf::start(std::optional<GtfStatistics> statistics, std::optional<int> phase_rounds) {
   State& state = *state_;
   state.start_over();
+  state.is_stream = true;
+  state.band_power.fill(1e-12);  // so that silence expects something too
   state.stream_rounds = phase_rounds.value_or(state.description.phase_rounds);
   state.phases.reset(state.stream_rounds);
   state.reserve(state.description.window_samples);

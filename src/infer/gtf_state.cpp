@@ -9,6 +9,12 @@ namespace {
 constexpr std::ptrdiff_t kHalf = GtfDescription::kFrameSamples / 2;
 constexpr float kQuietest = 1e-4F;
 
+/// Share of what a stream remembers of its last second that is left from hop to hop.
+double kept_of_stream() {
+  constexpr double kMemory_s = 1.0;
+  return std::exp(-double{GtfDescription::kHop} / (GtfDescription::kSampleRateHz * kMemory_s));
+}
+
 float level_of(double squares, double count) {
   return std::max(static_cast<float>(std::sqrt(squares / std::max(count, 1.0))), kQuietest);
 }
@@ -106,8 +112,7 @@ void Gtf::State::render_window(std::span<const Pose> path, std::span<float> outp
 
 /// Lets level and summary follow the stream.
 void Gtf::State::follow(std::span<const float> hop) {
-  constexpr double kMemory_s = 1.0;
-  const double kept = std::exp(-double{D::kHop} / (D::kSampleRateHz * kMemory_s));
+  const double kept = kept_of_stream();
   double sum = 0.0;
   for (const float x : hop) sum += double{x} * x;
   squares = kept * squares + sum;
@@ -121,6 +126,21 @@ void Gtf::State::follow(std::span<const float> hop) {
   for (Complex& value : spectra) value *= rescale;
   filter.rescale(rescale);
   ear.rescale(rescale * rescale);
+  for (double& power : band_power) power *= double{rescale} * rescale;
+}
+
+/// Lets the bands' power follow the stream; in the scale of the present level.
+void Gtf::State::follow_power(std::span<const float> magnitude) {
+  for (std::size_t band = 0; band < band_power.size(); ++band) {
+    double sum = 0.0;
+    for (std::size_t e = 0; e < kEars; ++e) {
+      for (int bin = kGtfHeadEdges[band]; bin < kGtfHeadEdges[band + 1]; ++bin) {
+        const float x = magnitude[e * D::kBins + static_cast<std::size_t>(bin)];
+        sum += double{x} * x;
+      }
+    }
+    band_power[band] += (sum - band_power[band]) * (1.0 - kept_of_stream());
+  }
 }
 
 /// The frame in the middle of the recent samples.
@@ -134,6 +154,7 @@ void Gtf::State::take_hop() {
   const std::span<float> features(window_features.data(),
                                   static_cast<std::size_t>(description.frame_features()));
   infer::GtfEar::measure(spectrum, magnitude);
+  follow_power(magnitude);
   ear.hear(spectrum, magnitude, features);
   // What was heard changes slowly.
   constexpr std::ptrdiff_t kRefresh = 10;

@@ -47,7 +47,6 @@ struct Gtf::State {
         spectra(static_cast<std::size_t>((ahead + kBlock) * kFrame)),
         filtered(static_cast<std::size_t>(kFrame)) {
     statistics.summary.resize(static_cast<std::size_t>(description.summary_features()));
-    band_power.fill(1.0);  // a stream measures no window: all bands count alike
     reserve(description.window_samples);
     stream_rounds = description.phase_rounds;
     start_over();
@@ -161,6 +160,7 @@ struct Gtf::State {
   void measure_power(std::ptrdiff_t frames_of_window);
   void render_window(std::span<const Pose> path, std::span<float> output);
   void follow(std::span<const float> hop);
+  void follow_power(std::span<const float> magnitude);
   void take_hop();
 
   D description;
@@ -201,6 +201,7 @@ struct Gtf::State {
   double expected_gain = 1.0;  ///< of the window, over its poses
 
   // Of a stream.
+  bool is_stream = false;
   int stream_rounds = 0;  ///< of phases
   bool holds_statistics = false;
   std::array<std::array<float, D::kFrameSamples>, kEars> recent{};

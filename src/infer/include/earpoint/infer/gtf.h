@@ -86,9 +86,10 @@ class Gtf {
   /// @return nothing if the network knows no geometry
   [[nodiscard]] std::optional<GtfSpeaker> locate(std::span<const float> source);
 
-  /// Power that the geometry of the move alone expects of the window that synthesize() made, both
-  /// ears together, over that of the source's: the direct sound falls with distance, the diffuse
-  /// field is the same everywhere. 1 at the source itself, and if the network knows no geometry.
+  /// Power that the geometry of the move alone expects, both ears together, over that of the
+  /// source's: the direct sound falls with distance, the diffuse field is the same everywhere. Of
+  /// the window that synthesize() made, or of a stream's last second, were it all heard at the
+  /// present pose. 1 at the source itself, and if the network knows no geometry.
   [[nodiscard]] double expected_gain() const;
 
   /// What synthesize() or locate() heard in its window.
