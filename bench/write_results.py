@@ -5,7 +5,7 @@ usage: bench/write_results.py MEASURED RESULTS.md [--measured-only]
 
 MEASURED holds vigas.md, gtf_bench.json, training.json, training_gtf.json, oracle_errors.md, render_speed.jsonl,
 render_memory.jsonl, demo.jsonl, trace_gates.md, learning_curves-single.md, learning_curves-novel.md,
-rt60_error.json, home_reverberation.jsonl, compare_tracers.json, kills.json,
+rt60_error.json, home_reverberation.jsonl, compare_tracers.json, kills.json, change_of_results.md,
 camera_bench.jsonl, simulate_cost.jsonl, evaluate-single.json, evaluate-novel.json, ablations-single.json, ablations-novel.json, generalisation.json,
 generalisation_heads.json, ambient-single.json, ambient-novel.json and enhance-novel.json; a section
 whose file is missing stays as it is in RESULTS.md, or says so where it is new; with --measured-only it
@@ -233,6 +233,11 @@ SECTIONS = [
      EVALUATION_WORDS + "One home; its conversations are split."),
     ("Methods in unseen homes", "evaluate-novel.json", evaluation_table,
      EVALUATION_WORDS + "Homes and speakers of the test split are in no other split."),
+    ("What the corrected tracer changed", "change_of_results.md", None,
+     "`bench/change_of_results.py`: means before and after the tracer was corrected: sound is diffracted at both "
+     "edges of a wall's end ([ADR 0008](adr/0008-diffraction.md)), level between the ears grows near the head, "
+     "transmission and uneven absorption are as *The path tracer against physics* has them. The data sets were "
+     "simulated anew from the same seeds; networks are the same files, trained on what was simulated before."),
     ("Learning curves in one home", "learning_curves-single.md", None,
      "`bench/learning_curves.py`: Mag on 256 validation pairs while `earpoint train` runs on one core "
      "beside others, so minutes are upper bounds. Of gtf the natural texture is validated, whose losses Mag does "
