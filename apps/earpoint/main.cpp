@@ -5,6 +5,7 @@
 #include "pairs_command.h"
 #include "render_command.h"
 #include "run_app.h"
+#include "serve_command.h"
 #include "simulate_command.h"
 #include "trace_command.h"
 #if defined(EARPOINT_TRAIN)
@@ -24,6 +25,7 @@ int main(int argc, char** argv) {
   add_pairs_command(app);
   earpoint::add_render_command(app);
   add_model_command(app);
+  earpoint::add_serve_command(app);
   add_simulate_command(app);
   add_trace_command(app);
 #if defined(EARPOINT_TRAIN)

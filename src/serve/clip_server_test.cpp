@@ -1,0 +1,139 @@
+#include "test_clip.h"
+
+#include <cstring>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <httplib.h>
+#include <nlohmann/json.hpp>
+
+#include <earpoint/core/error.h>
+#include <earpoint/serve/clip_server.h>
+
+namespace earpoint {
+namespace {
+
+using nlohmann::json;
+
+class ClipServerTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    port_ = server_.bind();
+    thread_ = std::thread([this] { server_.run(); });
+    client_ = std::make_unique<httplib::Client>("127.0.0.1", port_);
+  }
+  void TearDown() override {
+    server_.stop();
+    thread_.join();
+  }
+
+  std::string join() {
+    const auto answer = client_->Post("/api/listeners");
+    return answer && answer->status == 200
+               ? json::parse(answer->body)["listener"].get<std::string>()
+               : std::string();
+  }
+  httplib::Result ask(const std::string& listener, const std::string& body) {
+    return client_->Post("/api/listeners/" + listener + "/sound", body, "application/json");
+  }
+
+  ClipServer server_{bundled_clip(), {.most_listeners = 2}};
+  int port_ = 0;
+  std::thread thread_;
+  std::unique_ptr<httplib::Client> client_;
+};
+
+TEST_F(ClipServerTest, TellsTheClip) {
+  const auto answer = client_->Get("/api/clip");
+  ASSERT_TRUE(answer);
+  const json clip = json::parse(answer->body);
+  EXPECT_EQ(clip["name"], "clip.mp4");
+  EXPECT_EQ(clip["samples"], bundled_clip().sound.samples());
+  EXPECT_TRUE(clip["has_picture"]);
+  const auto picture = client_->Get("/api/picture");
+  ASSERT_TRUE(picture);
+  EXPECT_EQ(picture->body.substr(1, 3), "PNG");
+}
+
+TEST_F(ClipServerTest, SendsTheSoundThatAListenerAsksFor) {
+  const std::string listener = join();
+  ASSERT_EQ(listener.size(), 32U);
+  const auto answer = ask(listener, R"({"start": 9000, "samples": 1000, "method": "input"})");
+  ASSERT_TRUE(answer);
+  ASSERT_EQ(answer->status, 200);
+  ASSERT_EQ(answer->body.size(), 8000U);
+  std::vector<float> samples(2000);
+  std::memcpy(samples.data(), answer->body.data(), answer->body.size());
+  const Waveform& sound = bundled_clip().sound;
+  for (std::size_t i = 0; i < 1000; ++i) {
+    EXPECT_EQ(samples[2 * i], sound.channel(0)[9000 + i]);
+    EXPECT_EQ(samples[2 * i + 1], sound.channel(1)[9000 + i]);
+  }
+}
+
+TEST_F(ClipServerTest, RefusesBadRequestsInALineAndGoesOn) {
+  const std::string listener = join();
+  for (const auto& [body, word] : std::vector<std::pair<std::string, std::string>>{
+           {"nonsense", "JSON"},
+           {R"({"start": -1, "samples": 10})", "start"},
+           {R"({"start": 1e300, "samples": 10})", "start"},
+           {R"({"start": 0, "samples": 1e9})", "samples"},
+           {R"({"start": 0, "samples": 10, "position_m": [0, 0]})", "position_m"},
+           {R"({"start": 0, "samples": 10, "position_m": [1e9, 0, 0]})", "position_m"},
+           {R"({"start": 0, "samples": 10, "yaw_deg": "left"})", "yaw_deg"},
+           {R"({"start": 0, "samples": 10, "method": "magic"})", "method"}}) {
+    const auto answer = ask(listener, body);
+    ASSERT_TRUE(answer) << body;
+    EXPECT_EQ(answer->status, 400) << body;
+    EXPECT_NE(answer->body.find(word), std::string::npos) << answer->body;
+  }
+  EXPECT_EQ(ask(listener, R"({"start": 0, "samples": 10})")->status, 200);
+  EXPECT_EQ(ask(std::string(32, '0'), R"({"start": 0, "samples": 10})")->status, 404);
+  const auto large = ask(listener, std::string(100000, ' '));
+  EXPECT_TRUE(!large || large->status == 413);
+}
+
+TEST_F(ClipServerTest, HasRoomForSoManyListeners) {
+  EXPECT_FALSE(join().empty());
+  EXPECT_FALSE(join().empty());
+  EXPECT_EQ(client_->Post("/api/listeners")->status, 503);
+}
+
+TEST_F(ClipServerTest, AnswersNoPageOfAnotherSite) {
+  const auto answer = client_->Get("/api/clip", {{"Host", "elsewhere.example"}});
+  ASSERT_TRUE(answer);
+  EXPECT_EQ(answer->status, 403);
+}
+
+TEST_F(ClipServerTest, ServesThePageAndNothingElse) {
+  const auto page = client_->Get("/");
+  ASSERT_TRUE(page);
+  EXPECT_EQ(page->status, has_page() ? 200 : 404);
+  if (has_page()) {
+    for (const char* file : {"/app.js", "/worklet.js", "/style.css"}) {
+      EXPECT_EQ(client_->Get(file)->status, 200) << file;
+      EXPECT_NE(page->body.find("app.js"), std::string::npos);
+    }
+  }
+  for (const char* path : {"/../CMakeLists.txt", "/%2e%2e/etc/passwd", "/etc/passwd", "//app.js"}) {
+    EXPECT_NE(client_->Get(path)->status, 200) << path;
+  }
+}
+
+TEST(ClipServer, SaysThatAPortIsTaken) {
+  ClipServer first(bundled_clip(), {});
+  const int port = first.bind();
+  ClipServer second(bundled_clip(), {.port = port});
+  try {
+    second.bind();
+    ADD_FAILURE() << "port " << port << " was given twice";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find(std::to_string(port)), std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace earpoint
