@@ -26,7 +26,7 @@ std::unique_ptr<AcousticSynthesizer> make_synthesizer(const std::string& model,
   switch (network_kind(file, model)) {
     case NetworkKind::gtf:
       return std::make_unique<GtfSynthesizer>(gtf_weights(std::move(file), model),
-                                              options.horizontal_fov_rad);
+                                              options.horizontal_fov_rad, !options.enhances);
     case NetworkKind::vam:
       return std::make_unique<VamSynthesizer>(vam_weights(std::move(file), model), model,
                                               options.threads);

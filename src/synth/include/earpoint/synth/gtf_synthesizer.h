@@ -12,7 +12,9 @@ namespace earpoint {
 class GtfSynthesizer : public AcousticSynthesizer {
  public:
   /// @param horizontal_fov_rad  of the source camera
-  GtfSynthesizer(const GtfWeights& weights, double horizontal_fov_rad);
+  /// @param limits_level        keep the level within what the geometry allows: not of a network
+  ///                            that was trained for enhancement
+  GtfSynthesizer(const GtfWeights& weights, double horizontal_fov_rad, bool limits_level = true);
 
   [[nodiscard]] WindowShape window_shape(int source_rate_hz) const override;
   [[nodiscard]] double ambient_cutoff_hz() const override;
@@ -32,6 +34,7 @@ class GtfSynthesizer : public AcousticSynthesizer {
 
   Gtf network_;
   double horizontal_fov_rad_;
+  bool limits_level_;
   std::optional<View> seen_;  ///< what the network looked at last
   Waveform sound_;
   std::optional<Vector3> speaker_m_;

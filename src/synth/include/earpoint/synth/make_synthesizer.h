@@ -14,6 +14,9 @@ struct SynthesizerOptions {
   std::optional<std::filesystem::path> hrtf;               ///< a SOFA file; default: the KEMAR set
   double horizontal_fov_rad = radians_from_degrees(90.0);  ///< of the source camera
   int threads = 1;
+  /// The network was trained for enhancement: what it answers is no place's sound, and has a level
+  /// of its own.
+  bool enhances = false;
 };
 
 /// @param model  `input`, `dsp`, or the path of a weight file
