@@ -50,10 +50,11 @@ MethodEntry method_of(const std::string& word, const MethodRequest& request,
     if (equals == 0 || equals + 1 == word.size()) {
       throw InputError("--methods " + word, "expected NAME=FILE");
     }
-    return earpoint::network_method(word.substr(0, equals), word.substr(equals + 1));
+    return earpoint::network_method(word.substr(0, equals), word.substr(equals + 1),
+                                    request.enhance);
   }
   if (const auto path = earpoint::shipped_model_path(word + ".safetensors")) {
-    return earpoint::network_method(word, path->string());
+    return earpoint::network_method(word, path->string(), request.enhance);
   }
   throw InputError("--methods " + word, "is neither a known method nor a model that is there",
                    "name a weight file: " + word + "=FILE.safetensors");
