@@ -1,5 +1,5 @@
+#include <algorithm>
 #include <cmath>
-#include <ranges>
 #include <utility>
 #include <vector>
 
@@ -32,10 +32,11 @@ void add_room_noise(Waveform& sound, double level_db, RandomStream& random,
   // Such noise is the same process backwards in time.
   for (int ear = 0; ear < sound.channels() && context > 0; ++ear) {
     double noise = first.at(ear);
-    for (float& value : std::views::reverse(sound.channel(ear).first(context))) {
+    const auto before = sound.channel(ear).first(context);
+    std::for_each(before.rbegin(), before.rend(), [&](float& value) {
       noise = pole * noise + input * random.normal();
       value += static_cast<float>(noise);
-    }
+    });
   }
 }
 

@@ -55,7 +55,7 @@ struct PairOptions {
   Alignment alignment = Alignment::responses;  ///< in training; validation pairs are aligned
   /// Level of room noise in both sounds, dB re full scale; near microphones hear none.
   std::optional<double> ambient_db;
-  bool separate = true;                ///< take the ambient sound out again
+  bool separate = true;                                        ///< take the ambient sound out again
   AmbientSeparation separation = AmbientSeparation::bandpass;  ///< and how
   std::size_t validation_pairs = 256;  ///< of the frozen list, evenly spread; 0 takes all
   std::size_t cache_bytes = 0;
