@@ -58,10 +58,12 @@ def enhancement_table(text):
     """Means and ratios to `input` of what enhancement is measured by."""
     run = json.loads(text)
     metrics = [("mag", "Mag", 4), ("rte_s", "RTE (s)", 4), ("level_db", "level (dB)", 2)]
+    speech = [("si_sdr_db", "SI-SDR (dB)", 1), ("estoi", "ESTOI", 3)]
     return "\n".join([
-        f"{extent(run)}, room noise of {run['ambient_db']:g} dB. Mean error with its 95 % interval; 0 is best. "
+        f"{extent(run)}, room noise of {run['ambient_db']:g} dB. Mean error with its 95 % interval; 0 is best, and more of "
+        f"SI-SDR and ESTOI. "
         f"{intervals(run)}", "",
-        table(run["rows"], metrics, lambda row, key, d: with_range(row.get(key), "mean", d)), "",
+        table(run["rows"], metrics + speech, lambda row, key, d: with_range(row.get(key), "mean", d)), "",
         "As ratio to `input` (the paper's on Replay-NVAS: Mag 0.84, RTE 0.32):", "",
         table(run["rows"], metrics,
               lambda row, key, d: with_range(row.get(key, {}).get("ratio"), "value", 2))])

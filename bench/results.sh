@@ -73,6 +73,9 @@ evaluate_methods() {
     say "Methods side by side in $data: $methods"
     "$earpoint" evaluate --data "out/data/$data" --methods "$methods" --oracles --json \
       >"out/bench/evaluate-$data.json"
+    say "The same with four seconds of sound before"
+    "$earpoint" evaluate --data "out/data/$data" --methods "${methods/input,tf,/input,}" --context 4 --json \
+      >"out/bench/context-$data.json"
     if [ -d "out/ablations/$data" ]; then
       say "Ablations in $data"
       "$earpoint" evaluate --data "out/data/$data" --ablations --runs "out/ablations/$data" --json \
@@ -82,6 +85,11 @@ evaluate_methods() {
       say "Ambient sound in $data"
       "$earpoint" evaluate --data "out/data/$data" --ambient -40 --methods input,dsp \
         --runs "out/ambient/$data" --json >"out/bench/ambient-$data.json"
+    fi
+    if [ "$data" = novel ]; then
+      say "Ways to separate ambient sound"
+      python3 bench/ambient_separation.py "$earpoint" out/data/novel input,gtf,vigas --context 4 --limit 240 \
+        >out/bench/separation-novel.md
     fi
   done
 }

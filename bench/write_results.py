@@ -7,7 +7,7 @@ MEASURED holds vigas.md, gtf_bench.json, training.json, training_gtf.json, oracl
 render_memory.jsonl, demo.jsonl, trace_gates.md, learning_curves-single.md, learning_curves-novel.md,
 rt60_error.json, home_reverberation.jsonl, compare_tracers.json, kills.json, change_of_results.md,
 camera_bench.jsonl, simulate_cost.jsonl, evaluate-single.json, evaluate-novel.json, ablations-single.json, ablations-novel.json, generalisation.json,
-generalisation_heads.json, ambient-single.json, ambient-novel.json and enhance-novel.json; a section
+generalisation_heads.json, ambient-single.json, ambient-novel.json, context-novel.json, separation-novel.md and enhance-novel.json; a section
 whose file is missing stays as it is in RESULTS.md, or says so where it is new; with --measured-only it
 is left out.
 """
@@ -238,6 +238,9 @@ SECTIONS = [
      "edges of a wall's end ([ADR 0008](adr/0008-diffraction.md)), level between the ears grows near the head, "
      "transmission and uneven absorption are as *The path tracer against physics* has them. The data sets were "
      "simulated anew from the same seeds; networks are the same files, trained on what was simulated before."),
+    ("Methods in unseen homes, with sound before", "context-novel.json", evaluation_table,
+     "`earpoint evaluate --context 4 --json`: the same pairs, but `dsp` and networks hear the four seconds before "
+     "the second that is compared too, in overlapping windows that are cross-faded, as in a long recording."),
     ("Learning curves in one home", "learning_curves-single.md", None,
      "`bench/learning_curves.py`: Mag on 256 validation pairs while `earpoint train` runs on one core "
      "beside others, so minutes are upper bounds. Of gtf the natural texture is validated, whose losses Mag does "
@@ -267,6 +270,10 @@ SECTIONS = [
      "sounds, hears all of it, and its answer is separated; `with-ambient` was trained on separated sounds."),
     ("Ambient sound in unseen homes", "ambient-novel.json", evaluation_table,
      "`earpoint evaluate --ambient -40 --json`, as above."),
+    ("Ways to separate ambient sound in unseen homes", "separation-novel.md", None,
+     "`bench/ambient_separation.py --context 4 --limit 240`: room noise of three levels in what every source "
+     "hears, separated by the band-pass, by spectral subtraction and by log-MMSE; the shipped models, which "
+     "learned sound separated by the band-pass; four seconds of sound before the second that is compared."),
     ("Speech enhancement in unseen homes", "enhance-novel.json", enhancement_table,
      "`earpoint evaluate --enhance --json`: the target is the speaker's near microphone, the dry speech "
      "as loud as 1 m before the mouth in free field. `oracle-gain` is the source at the true level: what "

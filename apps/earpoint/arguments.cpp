@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <earpoint/audio/ambient_separation.h>
 #include <earpoint/core/error.h>
 #include <earpoint/synth/earpoint_path.h>
 
@@ -47,6 +48,17 @@ CLI::Validator within(double least, double most) {
                                text);
           },
           fmt::format("{:g} to {:g}", least, most)};
+}
+
+void add_ambient_option(CLI::App& command, std::string& ambient) {
+  const auto names = ambient_separation_names();
+  command
+      .add_option("--ambient", ambient,
+                  "What is ambient sound and passes unchanged: bandpass, what is below "
+                  "--ambient-cutoff; subtract or mmse, steady noise too, by spectral subtraction "
+                  "or log-MMSE")
+      ->check(CLI::IsMember(std::vector<std::string>(names.begin(), names.end())))
+      ->capture_default_str();
 }
 
 }  // namespace earpoint

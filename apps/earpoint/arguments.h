@@ -24,4 +24,7 @@ Vector3 parse_place(const std::string& text, const std::string& flag);
 /// Lets numbers from `least` to `most` pass, and no NaN (CLI::Range lets it).
 CLI::Validator within(double least, double most);
 
+/// --ambient KIND, a name of AmbientSeparation.
+void add_ambient_option(CLI::App& command, std::string& ambient);
+
 }  // namespace earpoint

@@ -5,6 +5,7 @@
 #include "rt60_model.h"
 
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <functional>
@@ -18,7 +19,9 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <earpoint/audio/ambient_separation.h>
 #include <earpoint/core/error.h>
 #include <earpoint/core/parallel.h>
 #include <earpoint/core/progress.h>
@@ -26,6 +29,7 @@
 #include <earpoint/dataset/pair_list.h>
 #include <earpoint/evaluate/evaluation.h>
 #include <earpoint/evaluate/evaluation_table.h>
+#include <earpoint/evaluate/metrics.h>
 #include <earpoint/evaluate/report.h>
 #include <earpoint/infer/rt60_estimator.h>
 #include <earpoint/model/weights.h>
@@ -41,9 +45,10 @@ constexpr std::size_t kCacheBytes = std::size_t{512} << 20U;
 constexpr double kAbsurdMag = 100.0;
 
 // As loud as in the configurations that learn enhancement.
-constexpr double kEnhancedAmbientDb = -40.0;
-constexpr std::array<earpoint::Metric, 3> kEnhancementMetrics{
-    earpoint::Metric::mag, earpoint::Metric::rte, earpoint::Metric::level};
+constexpr double kUsualAmbientDb = -40.0;
+constexpr std::array<earpoint::Metric, 5> kEnhancementMetrics{
+    earpoint::Metric::mag, earpoint::Metric::rte, earpoint::Metric::level, earpoint::Metric::si_sdr,
+    earpoint::Metric::estoi};
 
 constexpr const char* kExamples = R"(
 Examples:
@@ -73,9 +78,13 @@ of SoundSpaces-NVAS the target once, in random seconds; of Replay-NVAS as the re
 paper's numbers on SoundSpaces-NVAS are of first seconds: --draw released draws those. Absolute values of
 different seconds do not compare; ratios to input do better.
 Room noise (--ambient -40) falls by 6 dB an octave from 20 Hz on and is independent at each ear. It is
-separated as the paper separates ambient sound, by a high-pass at 80 Hz: methods hear what is above, and
-answer what the clean target is compared with. A network that was trained without separation hears all of
-the noise, and what it answers goes through the same high-pass.
+separated as the paper separates ambient sound, by a high-pass at 80 Hz (--ambient -40,bandpass), or by
+spectral subtraction or log-MMSE of tracked noise as well: methods hear the primary sound, and answer what
+the clean target is compared with. The SI-SDR of the primary sound is printed. A network that was trained
+without separation hears all of the noise, and what it answers goes through the high-pass.
+dsp and networks are run as `earpoint render` runs them, on the window of one second alone, as in the paper,
+or with --context 4 on the four seconds before it too (silence before the speech): windows overlap and are
+cross-faded, and the last second is compared. The target, and what other methods hear, are the same.
 Enhancement (--enhance) asks for the dry speech as a microphone close before the mouth records it, as loud as
 it is 1 m away in free field, in room noise of -40 dB unless --ambient says otherwise. Methods are not told
 where that microphone is; tf and dsp, which answer for a place, have no row.
@@ -94,7 +103,8 @@ struct Options {
   int jobs = 0;
   fs::path rt60_model;
   std::optional<fs::path> report;
-  std::optional<double> ambient_db;
+  std::vector<std::string> ambient;  ///< level in dB, separation, or both
+  double context_s = 0.0;
   bool enhance = false;
   bool skip_bad = false;
   bool json = false;
@@ -120,10 +130,33 @@ earpoint::PairTarget target_of(const Options& options) {
   return options.enhance ? earpoint::PairTarget::near_microphone : earpoint::PairTarget::viewpoint;
 }
 
-/// Level of room noise in dB re full scale, or none.
-std::optional<double> ambient_db(const Options& options) {
-  if (options.ambient_db || !options.enhance) return options.ambient_db;
-  return kEnhancedAmbientDb;
+/// Room noise in what sources hear, and how it is separated.
+struct Ambient {
+  std::optional<double> level_db;  ///< re full scale; nothing: no noise
+  earpoint::AmbientSeparation separation = earpoint::AmbientSeparation::bandpass;
+};
+
+Ambient ambient_of(const Options& options) {
+  Ambient ambient;
+  if (options.enhance || !options.ambient.empty()) ambient.level_db = kUsualAmbientDb;
+  for (const std::string& word : options.ambient) {
+    if (const auto separation = earpoint::ambient_separation_named(word)) {
+      ambient.separation = *separation;
+      continue;
+    }
+    double level_db = 0.0;
+    if (!CLI::detail::lexical_cast(word, level_db) || !(level_db >= -120.0 && level_db <= 0.0)) {
+      throw InputError("--ambient",
+                       fmt::format("expected a level from -120 to 0 or one of {}, found '{}'",
+                                   fmt::join(earpoint::ambient_separation_names(), ", "), word));
+    }
+    ambient.level_db = level_db;
+  }
+  return ambient;
+}
+
+std::ptrdiff_t context_of(const Options& options) {
+  return std::lround(options.context_s * earpoint::kMetricRateHz);
 }
 
 std::unique_ptr<earpoint::EvaluationSet> recorded_set(const Options& options) {
@@ -131,7 +164,10 @@ std::unique_ptr<earpoint::EvaluationSet> recorded_set(const Options& options) {
     throw InputError("--enhance", "wants simulated data, whose dry speech is known",
                      "make some with `earpoint simulate`");
   }
-  if (options.ambient_db) {
+  if (options.context_s > 0.0) {
+    throw InputError("--context", "clips of Replay-NVAS are taken whole", "leave it out");
+  }
+  if (!options.ambient.empty()) {
     throw InputError("--ambient", "recordings have ambient sound of their own",
                      "leave it out, or take simulated data");
   }
@@ -156,10 +192,12 @@ std::unique_ptr<earpoint::EvaluationSet> evaluation_set(const Options& options) 
   }
   earpoint::PairChoice pairs{.list = options.pairs, .draw = std::nullopt};
   if (!options.draw.empty()) pairs.draw = earpoint::draw_named(options.draw);
-  auto set = earpoint::soundspaces_evaluation_set(options.data, options.split, pairs, options.limit,
-                                                  kCacheBytes, target_of(options));
-  const std::optional<double> level_db = ambient_db(options);
-  return level_db ? with_ambient(std::move(set), *level_db) : std::move(set);
+  auto set =
+      earpoint::soundspaces_evaluation_set(options.data, options.split, pairs, options.limit,
+                                           kCacheBytes, target_of(options), context_of(options));
+  const Ambient ambient = ambient_of(options);
+  return ambient.level_db ? with_ambient(std::move(set), *ambient.level_db, ambient.separation)
+                          : std::move(set);
 }
 
 /// The released loader takes the samples of 16-bit speech as integers, 32768 times too loud.
@@ -197,6 +235,7 @@ void run(const Options& options) {
   earpoint::EvaluationOptions how;
   how.jobs = options.jobs > 0 ? options.jobs : earpoint::available_cores();
   how.skip_bad = options.skip_bad;
+  how.judges_speech = options.enhance;
   how.make_estimator = estimator_maker(options.rt60_model);
 
   earpoint::SilentProgress silent;
@@ -207,20 +246,26 @@ void run(const Options& options) {
   for (const earpoint::BadPair& pair : result.skipped) {
     fmt::print(stderr, "earpoint: left out {}: {}\n", pair.name, pair.problem);
   }
+  const Ambient ambient = ambient_of(options);
   if (options.report) {
     earpoint::ReportOptions report;
     report.data = options.data.string();
     if (options.enhance) report.data += ", speech to be enhanced";
-    if (const auto level_db = ambient_db(options)) {
-      report.data += fmt::format(", room noise {:g} dB", *level_db);
+    if (ambient.level_db) {
+      report.data += fmt::format(", room noise {:g} dB, separated by {}", *ambient.level_db,
+                                 name_of(ambient.separation));
+    }
+    if (options.context_s > 0.0) {
+      report.data += fmt::format(", {:g} s of sound before", options.context_s);
     }
     report.split = options.split;
     report.pairs = set->pairs();
     write_report(*options.report, *set, methods, result, report, progress);
   }
   const earpoint::EvaluationTable table = make_table(result);
-  const earpoint::EvaluationSubject subject{options.data.string(), options.split, set->pairs(),
-                                            target_of(options), ambient_db(options)};
+  const earpoint::EvaluationSubject subject{
+      options.data.string(), options.split,      set->pairs(),     target_of(options),
+      ambient.level_db,      ambient.separation, options.context_s};
   const std::span<const earpoint::Metric> told =
       options.enhance ? kEnhancementMetrics : earpoint::told_metrics();
   if (options.json) {
@@ -276,10 +321,18 @@ void add_evaluate_command(CLI::App& app) {
   command->add_option("--limit", options->limit, "Take that many pairs, spread over the list")
       ->check(CLI::PositiveNumber);
   command
-      ->add_option("--ambient", options->ambient_db,
-                   "Level in dB re full scale of room noise in what the source hears, the same for "
-                   "every method; see below")
-      ->check(earpoint::within(-120.0, 0.0));
+      ->add_option(
+          "--ambient", options->ambient,
+          "Room noise in what the source hears, the same for every method: its level in dB "
+          "re full scale, how it is separated (bandpass, subtract, mmse), or both: "
+          "-40,mmse; see below")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  command
+      ->add_option("--context", options->context_s,
+                   "Seconds of sound before the window that dsp and networks hear too; see below")
+      ->check(earpoint::within(0.0, 60.0))
+      ->capture_default_str();
   command->add_flag(
       "--enhance", options->enhance,
       "Enhancement of speech instead: the target is the speaker's near microphone; see "

@@ -125,6 +125,9 @@ TEST_F(EvaluateCommandTest, RoomNoiseIsTheSameEachTimeAndMakesTheSourceWorse) {
   const double noisy = mag({"--ambient", "-20"});
   EXPECT_GT(noisy, quiet);
   EXPECT_EQ(noisy, mag({"--ambient", "-20", "--jobs", "1"}));
+  EXPECT_EQ(noisy, mag({"--ambient", "-20,bandpass"}));
+  EXPECT_NE(noisy, mag({"--ambient", "mmse,-20"}));
+  EXPECT_EQ(evaluate(folder_ / "data", {"--ambient", "wiener"}).exit_code, 2);
 }
 
 TEST_F(EvaluateCommandTest, EnhancementAsksForDrySpeechInTheSameForm) {
@@ -140,6 +143,7 @@ TEST_F(EvaluateCommandTest, EnhancementAsksForDrySpeechInTheSameForm) {
   EXPECT_LT(json.at("rows")[5].at("mag").at("mean"), 1e-5);
   const ProgramOutcome text = evaluate(folder_ / "data", {"--enhance"});
   EXPECT_NE(text.output.find("Mag"), std::string::npos) << text.output;
+  EXPECT_NE(text.output.find("ESTOI"), std::string::npos) << text.output;
   EXPECT_EQ(text.output.find("LRE"), std::string::npos) << text.output;
 }
 

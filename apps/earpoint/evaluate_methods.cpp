@@ -55,15 +55,18 @@ MethodEntry method_of(const std::string& word, const MethodRequest& request,
     if (word == oracle.name) return std::move(oracle);
   }
   const auto [model, texture] = split_texture(word);
+  earpoint::SynthesizerOptions options;
+  options.texture = texture;
+  options.enhances = request.enhance;
   if (const auto equals = model.find('='); equals != std::string::npos) {
     if (equals == 0 || equals + 1 == model.size()) {
       throw InputError("--methods " + word, "expected NAME=FILE");
     }
     return earpoint::network_method(model.substr(0, equals) + word.substr(model.size()),
-                                    model.substr(equals + 1), texture);
+                                    model.substr(equals + 1), options);
   }
   if (const auto path = earpoint::shipped_model_path(model + ".safetensors")) {
-    return earpoint::network_method(word, path->string(), texture);
+    return earpoint::network_method(word, path->string(), options);
   }
   throw InputError("--methods " + word, "is neither a known method nor a model that is there",
                    "name a weight file: " + word + "=FILE.safetensors");

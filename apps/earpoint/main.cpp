@@ -1,3 +1,4 @@
+#include "enhance_command.h"
 #include "evaluate_command.h"
 #include "locate_command.h"
 #include "metrics_command.h"
@@ -19,6 +20,7 @@ int main(int argc, char** argv) {
   CLI::App app("Earpoint: hear a recorded moment from another place.", "earpoint");
   app.require_subcommand(1);
   app.set_version_flag("--version", EARPOINT_VERSION);
+  earpoint::add_enhance_command(app);
   add_evaluate_command(app);
   earpoint::add_locate_command(app);
   add_metrics_command(app);

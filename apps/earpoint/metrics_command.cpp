@@ -10,6 +10,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -23,6 +24,7 @@
 #include <earpoint/evaluate/decay_metrics.h>
 #include <earpoint/evaluate/metrics.h>
 #include <earpoint/evaluate/reverberation_error.h>
+#include <earpoint/evaluate/speech_metrics.h>
 #include <earpoint/model/weights.h>
 
 namespace {
@@ -47,9 +49,10 @@ Examples:
   earpoint metrics there.wav rendered.wav
   earpoint metrics there.wav rendered.wav --json
   earpoint metrics there.wav rendered.wav --variant rwavs
+  earpoint metrics near.wav dry.wav --variant speech
   earpoint metrics measured_brir.wav traced_brir.wav --impulse-responses
 
-Zero is best throughout. Both sounds are binaural (left, right) and of one length.
+Zero is best, but of speech. Both sounds are binaural (left, right) and of one length.
   mag             sum over the ears of the mean difference of STFT magnitudes
   lre_db          difference of the left-right energy ratios, dB; none if a left ear is silent
   stft_distance   sum over the ears of the Euclidean distance of the STFTs
@@ -60,6 +63,10 @@ Zero is best throughout. Both sounds are binaural (left, right) and of one lengt
 --variant rwavs:
   mag             sum over the ears of the mean squared difference of STFT magnitudes, 22.05 kHz
   env             sum over the ears of the RMS difference of the Hilbert envelopes
+--variant speech (any number of channels, means over them; more is better):
+  si_sdr_db       scale-invariant signal-to-distortion ratio, 16 kHz; none for silence
+  estoi           extended short-time objective intelligibility, at most 1; none for less than
+                  0.4 s of speech
 --impulse-responses (any number of channels; means of absolute differences):
   t60_error_s, t60_error_percent, edt_error_s, c50_error_db
 )";
@@ -101,6 +108,23 @@ struct Pair {
   Waveform estimate;
 };
 
+/// Refuses channels that do not correspond, and samples that are no numbers.
+void check_speech(const Pair& pair, const MetricsOptions& options) {
+  if (pair.reference.channels() != pair.estimate.channels()) {
+    throw earpoint::InputError(options.estimate.string(),
+                               fmt::format("has {} channels, {} has {}", pair.estimate.channels(),
+                                           options.reference.string(), pair.reference.channels()),
+                               "compare sounds with as many channels");
+  }
+  for (const auto& [sound, path] : {std::pair{&pair.reference, &options.reference},
+                                    std::pair{&pair.estimate, &options.estimate}}) {
+    if (!std::ranges::all_of(sound->planar(), [](float x) { return std::isfinite(x); })) {
+      throw earpoint::InputError(path->string(), "holds a sample that is no number",
+                                 "write the file again");
+    }
+  }
+}
+
 Pair read_pair(const MetricsOptions& options, Report& report) {
   Pair pair{earpoint::read_sound(earpoint::stored_input(options.reference)),
             earpoint::read_sound(earpoint::stored_input(options.estimate))};
@@ -120,9 +144,39 @@ Pair read_pair(const MetricsOptions& options, Report& report) {
     trim_to(pair.reference, shorter);
     trim_to(pair.estimate, shorter);
   }
-  earpoint::check_comparable(pair.reference, options.reference.string(), pair.estimate,
-                             options.estimate.string());
+  if (options.variant == "speech") {
+    check_speech(pair, options);
+  } else {
+    earpoint::check_comparable(pair.reference, options.reference.string(), pair.estimate,
+                               options.estimate.string());
+  }
   return pair;
+}
+
+/// Speech may have any number of channels.
+Report compare_speech(const MetricsOptions& options) {
+  Report report;
+  const Pair pair = read_pair(options, report);
+  const int channels = pair.reference.channels();
+  earpoint::Estoi estoi;
+  std::optional<double> ratio = 0.0;
+  std::optional<double> intelligible = 0.0;
+  const auto add = [channels](std::optional<double>& sum, const std::optional<double>& value) {
+    sum = sum && value ? std::optional(*sum + *value / channels) : std::nullopt;
+  };
+  for (int c = 0; c < channels; ++c) {
+    const auto reference = pair.reference.channel(c);
+    const auto estimate = pair.estimate.channel(c);
+    add(ratio, earpoint::si_sdr_db(reference, estimate));
+    add(intelligible, estoi.measure(reference, estimate, earpoint::kMetricRateHz));
+  }
+  const auto json = [](const std::optional<double>& value) {
+    return value ? Json(*value) : Json(nullptr);
+  };
+  report.rows = {{"si_sdr_db", json(ratio), "dB"}, {"estoi", json(intelligible), ""}};
+  report.extra["samples"] = pair.reference.samples();
+  report.extra["sample_rate_hz"] = pair.reference.sample_rate_hz();
+  return report;
 }
 
 /// RTE, if there is an estimator to hear it.
@@ -222,8 +276,9 @@ void add_metrics_command(CLI::App& app) {
   command->add_flag("--json", options->json, "Print JSON");
   auto* variant = command
                       ->add_option("--variant", options->variant,
-                                   "Whose definitions: vigas (16 kHz) or rwavs (22.05 kHz)")
-                      ->check(CLI::IsMember({"vigas", "rwavs"}))
+                                   "Whose definitions: vigas (16 kHz) or rwavs (22.05 kHz); or "
+                                   "speech: SI-SDR and ESTOI")
+                      ->check(CLI::IsMember({"vigas", "rwavs", "speech"}))
                       ->capture_default_str();
   auto* decays = command->add_flag("--impulse-responses", options->impulse_responses,
                                    "The sounds are impulse responses: compare T60, EDT and C50");
@@ -241,8 +296,9 @@ void add_metrics_command(CLI::App& app) {
   sign_fix->excludes(decays);
   command->footer(kExamples);
   command->callback([options] {
-    print(
-        options->impulse_responses ? compare_impulse_responses(*options) : compare_sounds(*options),
-        options->json);
+    print(options->impulse_responses     ? compare_impulse_responses(*options)
+          : options->variant == "speech" ? compare_speech(*options)
+                                         : compare_sounds(*options),
+          options->json);
   });
 }

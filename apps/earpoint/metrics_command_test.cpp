@@ -67,6 +67,19 @@ Waveform with_ear_scaled(Waveform wave, int ear, float factor) {
   return wave;
 }
 
+TEST_F(MetricsCommand, SpeechOfOneChannelIsJudgedAtAnyRateAndLevel) {
+  Waveform other = noise(48000, 48000, 1);
+  const std::string reference = write("near.wav", other);
+  for (float& x : other.planar()) x *= 0.3F;
+  const nlohmann::json json = json_of({reference, write("dry.wav", other), "--variant", "speech"});
+  // Both are resampled to 16 kHz in float.
+  EXPECT_GT(json.at("si_sdr_db"), 90.0);
+  EXPECT_NEAR(json.at("estoi").get<double>(), 1.0, 1e-4);
+  EXPECT_EQ(json.size(), 5U);
+  expect_refused({reference, write("two.wav", noise(48000, 48000, 2)), "--variant", "speech"},
+                 "has 2 channels");
+}
+
 TEST_F(MetricsCommand, PrintsTheAgreedKeys) {
   const std::string reference = write("a.wav", noise(16000));
   const std::string estimate = write("b.wav", with_ear_scaled(noise(16000), 0, 0.5F));

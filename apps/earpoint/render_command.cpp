@@ -62,6 +62,7 @@ struct RenderArguments {
   std::string band = "full";
   std::string texture;  ///< empty: the model's
   std::string plot;
+  std::string ambient = "bandpass";
   double ambient_cutoff_hz = -1.0;
   double gain_db = 0.0;
   int threads = available_cores();
@@ -249,6 +250,7 @@ void run_render(RenderArguments arguments) {
   options.gain_db = arguments.gain_db;
   options.limit = !arguments.no_limit;
   options.threads = arguments.threads;
+  options.ambient = *ambient_separation_named(arguments.ambient);
   if (arguments.ambient_cutoff_hz >= 0.0) options.ambient_cutoff_hz = arguments.ambient_cutoff_hz;
 
   SilentProgress silent;
@@ -322,9 +324,10 @@ void add_model_options(CLI::App& command, RenderArguments& arguments) {
           "full: what lies above the model's band follows its top octave; model: leave it out")
       ->check(CLI::IsMember({"full", "model"}))
       ->capture_default_str();
+  add_ambient_option(command, arguments.ambient);
   command
       .add_option("--ambient-cutoff", arguments.ambient_cutoff_hz,
-                  "Sound below this (Hz) is ambient and passes unchanged; default: the model's")
+                  "Sound below this (Hz) is ambient; default: the model's")
       ->check(within(0.0, 1000.0));
   add_channel_option(command, arguments.source);
   command.add_option("--gain", arguments.gain_db, "Gain of the outputs in dB")

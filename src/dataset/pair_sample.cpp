@@ -47,6 +47,14 @@ void copy_window(const Waveform& sound, int channel, std::ptrdiff_t start,
   std::ranges::copy(samples, window.begin() + (first - start));
 }
 
+/// What comes from sample `start` on.
+Waveform after(const Waveform& sound, std::ptrdiff_t start) {
+  if (start == 0) return sound;
+  Waveform result(sound.channels(), sound.samples() - start, sound.sample_rate_hz());
+  for (int c = 0; c < sound.channels(); ++c) copy_window(sound, c, start, result.channel(c));
+  return result;
+}
+
 Waveform delayed(const Waveform& sound, std::ptrdiff_t samples) {
   Waveform result(sound.channels(), sound.samples() + samples, sound.sample_rate_hz());
   for (int c = 0; c < sound.channels(); ++c) copy_window(sound, c, -samples, result.channel(c));
@@ -208,6 +216,11 @@ PairSampler& PairSampler::operator=(PairSampler&&) noexcept = default;
 
 PairTruth PairSampler::truth(const SoundSpacesClip& clip, const SoundSpacesChoice& choice,
                              std::ptrdiff_t samples) const {
+  return truth(clip, choice, choice.window_start, samples);
+}
+
+PairTruth PairSampler::truth(const SoundSpacesClip& clip, const SoundSpacesChoice& choice,
+                             std::ptrdiff_t start, std::ptrdiff_t samples) const {
   EARPOINT_CHECK(samples > 0);
   const auto [source, target, speaker] = chosen(clip, choice);
   PairTruth truth;
@@ -225,20 +238,23 @@ PairTruth PairSampler::truth(const SoundSpacesClip& clip, const SoundSpacesChoic
   }
   truth.lead = std::max(truth.source_response.samples(), truth.target_response.samples()) - 1;
   truth.dry = Waveform(1, truth.lead + samples, kRateHz);
-  copy_window(*speech, 0, choice.window_start - truth.lead, truth.dry.channel(0));
+  copy_window(*speech, 0, start - truth.lead, truth.dry.channel(0));
   return truth;
 }
 
 PairSample PairSampler::sample(const SoundSpacesClip& clip, const SoundSpacesChoice& choice,
-                               std::ptrdiff_t samples) const {
-  const PairTruth truth = this->truth(clip, choice, samples);
+                               std::ptrdiff_t samples, std::ptrdiff_t context) const {
+  EARPOINT_CHECK(context >= 0);
+  const PairTruth truth =
+      this->truth(clip, choice, choice.window_start - context, context + samples);
   const auto [source, target, speaker] = chosen(clip, choice);
   PairSample sample;
   WindowConvolver convolver(truth.dry, truth.lead);
   sample.source = convolver.heard(truth.source_response);
-  sample.target = convolver.heard(truth.target_response);
+  sample.target = after(convolver.heard(truth.target_response), context);
   sample.dry = Waveform(1, samples, kRateHz);
-  copy_window(truth.dry, 0, truth.lead, sample.dry.channel(0));
+  copy_window(truth.dry, 0, truth.lead + context, sample.dry.channel(0));
+  sample.context = context;
   sample.picture = state_->picture(source.image);
   sample.speaker_box = from_soundspaces_box(source.bboxes.at(speaker.id));
   sample.world_from_source = world_from_viewpoint(source);
@@ -295,11 +311,20 @@ Pose mirrored(const Pose& pose) {
 
 }  // namespace
 
+PairSample without_context(PairSample sample) {
+  sample.source = after(sample.source, sample.context);
+  if (sample.ambient) sample.ambient = after(*sample.ambient, sample.context);
+  if (sample.clean) sample.clean = after(*sample.clean, sample.context);
+  sample.context = 0;
+  return sample;
+}
+
 PairSample mirrored(const PairSample& sample) {
   PairSample result = sample;
   result.source = ears_swapped(sample.source);
   result.target = ears_swapped(sample.target);
   if (sample.ambient) result.ambient = ears_swapped(*sample.ambient);
+  if (sample.clean) result.clean = ears_swapped(*sample.clean);
   result.picture = std::make_shared<const Image>(flipped(*sample.picture));
   if (sample.speaker_box) {
     result.speaker_box->x_min = 1.0 - sample.speaker_box->x_max;

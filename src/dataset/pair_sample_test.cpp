@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <functional>
@@ -71,6 +72,30 @@ TEST_F(PairSamplerTest, SoundsAreThoseOfTheReleasedLoader) {
     const NvasSample released = data.sample(clip, choice);
     expect_same(sample.source, released.source);
     expect_same(sample.target, released.target);
+  }
+}
+
+TEST_F(PairSamplerTest, ContextIsTheSoundBeforeTheSameWindow) {
+  const SoundSpacesDataset data = dataset();
+  const PairSampler sampler(data, kPlenty);
+  const SoundSpacesClip& clip = data.clips()[0];
+  // Within the speech, and reaching before it.
+  for (const std::ptrdiff_t start : {std::ptrdiff_t{7000}, std::ptrdiff_t{2000}}) {
+    constexpr std::ptrdiff_t kContext = 4000;
+    const SoundSpacesChoice choice{.source = 0, .target = 1, .speaker = 1, .window_start = start};
+    const PairSample alone = sampler.sample(clip, choice, 6000);
+    const PairSample more = sampler.sample(clip, choice, 6000, kContext);
+    EXPECT_EQ(more.context, kContext);
+    ASSERT_EQ(more.source.samples(), kContext + 6000);
+    expect_same(more.target, alone.target);
+    expect_same(more.dry, alone.dry);
+    expect_same(without_context(more).source, alone.source);
+    const auto before = more.source.channel(0).first(kContext);
+    const auto silent = std::max(kContext - start, std::ptrdiff_t{0});
+    // The transform's rounding stands where nothing is.
+    for (std::ptrdiff_t i = 0; i < silent; ++i) ASSERT_NEAR(before[i], 0.0F, kRounding);
+    EXPECT_TRUE(
+        std::ranges::any_of(before.subspan(silent), [](float x) { return std::abs(x) > 1e-3F; }));
   }
 }
 

@@ -11,8 +11,9 @@ constexpr std::uint64_t kSeed = 20230618;
 
 class AmbientEvaluationSet : public EvaluationSet {
  public:
-  AmbientEvaluationSet(std::unique_ptr<EvaluationSet> set, double level_db)
-      : set_(std::move(set)), level_db_(level_db) {}
+  AmbientEvaluationSet(std::unique_ptr<EvaluationSet> set, double level_db,
+                       AmbientSeparation separation)
+      : set_(std::move(set)), level_db_(level_db), separation_(separation) {}
 
   [[nodiscard]] std::size_t size() const override { return set_->size(); }
   [[nodiscard]] std::string name(std::size_t pair) const override { return set_->name(pair); }
@@ -38,19 +39,22 @@ class AmbientEvaluationSet : public EvaluationSet {
  private:
   [[nodiscard]] PairSample noisy(PairSample sample, std::size_t pair) const {
     RandomStream random(kSeed, {pair});
-    add_room_noise(sample.source, level_db_, random);
-    separate_source(sample);
+    sample.clean = sample.source;
+    add_room_noise(sample.source, level_db_, random, sample.context);
+    separate_source(sample, separation_);
     return sample;
   }
 
   std::unique_ptr<EvaluationSet> set_;
   double level_db_;
+  AmbientSeparation separation_;
 };
 
 }  // namespace
 
-std::unique_ptr<EvaluationSet> with_ambient(std::unique_ptr<EvaluationSet> set, double level_db) {
-  return std::make_unique<AmbientEvaluationSet>(std::move(set), level_db);
+std::unique_ptr<EvaluationSet> with_ambient(std::unique_ptr<EvaluationSet> set, double level_db,
+                                            AmbientSeparation separation) {
+  return std::make_unique<AmbientEvaluationSet>(std::move(set), level_db, separation);
 }
 
 }  // namespace earpoint

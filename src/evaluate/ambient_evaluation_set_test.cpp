@@ -88,6 +88,44 @@ TEST_F(AmbientEvaluationSetTest, EveryPairHasItsOwnNoiseAndACleanTarget) {
   }
 }
 
+TEST_F(AmbientEvaluationSetTest, TheWindowsNoiseIsTheSameWithSoundBefore) {
+  constexpr std::ptrdiff_t kContext = 8000;
+  const auto with_context = [&](AmbientSeparation kind) {
+    return with_ambient(soundspaces_evaluation_set(folder_, "test", {}, {}, 10 << 20,
+                                                   PairTarget::viewpoint, kContext),
+                        -30.0, kind);
+  };
+  const PairSample alone = with_ambient(quiet(), -30.0)->sample(0);
+  const PairSample more = with_context(AmbientSeparation::bandpass)->sample(0);
+  const PairSample window = without_context(more);
+  ASSERT_EQ(window.source.samples(), alone.source.samples());
+  double before = 0.0;
+  for (int ear = 0; ear < 2; ++ear) {
+    for (std::ptrdiff_t i = 0; i < window.source.samples(); ++i) {
+      // Both convolve by transforms of different sizes.
+      ASSERT_NEAR(window.source.channel(ear)[i] + window.ambient->channel(ear)[i],
+                  alone.source.channel(ear)[i] + alone.ambient->channel(ear)[i], 2e-6);
+    }
+    for (std::ptrdiff_t i = 0; i < kContext; ++i) {
+      before += std::pow(
+          more.source.channel(ear)[i] + more.ambient->channel(ear)[i] - more.clean->channel(ear)[i],
+          2);
+    }
+  }
+  // Half a second of noise has 20 independent values for each ear: good to 1 dB, three times.
+  EXPECT_NEAR(10.0 * std::log10(before / (2 * kContext)), -30.0, 3.0);
+}
+
+TEST_F(AmbientEvaluationSetTest, SeparatesAsItIsAsked) {
+  const PairSample band = with_ambient(quiet(), -30.0)->sample(0);
+  const PairSample mmse = with_ambient(quiet(), -30.0, AmbientSeparation::mmse)->sample(0);
+  EXPECT_FALSE(equal(band.source, mmse.source));
+  for (std::size_t i = 0; i < band.source.planar().size(); ++i) {
+    ASSERT_NEAR(mmse.source.planar()[i] + mmse.ambient->planar()[i],
+                band.source.planar()[i] + band.ambient->planar()[i], 2e-7);
+  }
+}
+
 TEST_F(AmbientEvaluationSetTest, OnlyNetworksTrainedWithAmbientSoundHearIt) {
   const PairSample sample = with_ambient(quiet(), -30.0)->sample(0);
   PairSample primary = sample;

@@ -11,6 +11,7 @@
 #include <earpoint/core/error.h>
 #include <earpoint/evaluate/clip_metrics.h>
 #include <earpoint/evaluate/metrics.h>
+#include <earpoint/evaluate/speech_metrics.h>
 
 namespace earpoint {
 namespace {
@@ -31,7 +32,9 @@ constexpr std::array<Metric, kMetricCount> kMetrics = {Metric::mag,
                                                        Metric::clarity,
                                                        Metric::stft_distance,
                                                        Metric::l2,
-                                                       Metric::delay};
+                                                       Metric::delay,
+                                                       Metric::si_sdr,
+                                                       Metric::estoi};
 
 constexpr std::array<MetricName, kMetricCount> kNames = {{
     {"mag", "Mag", "", 4, "sum over the ears of the mean difference of STFT magnitudes"},
@@ -44,6 +47,8 @@ constexpr std::array<MetricName, kMetricCount> kNames = {{
     {"stft_distance", "STFT", "", 3, "sum over the ears of the Euclidean distance of the STFTs"},
     {"l2", "L2", "", 6, "mean squared difference of the samples"},
     {"delay_samples", "delay", "samples", 2, "mean delay of the ears, at most 50"},
+    {"si_sdr_db", "SI-SDR", "dB", 2, "scale-invariant signal-to-distortion ratio", false},
+    {"estoi", "ESTOI", "", 3, "extended short-time objective intelligibility, at most 1", false},
 }};
 
 double energy(std::span<const float> samples) {
@@ -125,7 +130,26 @@ struct ClipMeasurer::State {
                 FilterFit::Options{});
   }
 
+  void judge_speech(const Waveform& rendering, ClipMetrics& metrics) {
+    std::optional<double> ratio = 0.0;
+    std::optional<double> intelligible = 0.0;
+    for (int ear = 0; ear < kEars; ++ear) {
+      const auto reference = target.channel(ear);
+      const auto estimate = rendering.channel(ear);
+      const auto ear_ratio = si_sdr_db(reference, estimate);
+      const auto ear_intelligible = estoi.measure(reference, estimate, target.sample_rate_hz());
+      ratio = ratio && ear_ratio ? std::optional(*ratio + *ear_ratio / kEars) : std::nullopt;
+      intelligible = intelligible && ear_intelligible
+                         ? std::optional(*intelligible + *ear_intelligible / kEars)
+                         : std::nullopt;
+    }
+    metrics[Metric::si_sdr] = ratio;
+    metrics[Metric::estoi] = intelligible;
+  }
+
   ReverberationEstimator estimator;
+  bool judges_speech = false;
+  Estoi estoi;
   MetricEvaluator evaluator;
   InterauralDelay interaural;
   std::optional<FilterFit> fit;
@@ -139,8 +163,10 @@ struct ClipMeasurer::State {
   std::optional<EarDecays> target_decays;
 };
 
-ClipMeasurer::ClipMeasurer(ReverberationEstimator estimator) : state_(std::make_unique<State>()) {
+ClipMeasurer::ClipMeasurer(ReverberationEstimator estimator, bool judges_speech)
+    : state_(std::make_unique<State>()) {
   state_->estimator = std::move(estimator);
+  state_->judges_speech = judges_speech;
 }
 ClipMeasurer::~ClipMeasurer() = default;
 ClipMeasurer::ClipMeasurer(ClipMeasurer&&) noexcept = default;
@@ -179,6 +205,7 @@ ClipMetrics ClipMeasurer::measure(const Waveform& rendering) {
         (std::abs(rt60_s[0] - s.target_rt60_s[0]) + std::abs(rt60_s[1] - s.target_rt60_s[1])) /
         kEars;
   }
+  if (s.judges_speech) s.judge_speech(rendering, metrics);
   if (s.target_decays) {
     const EarDecays decays = s.decays_of(rendering);
     metrics[Metric::early_decay] = decay_error(decays, *s.target_decays, &EarDecay::early_decay_s);

@@ -8,6 +8,7 @@
 #include <earpoint/core/parallel.h>
 #include <earpoint/evaluate/evaluation.h>
 #include <earpoint/evaluate/metrics.h>
+#include <earpoint/evaluate/speech_metrics.h>
 
 namespace earpoint {
 namespace {
@@ -17,6 +18,29 @@ struct Worker {
   std::vector<std::unique_ptr<Method>> methods;
   ClipMeasurer measurer;
 };
+
+/// Mean over the ears.
+std::optional<double> mean_si_sdr_db(const Waveform& clean, const Waveform& sound) {
+  double sum = 0.0;
+  for (int ear = 0; ear < clean.channels(); ++ear) {
+    const std::optional<double> ratio = si_sdr_db(clean.channel(ear), sound.channel(ear));
+    if (!ratio) return std::nullopt;
+    sum += *ratio;
+  }
+  return sum / clean.channels();
+}
+
+/// What separation made of the source, in the window that is compared.
+void measure_separation(const PairSample& sample, ClipResult& result) {
+  if (!sample.clean || !sample.ambient) return;
+  const PairSample window = without_context(sample);
+  Waveform heard = window.source;
+  for (std::size_t i = 0; i < heard.planar().size(); ++i) {
+    heard.planar()[i] += window.ambient->planar()[i];
+  }
+  result.heard_si_sdr_db = mean_si_sdr_db(*window.clean, heard);
+  result.primary_si_sdr_db = mean_si_sdr_db(*window.clean, window.source);
+}
 
 /// One pair of a batch, on its way through.
 struct Clip {
@@ -35,7 +59,8 @@ class Evaluation {
     for (int i = 0; i < options.jobs; ++i) {
       Worker worker{.methods = {},
                     .measurer = ClipMeasurer(options.make_estimator ? options.make_estimator()
-                                                                    : ReverberationEstimator())};
+                                                                    : ReverberationEstimator(),
+                                             options.judges_speech)};
       for (const MethodEntry& entry : methods) worker.methods.push_back(entry.make());
       workers_.push_back(std::move(worker));
     }
@@ -81,6 +106,7 @@ class Evaluation {
     clip.result.source_from_target = sample->source_from_target;
     if (set_.knows_speaker()) clip.result.speaker_m = sample->speaker_m;
     clip.result.speaker_in_sight = sample->speaker_box.has_value();
+    measure_separation(*sample, clip.result);
     const std::optional<PairSample> released = set_.released_sample(pair);
     for (std::size_t m = 0; m < methods_.size(); ++m) {
       Waveform rendering = render(m, worker, *sample, clip);
@@ -95,18 +121,12 @@ class Evaluation {
     }
   }
 
-  /// Shows the method what it may see.
   Waveform render(std::size_t method, Worker& worker, const PairSample& sample,
                   const Clip& clip) const {
     const MethodEntry& entry = methods_[method];
     try {
-      if (entry.is_oracle) {
-        return worker.methods[method]->render(
-            {sample, clip.result.scene, clip.truth ? &*clip.truth : nullptr});
-      }
-      PairSample seen = sample;
-      seen.target = Waveform();
-      return worker.methods[method]->render({seen, clip.result.scene});
+      return ask(*worker.methods[method], entry, sample, clip.result.scene,
+                 clip.truth ? &*clip.truth : nullptr);
     } catch (const InputError& error) {
       throw InputError("method " + entry.name, error.what());
     }

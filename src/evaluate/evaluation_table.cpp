@@ -169,6 +169,14 @@ EvaluationTable make_table(const EvaluationResult& result) {
                         .voices = std::nullopt,
                         .skipped = result.skipped};
   count_extent(result, table);
+  Values heard;
+  Values primary;
+  for (const ClipResult& clip : result.clips) {
+    heard.push_back(clip.heard_si_sdr_db);
+    primary.push_back(clip.primary_si_sdr_db);
+  }
+  table.heard_si_sdr_db = bootstrap.mean(heard);
+  table.primary_si_sdr_db = bootstrap.mean(primary);
   for (std::size_t m = 0; m < result.methods.size(); ++m) {
     const EvaluationResult::Row& method = result.methods[m];
     TableRow row{.method = method.name,
@@ -181,7 +189,7 @@ EvaluationTable make_table(const EvaluationResult& result) {
       TableRow::Column& column = row.columns[static_cast<std::size_t>(metric)];
       column.mean = bootstrap.mean(values);
       column.released = bootstrap.mean(values_of(result, m, metric, true));
-      if (input != result.methods.end()) {
+      if (input != result.methods.end() && name_of(metric).is_error) {
         const auto baseline = static_cast<std::size_t>(input - result.methods.begin());
         column.ratio = bootstrap.ratio(values, values_of(result, baseline, metric, false));
       }
@@ -197,6 +205,11 @@ std::string json_of(const EvaluationTable& table, const EvaluationSubject& subje
   json["split"] = subject.split;
   json["target"] = subject.target == PairTarget::viewpoint ? "viewpoint" : "near_microphone";
   json["ambient_db"] = subject.ambient_db ? Json(*subject.ambient_db) : Json();
+  json["ambient_separation"] =
+      subject.ambient_db ? Json(std::string(name_of(subject.separation))) : Json();
+  json["heard_si_sdr_db"] = json_of(table.heard_si_sdr_db, "mean");
+  json["primary_si_sdr_db"] = json_of(table.primary_si_sdr_db, "mean");
+  json["context_s"] = subject.context_s;
   json["pairs"] = subject.pairs;
   json["clips"] = table.clips;
   json["conversations"] = table.conversations;
@@ -220,7 +233,9 @@ std::string text_of(const EvaluationTable& table, std::span<const Metric> told) 
   std::string text = text_of(table, "mean", metrics, [&](const TableRow& row, Metric metric) {
     return with_star(row[metric].mean, name_of(metric).decimals);
   });
-  text += '\n' + text_of(table, "of input", metrics, [&](const TableRow& row, Metric metric) {
+  std::vector<Metric> errors = metrics;
+  std::erase_if(errors, [](Metric metric) { return !name_of(metric).is_error; });
+  text += '\n' + text_of(table, "of input", errors, [&](const TableRow& row, Metric metric) {
             return with_star(row[metric].ratio, 2);
           });
   text += '\n' + text_of(table, "released", metrics, [&](const TableRow& row, Metric metric) {
@@ -229,12 +244,20 @@ std::string text_of(const EvaluationTable& table, std::span<const Metric> told) 
                                           star(released, table))
                             : std::string("-");
           });
+  if (table.primary_si_sdr_db) {
+    text +=
+        fmt::format("\nSI-SDR of the source's primary sound: {} dB; of all that it hears: {} dB.\n",
+                    with_range(table.primary_si_sdr_db, 1), with_range(table.heard_si_sdr_db, 1));
+  }
+  const bool has_gains =
+      std::ranges::any_of(metrics, [](Metric metric) { return !name_of(metric).is_error; });
   return text + '\n' + stars_of(table, metrics) +
          fmt::format(
-             "{}; 0 is best. [95 % interval], drawn by {}.\n"
+             "{}; 0 is best{}. [95 % interval], drawn by {}.\n"
              "\"released\": with what the published evaluation does to renderings with the "
              "target's help.\n",
-             extent_of(table), table.interval_unit());
+             extent_of(table), has_gains ? "; of SI-SDR and ESTOI more is better" : "",
+             table.interval_unit());
 }
 
 }  // namespace earpoint

@@ -62,6 +62,50 @@ Waveform scaled(Waveform sound, float left, float right) {
   return sound;
 }
 
+TEST_F(EvaluationTest, OnlyMethodsThatHearContextAreShownItAndTheSameWindowIsCompared) {
+  constexpr std::ptrdiff_t kContext = 4000;
+  const auto set =
+      soundspaces_evaluation_set(folder_, "test", {}, 3, 10 << 20, PairTarget::viewpoint, kContext);
+  const auto expect_length = [](std::ptrdiff_t samples) {
+    return [samples](const Question& question) {
+      EXPECT_EQ(question.sample.source.samples(), samples);
+      EXPECT_FALSE(question.sample.clean.has_value());
+      return question.sample.source;
+    };
+  };
+  MethodEntry hears = method("hears", expect_length(kContext + kPairSamples));
+  hears.hears_context = true;
+  const MethodEntry does_not = method("does not", expect_length(kPairSamples));
+  const EvaluationResult result = evaluate_all(*set, {input_method(), hears, does_not});
+  const EvaluationResult alone = evaluate_all(*test_set(3), {input_method()});
+  ASSERT_EQ(result.clips.size(), alone.clips.size());
+  for (std::size_t i = 0; i < result.clips.size(); ++i) {
+    const std::vector<ClipMetrics>& found = result.clips[i].honest;
+    EXPECT_EQ(found[1][Metric::mag], found[0][Metric::mag]);
+    EXPECT_EQ(found[2][Metric::mag], found[0][Metric::mag]);
+    // Source and target are convolved by transforms of another size.
+    EXPECT_NEAR(found[0][Metric::mag].value(), alone.clips[i].honest[0][Metric::mag].value(), 1e-5);
+  }
+}
+
+TEST_F(EvaluationTest, TheShippedDspAnswersAWindowTheSameWithSoundBefore) {
+  constexpr std::ptrdiff_t kContext = 4000;
+  const auto longer =
+      soundspaces_evaluation_set(folder_, "test", {}, 1, 10 << 20, PairTarget::viewpoint, kContext);
+  const MethodEntry dsp = dsp_method();
+  const auto method = dsp.make();
+  const Waveform alone = ask(*method, dsp, test_set(1)->sample(0), "", nullptr);
+  const Waveform more = ask(*method, dsp, longer->sample(0), "", nullptr);
+  ASSERT_EQ(more.samples(), alone.samples());
+  // Still filters are linear and their windows overlap, so that cross-fades leave no trace: once
+  // the filters' memory (some 20 ms) is over, what differs is the rounding of floats up to 0.3.
+  for (int ear = 0; ear < 2; ++ear) {
+    for (std::ptrdiff_t i = 1600; i < alone.samples(); ++i) {
+      ASSERT_NEAR(more.channel(ear)[i], alone.channel(ear)[i], 1e-5) << i;
+    }
+  }
+}
+
 TEST_F(EvaluationTest, ClipsAreMeasuredInTheListsOrder) {
   const auto set = test_set();
   ASSERT_EQ(set->size(), 36U);

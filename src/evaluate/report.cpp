@@ -232,13 +232,12 @@ std::string clip_card(const ChosenClip& chosen, const EvaluationSet& set,
                       std::span<const MethodEntry> methods, const EvaluationResult& result) {
   const ClipResult& clip = result.clips[chosen.clip];
   const PairSample sample = set.sample(clip.pair);
-  PairSample seen = sample;
-  seen.target = Waveform();
   std::vector<Sound> sounds;
   for (std::size_t m = 0; m < methods.size(); ++m) {
     if (methods[m].is_oracle) continue;
     sounds.push_back({methods[m].name, dot(m, methods[m].name),
-                      methods[m].make()->render({seen, clip.scene, nullptr}), &clip.honest[m]});
+                      ask(*methods[m].make(), methods[m], sample, clip.scene, nullptr),
+                      &clip.honest[m]});
   }
   sounds.push_back({"truth", "<span class=\"dot\" style=\"background:#1d2430\"></span>",
                     sample.target, nullptr});

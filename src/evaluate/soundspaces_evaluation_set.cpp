@@ -55,10 +55,11 @@ class SoundSpacesEvaluationSet : public EvaluationSet {
  public:
   SoundSpacesEvaluationSet(const fs::path& folder, const std::string& split,
                            const PairChoice& choice, std::optional<std::size_t> limit,
-                           std::size_t cache_bytes, PairTarget target)
+                           std::size_t cache_bytes, PairTarget target, std::ptrdiff_t context)
       : dataset_(soundspaces_options(folder, split)),
         sampler_(dataset_, cache_bytes, ResponseDelays::dropped, target),
-        target_(target) {
+        target_(target),
+        context_(context) {
     Origin origin = pairs_of(dataset_, folder, choice);
     where_ = origin.where;
     std::map<std::pair<std::string, int>, int> conversations;
@@ -92,7 +93,7 @@ class SoundSpacesEvaluationSet : public EvaluationSet {
   }
   [[nodiscard]] std::string pairs() const override { return where_; }
   [[nodiscard]] PairSample sample(std::size_t pair) const override {
-    return sampler_.sample(*pairs_.at(pair).clip, pairs_[pair].pair.choice);
+    return sampler_.sample(*pairs_.at(pair).clip, pairs_[pair].pair.choice, kPairSamples, context_);
   }
   [[nodiscard]] std::optional<PairTruth> truth(std::size_t pair) const override {
     return sampler_.truth(*pairs_.at(pair).clip, pairs_[pair].pair.choice);
@@ -107,6 +108,7 @@ class SoundSpacesEvaluationSet : public EvaluationSet {
   SoundSpacesDataset dataset_;
   PairSampler sampler_;
   PairTarget target_;
+  std::ptrdiff_t context_;
   std::string where_;
   std::vector<Entry> pairs_;
 };
@@ -115,9 +117,10 @@ class SoundSpacesEvaluationSet : public EvaluationSet {
 
 std::unique_ptr<EvaluationSet> soundspaces_evaluation_set(
     const fs::path& folder, const std::string& split, const PairChoice& pairs,
-    std::optional<std::size_t> limit, std::size_t cache_bytes, PairTarget target) {
+    std::optional<std::size_t> limit, std::size_t cache_bytes, PairTarget target,
+    std::ptrdiff_t context) {
   return std::make_unique<SoundSpacesEvaluationSet>(folder, split, pairs, limit, cache_bytes,
-                                                    target);
+                                                    target, context);
 }
 
 }  // namespace earpoint

@@ -6,9 +6,10 @@
 
 namespace earpoint {
 
-GtfSynthesizer::GtfSynthesizer(const GtfWeights& weights, double horizontal_fov_rad, double texture)
-    : network_(weights), horizontal_fov_rad_(horizontal_fov_rad) {
-  network_.ask_for_texture(texture);
+GtfSynthesizer::GtfSynthesizer(const GtfWeights& weights, double horizontal_fov_rad,
+                               const GtfUse& use)
+    : network_(weights), horizontal_fov_rad_(horizontal_fov_rad), limits_level_(use.limits_level) {
+  network_.ask_for_texture(use.texture);
 }
 
 WindowShape GtfSynthesizer::window_shape(int /*source_rate_hz*/) const {
@@ -53,6 +54,7 @@ Waveform GtfSynthesizer::synthesize_along(std::span<const Pose> path) {
   network_.aim(path.front(), speaker_m_);
   Waveform result(2, sound_.samples(), sound_.sample_rate_hz());
   network_.synthesize(sound_.planar(), path, result.planar());
+  if (!limits_level_) return result;
   limit_level(sound_, network_.expected_gain(), gtf_level_tolerance(path), speaker_m_.has_value(),
               result);
   return result;

@@ -71,7 +71,8 @@ LocatedSpeaker locate_speaker(const RenderSource& source, const GtfWeights& weig
                                ? open_pictures(source.picture, source.sound.path)
                                : PictureStream();
   constexpr int kRate_hz = GtfDescription::kSampleRateHz;
-  SourceStream stream(source.sound, survey, kRate_hz, description.highpass_cutoff_hz.value_or(0.0));
+  SourceStream stream(read_blocks(source.sound), survey, kRate_hz,
+                      {.cutoff_hz = description.highpass_cutoff_hz.value_or(0.0)});
   const std::ptrdiff_t samples = description.window_samples;
 
   bool has_picture = false, has_box = false;

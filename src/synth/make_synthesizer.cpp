@@ -38,7 +38,8 @@ std::unique_ptr<AcousticSynthesizer> make_synthesizer(const std::string& model,
       const GtfWeights weights = gtf_weights(std::move(file), model);
       if (options.texture && !weights.description.texture) refuse_texture(model);
       return std::make_unique<GtfSynthesizer>(weights, options.horizontal_fov_rad,
-                                              options.texture.value_or(1.0));
+                                              GtfUse{.texture = options.texture.value_or(1.0),
+                                                     .limits_level = !options.enhances});
     }
     case NetworkKind::vam:
       return std::make_unique<VamSynthesizer>(vam_weights(std::move(file), model), model,

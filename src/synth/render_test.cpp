@@ -121,6 +121,60 @@ TEST_F(RenderTest, InputCopiesTheRecordingSampleForSample) {
   EXPECT_EQ(greatest_difference(rendered(write(sound), copy), sound), 0.0);
 }
 
+TEST_F(RenderTest, ASoundInMemoryIsRenderedAsItsFile) {
+  for (const int rate : {16000, 44100}) {
+    const Waveform sound = noise(3.4, rate);
+    IdentityNetwork network(80.0);
+    const Waveform of_file = rendered(write(sound), network, {}, 0.7);
+    const SoundInMemory source{.sound = sound,
+                               .picture = nullptr,
+                               .speaker_box = {},
+                               .speaker_m = {},
+                               .world_from_source = {}};
+    const Waveform in_memory =
+        render_in_memory(source, network, EarpointPath(Pose{{0.7, 0, 0}, {}}), {});
+    EXPECT_EQ(greatest_difference(in_memory, of_file), 0.0);
+  }
+}
+
+TEST_F(RenderTest, AVoiceIsOneChannelWithoutAmbientSound) {
+  Waveform sound = tone(997.0, 2.5, 16000);
+  const Waveform hum = tone(30.0, 2.5, 16000);
+  for (std::size_t i = 0; i < sound.planar().size(); ++i) sound.planar()[i] += hum.planar()[i];
+  IdentityNetwork network(80.0);
+  ClipRenderOptions options;
+  options.answer = RenderAnswer::voice;
+  const Waveform voice = rendered(write(sound), network, options);
+  ASSERT_EQ(voice.channels(), 1);
+  ASSERT_EQ(voice.samples(), sound.samples());
+  const Waveform clean = tone(997.0, 2.5, 16000);
+  double greatest = 0.0;
+  for (std::ptrdiff_t i = 1600; i < voice.samples() - 1600; ++i) {
+    const double expected = 0.5 * (clean.channel(0)[i] + clean.channel(1)[i]);
+    greatest = std::max(greatest, std::abs(voice.channel(0)[i] - expected));
+  }
+  // At 30 Hz the order-5 high-pass at 80 Hz, run both ways, has an attenuation of 85 dB.
+  EXPECT_LT(greatest, kMinus60dB);
+}
+
+TEST_F(RenderTest, NoiseThatIsAmbientPassesTheNetworkBy) {
+  const Waveform sound = noise(4.0, 16000);
+  IdentityNetwork network(80.0);
+  ClipRenderOptions options;
+  options.ambient = AmbientSeparation::mmse;
+  // The network makes its sound ten times weaker: what is left is the ambient sound, which is
+  // almost all of steady noise.
+  const Waveform result = rendered(write(sound), network, options, 0.1);
+  double left = 0.0;
+  double all = 0.0;
+  for (std::ptrdiff_t i = 32000; i < 60000; ++i) {
+    left += std::pow(result.channel(0)[i] - sound.channel(0)[i], 2);
+    all += std::pow(sound.channel(0)[i], 2);
+  }
+  // 0.9 of the primary sound is missing, which is 20 dB below the noise.
+  EXPECT_LT(10.0 * std::log10(left / all), -15.0);
+}
+
 TEST_F(RenderTest, ASteadyToneThroughAnIdentityNetworkHasNoClicks) {
   for (const int rate : {16000, 44100, 48000}) {
     const Waveform sound = tone(997.0, 5.3, rate);

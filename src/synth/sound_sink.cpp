@@ -14,14 +14,26 @@ namespace {
 
 class SoundFileSink : public SoundSink {
  public:
-  SoundFileSink(const std::filesystem::path& output, int sample_rate_hz, SampleFormat format)
-      : writer_(output, 2, sample_rate_hz, format), sample_rate_hz_(sample_rate_hz) {}
-  void write(const Waveform& block) override { writer_.write(block); }
+  SoundFileSink(const std::filesystem::path& output, int channels, int sample_rate_hz,
+                SampleFormat format)
+      : writer_(output, channels, sample_rate_hz, format),
+        channels_(channels),
+        sample_rate_hz_(sample_rate_hz) {}
+  void write(const Waveform& block) override {
+    if (channels_ == block.channels()) {
+      writer_.write(block);
+      return;
+    }
+    Waveform first(1, block.samples(), block.sample_rate_hz());
+    std::ranges::copy(block.channel(0), first.channel(0).begin());
+    writer_.write(first);
+  }
   void commit() override { writer_.close(); }
   [[nodiscard]] int sample_rate_hz() const override { return sample_rate_hz_; }
 
  private:
   SoundWriter writer_;
+  int channels_;
   int sample_rate_hz_;
 };
 
@@ -40,10 +52,9 @@ class MovieSink : public SoundSink {
 };
 
 /// Said before an hour of rendering, not after.
-void check_fits_wav(const std::filesystem::path& output, std::ptrdiff_t samples) {
-  constexpr double kBytes = 2 * sizeof(float);
+void check_fits_wav(const std::filesystem::path& output, std::ptrdiff_t samples, int channels) {
   constexpr double kLargest = 4294967295.0 - 4096.0;  // as SoundWriter
-  const double bytes = kBytes * static_cast<double>(samples);
+  const double bytes = sizeof(float) * static_cast<double>(channels) * static_cast<double>(samples);
   if (bytes <= kLargest) return;
   throw InputError(
       output.string(),
@@ -55,7 +66,7 @@ void check_fits_wav(const std::filesystem::path& output, std::ptrdiff_t samples)
 
 std::unique_ptr<SoundSink> open_sound_sink(const std::filesystem::path& output, int sample_rate_hz,
                                            const std::filesystem::path& movie,
-                                           std::ptrdiff_t samples) {
+                                           std::ptrdiff_t samples, int channels) {
   std::string extension = output.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
@@ -67,12 +78,12 @@ std::unique_ptr<SoundSink> open_sound_sink(const std::filesystem::path& output, 
     return std::make_unique<MovieSink>(output, sample_rate_hz, movie);
   }
   if (extension == ".wav" || extension == ".w64" || output == "-") {
-    if (extension != ".w64") check_fits_wav(output, samples);
+    if (extension != ".w64") check_fits_wav(output, samples, channels);
     // An earpoint near the mouth can exceed full scale; float keeps that.
-    return std::make_unique<SoundFileSink>(output, sample_rate_hz, SampleFormat::float32);
+    return std::make_unique<SoundFileSink>(output, channels, sample_rate_hz, SampleFormat::float32);
   }
   if (extension == ".flac" || extension == ".ogg" || extension == ".mp3") {
-    return std::make_unique<SoundFileSink>(output, sample_rate_hz, SampleFormat::pcm24);
+    return std::make_unique<SoundFileSink>(output, channels, sample_rate_hz, SampleFormat::pcm24);
   }
   throw InputError(output.string(), "cannot write '" + extension + "' files",
                    "use .wav, .flac, .ogg, .mp3, .w64, .mp4, .mov or .mkv");

@@ -102,13 +102,20 @@ SoundSurvey survey_sound(const SoundSource& source) {
   return survey;
 }
 
-SourceStream::SourceStream(const SoundSource& source, const SoundSurvey& survey, int model_rate_hz,
-                           double ambient_cutoff_hz)
+BlockReader read_blocks(const SoundSource& source) {
+  return [reader = std::make_shared<AudioReader>(open(source))](std::ptrdiff_t samples) {
+    return reader->read(samples);
+  };
+}
+
+SourceStream::SourceStream(BlockReader read, const SoundSurvey& survey, int model_rate_hz,
+                           const AmbientOptions& ambient)
     : survey_(survey),
-      reader_(open(source)),
+      read_(std::move(read)),
       model_samples_(std::llround(static_cast<double>(survey.samples) * model_rate_hz /
                                   survey.sample_rate_hz)),
       model_(2, model_rate_hz),
+      primary_(2, model_rate_hz),
       native_(2, survey.sample_rate_hz),
       high_(2, survey.sample_rate_hz),
       outline_(survey.sample_rate_hz) {
@@ -117,23 +124,30 @@ SourceStream::SourceStream(const SoundSource& source, const SoundSurvey& survey,
     down_ = std::make_unique<StreamResampler>(2, survey.sample_rate_hz, model_rate_hz);
     up_ = std::make_unique<StreamResampler>(2, model_rate_hz, survey.sample_rate_hz);
   }
-  if (ambient_cutoff_hz > 0.0) {
+  if (ambient.separation != AmbientSeparation::bandpass) {
+    suppressor_.emplace(ambient.separation, 2, model_rate_hz, ambient.cutoff_hz);
+  } else if (ambient.cutoff_hz > 0.0) {
     primary_band_ =
-        butterworth_bandpass(ambient_cutoff_hz, model_rate_hz / 2.0 - 1.0, model_rate_hz);
+        butterworth_bandpass(ambient.cutoff_hz, model_rate_hz / 2.0 - 1.0, model_rate_hz);
     filter_margin_ = std::lround(kFilterMargin_s * model_rate_hz);
   }
 }
 
+void SourceStream::append(const Waveform& block) {
+  model_.append(block);
+  if (suppressor_) primary_.append(suppressor_->process(block, ended_));
+}
+
 void SourceStream::read_block() {
-  const Waveform block = reader_.read(kBlock);
+  const Waveform block = read_(kBlock);
   ended_ = block.samples() == 0;
   if (!ended_) outline_.add(block);
   if (!down_) {
-    model_.append(block);
+    append(block);
     return;
   }
   const Waveform low = down_->process(block, ended_);
-  model_.append(low);
+  append(low);
   native_.append(block);
   const Waveform restored = up_->process(low, ended_);
   // Rounding may leave the way there and back a sample longer than the recording.
@@ -148,35 +162,55 @@ void SourceStream::read_block() {
   native_.drop_before(high_.end());
 }
 
+void SourceStream::separate_by_band(Window& window, std::ptrdiff_t start,
+                                    std::ptrdiff_t context) const {
+  // Only what was recorded is filtered, so that the filter meets true ends and no made-up silence.
+  const std::ptrdiff_t samples = window.ambient.samples();
+  const std::ptrdiff_t first = start - context;
+  const std::ptrdiff_t last = start + samples + context;
+  const std::ptrdiff_t from = std::clamp(first - filter_margin_, std::ptrdiff_t{0}, model_.end());
+  const std::ptrdiff_t to = std::clamp(last + filter_margin_, from, model_.end());
+  const Waveform recorded = model_.copy(from, to - from);
+  std::vector<double> filtered(static_cast<std::size_t>(to - from));
+  for (int ear = 0; ear < 2; ++ear) {
+    const std::vector<double> input(recorded.channel(ear).begin(), recorded.channel(ear).end());
+    filter_zero_phase(primary_band_, input, filtered);
+    for (std::ptrdiff_t i = std::max(first, from); i < std::min(last, to); ++i) {
+      const auto kept = static_cast<float>(filtered[i - from]);
+      if (i >= start && i < start + samples) {
+        window.ambient.channel(ear)[i - start] = recorded.channel(ear)[i - from] - kept;
+      }
+      window.primary.channel(ear)[i - first] = kept;
+    }
+  }
+}
+
+void SourceStream::separate_by_noise(Window& window, std::ptrdiff_t start,
+                                     std::ptrdiff_t context) const {
+  const Waveform recorded =
+      std::exchange(window.primary, primary_.copy(start - context, window.primary.samples()));
+  for (int ear = 0; ear < 2; ++ear) {
+    const auto ambient = window.ambient.channel(ear);
+    for (std::ptrdiff_t i = 0; i < window.ambient.samples(); ++i) {
+      ambient[i] = recorded.channel(ear)[context + i] - window.primary.channel(ear)[context + i];
+    }
+  }
+}
+
 SourceStream::Window SourceStream::window(std::ptrdiff_t start, std::ptrdiff_t samples,
                                           std::ptrdiff_t context) {
   const std::ptrdiff_t first = start - context;
   const std::ptrdiff_t last = start + samples + context;
-  while (!ended_ && model_.end() < last + filter_margin_) read_block();
+  const StreamBuffer& latest = suppressor_ ? primary_ : model_;
+  while (!ended_ && latest.end() < last + filter_margin_) read_block();
 
-  Waveform primary = model_.copy(first, last - first);
-  const int rate = primary.sample_rate_hz();
-  Window window{std::move(primary), Waveform(2, samples, rate)};
-  if (!primary_band_.empty()) {
-    // Only what was recorded is filtered, so that the filter meets true ends and no made-up
-    // silence.
-    const std::ptrdiff_t from = std::clamp(first - filter_margin_, std::ptrdiff_t{0}, model_.end());
-    const std::ptrdiff_t to = std::clamp(last + filter_margin_, from, model_.end());
-    const Waveform recorded = model_.copy(from, to - from);
-    std::vector<double> filtered(static_cast<std::size_t>(to - from));
-    for (int ear = 0; ear < 2; ++ear) {
-      const std::vector<double> input(recorded.channel(ear).begin(), recorded.channel(ear).end());
-      filter_zero_phase(primary_band_, input, filtered);
-      for (std::ptrdiff_t i = std::max(first, from); i < std::min(last, to); ++i) {
-        const auto kept = static_cast<float>(filtered[i - from]);
-        if (i >= start && i < start + samples) {
-          window.ambient.channel(ear)[i - start] = recorded.channel(ear)[i - from] - kept;
-        }
-        window.primary.channel(ear)[i - first] = kept;
-      }
-    }
-  }
+  Waveform recorded = model_.copy(first, last - first);
+  const int rate = recorded.sample_rate_hz();
+  Window window{std::move(recorded), Waveform(2, samples, rate)};
+  if (suppressor_) separate_by_noise(window, start, context);
+  if (!primary_band_.empty()) separate_by_band(window, start, context);
   model_.drop_before(first - filter_margin_);
+  primary_.drop_before(first);
   return window;
 }
 

@@ -84,6 +84,48 @@ TEST_F(SurveyTest, WarnsOfStereoThatIsNotBinauralUnlessAskedForOneChannel) {
   EXPECT_TRUE(survey_sound(source).warnings.empty());
 }
 
+/// That sound in blocks.
+BlockReader blocks_of(const Waveform& sound) {
+  return [sound, read = std::ptrdiff_t{0}](std::ptrdiff_t samples) mutable {
+    const std::ptrdiff_t count = std::min(samples, sound.samples() - read);
+    Waveform block(2, count, sound.sample_rate_hz());
+    for (int ear = 0; ear < 2; ++ear) {
+      std::ranges::copy(sound.channel(ear).subspan(read, count), block.channel(ear).begin());
+    }
+    read += count;
+    return block;
+  };
+}
+
+TEST(SourceStream, SeparatesTrackedNoiseInWindowsAsOfTheWholeSound) {
+  Waveform sound = two_ears(syllables(), syllables());
+  RandomStream random(6);
+  for (float& x : sound.planar()) x += static_cast<float>(0.01 * random.normal());
+  SoundSurvey survey;
+  survey.sample_rate_hz = kRate;
+  survey.samples = sound.samples();
+  for (const AmbientSeparation kind : {AmbientSeparation::subtract, AmbientSeparation::mmse}) {
+    const Waveform primary = suppress_noise(sound, kind, 80.0);
+    SourceStream stream(blocks_of(sound), survey, kRate, {kind, 80.0});
+    constexpr std::ptrdiff_t kSamples = 5000;
+    constexpr std::ptrdiff_t kContext = 300;
+    for (std::ptrdiff_t start = 0; start < sound.samples(); start += kSamples - 1000) {
+      const SourceStream::Window window = stream.window(start, kSamples, kContext);
+      for (int ear = 0; ear < 2; ++ear) {
+        for (std::ptrdiff_t i = 0; i < kSamples && start + i < sound.samples(); ++i) {
+          ASSERT_EQ(window.primary.channel(ear)[kContext + i], primary.channel(ear)[start + i]);
+          // Both together are the recording: the rounding of one float sum of values below 1.
+          ASSERT_NEAR(window.primary.channel(ear)[kContext + i] + window.ambient.channel(ear)[i],
+                      sound.channel(ear)[start + i], 1e-7);
+        }
+        for (std::ptrdiff_t i = 0; i < kContext && start > 0; ++i) {
+          ASSERT_EQ(window.primary.channel(ear)[i], primary.channel(ear)[start - kContext + i]);
+        }
+      }
+    }
+  }
+}
+
 TEST(SoundSink, AWavFileThatCannotHoldTheSoundIsRefusedBeforehand) {
   const fs::path folder = testing::TempDir();
   try {

@@ -12,6 +12,7 @@ TargetStream::TargetStream(std::unique_ptr<SoundSink> sink, const SoundSurvey& s
       samples_(survey.samples),
       model_per_native_(static_cast<double>(shape.sample_rate_hz) / survey.sample_rate_hz),
       gain_(static_cast<float>(std::pow(10.0, options.gain_db / 20.0))),
+      answer_(options.answer),
       adder_(shape.samples, shape.overlap),
       outline_(survey.sample_rate_hz) {
   if (options.limit) limiter_.emplace(2, survey.sample_rate_hz);
@@ -24,8 +25,10 @@ void TargetStream::add_window(const Waveform& primary, const Waveform& result,
                               const Waveform& ambient, SourceStream& source) {
   if (band_extension_) band_extension_->add_window(primary, result);
   Waveform whole = result;
-  std::transform(whole.planar().begin(), whole.planar().end(), ambient.planar().begin(),
-                 whole.planar().begin(), std::plus<>());
+  if (answer_ == RenderAnswer::place) {
+    std::transform(whole.planar().begin(), whole.planar().end(), ambient.planar().begin(),
+                   whole.planar().begin(), std::plus<>());
+  }
   write(adder_.add(whole), false, source);
 }
 
@@ -56,6 +59,12 @@ void TargetStream::emit(const Waveform& block, SourceStream& source) {
                            model_per_native_, high.channel(ear), samples);
     }
     for (float& sample : samples) sample *= gain_;
+  }
+  if (answer_ == RenderAnswer::voice) {
+    const auto left = output.channel(0);
+    std::ranges::transform(left, output.channel(1), left.begin(),
+                           [](float a, float b) { return 0.5F * (a + b); });
+    std::ranges::copy(left, output.channel(1).begin());
   }
   put(limiter_ ? limiter_->process(output, false) : output);
   written_ += count;

@@ -127,9 +127,9 @@ struct PairExamples::State {
       add_room_noise(sample.source, *options.ambient_db, random);
     }
     if (!options.separate) return;
-    separate_source(sample);
+    separate_source(sample, options.separation);
     if (options.target == PairTarget::viewpoint) {
-      sample.target = highpass(sample.target, kSeparationCutoffHz);
+      sample.target = primary_sound(sample.target, options.separation);
     }
   }
 

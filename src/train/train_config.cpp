@@ -273,6 +273,10 @@ PairOptions pair_options_from_json(std::string_view text, std::string_view where
        {Alignment::none, "none"}}};
   constexpr std::array<std::pair<PairTarget, std::string_view>, 2> kTargets{
       {{PairTarget::viewpoint, "viewpoint"}, {PairTarget::near_microphone, "near_microphone"}}};
+  constexpr std::array<std::pair<AmbientSeparation, std::string_view>, 3> kSeparations{
+      {{AmbientSeparation::bandpass, "bandpass"},
+       {AmbientSeparation::subtract, "subtract"},
+       {AmbientSeparation::mmse, "mmse"}}};
   const Json json = parsed(text, where);
   Section section(json, std::string(where));
   PairOptions options;
@@ -290,6 +294,11 @@ PairOptions pair_options_from_json(std::string_view text, std::string_view where
   }
   section.take("ambient_db", options.ambient_db, -120.0, 0.0);
   section.take("separate", options.separate);
+  section.take("ambient", options.separation, kSeparations);
+  if (options.separation != AmbientSeparation::bandpass &&
+      !(options.separate && options.ambient_db)) {
+    section.fail("ambient", "\"bandpass\" where no room noise is separated", "another");
+  }
   if (!options.separate && !options.ambient_db) {
     section.fail("separate", "true where 'ambient_db' is null", "false");
   }

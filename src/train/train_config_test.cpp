@@ -51,6 +51,10 @@ TEST(TrainConfig, MisspeltKeysAndBadValuesAreNamed) {
               static_cast<void>(pair_options_from_json(R"({"separate": false})", "x"));
             }).find("'ambient_db'"),
             std::string::npos);
+  EXPECT_NE(refusal([] {
+              static_cast<void>(pair_options_from_json(R"({"ambient": "mmse"})", "x"));
+            }).find("'ambient'"),
+            std::string::npos);
 }
 
 TEST(TrainConfig, AblationsLeaveInputsOut) {

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include <earpoint/audio/ambient_separation.h>
 #include <earpoint/core/random.h>
 #include <earpoint/core/waveform.h>
 #include <earpoint/dataset/pair_sample.h>
@@ -15,13 +16,21 @@ inline constexpr double kSeparationCutoffHz = 80.0;
 /// falling by 6 dB an octave above, independent in every channel.
 /// @param level_db  root mean square of the noise, re full scale
 /// @param random    what it is drawn from: the same state gives the same noise
-void add_room_noise(Waveform& sound, double level_db, RandomStream& random);
+/// @param context   samples before the window: the window's noise is drawn first, so that it is the
+///                  same with and without
+void add_room_noise(Waveform& sound, double level_db, RandomStream& random,
+                    std::ptrdiff_t context = 0);
 
 /// Adds such noise to what both viewpoints of a sample hear, the source first.
 void add_ambient(PairSample& sample, double level_db, std::uint64_t seed);
 
-/// Takes ambient sound out of what the source hears, by the high-pass, and keeps it as
-/// PairSample::ambient. The target is left as it is.
-void separate_source(PairSample& sample);
+/// The primary sound of a recording in memory, without what is below kSeparationCutoffHz.
+/// @return [channels][samples]
+[[nodiscard]] Waveform primary_sound(const Waveform& sound, AmbientSeparation separation);
+
+/// Takes ambient sound out of what the source hears and keeps it as PairSample::ambient. The target
+/// is left as it is.
+void separate_source(PairSample& sample,
+                     AmbientSeparation separation = AmbientSeparation::bandpass);
 
 }  // namespace earpoint

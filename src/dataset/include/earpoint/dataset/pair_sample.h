@@ -24,6 +24,8 @@ struct PairSample {
   Waveform dry;     ///< 1 channel: the high-passed speech in the same window, for supervision
   std::optional<Waveform> ambient;  ///< taken out of the source: both together are what it heard;
                                     ///< nothing where nothing was. See ambient.h
+  std::optional<Waveform> clean;  ///< the source without ambient sound, where the source's own was
+                                  ///< found by separation; methods do not see it
   std::shared_ptr<const Image> picture;   ///< of the source view, RGB; shared
   std::optional<Box> speaker_box;         ///< in the picture; nothing when out of sight
   Pose source_from_target;                ///< our frame
@@ -31,7 +33,12 @@ struct PairSample {
   std::optional<double> speaker_yaw_rad;  ///< where the speaker looks, about z, in the source
                                           ///< view's frame: 0 looks as the source does
   Pose world_from_source;  ///< where the source stands in the scene, for methods that know it
+  /// Samples of source, clean source and ambient before the window that target and dry are of.
+  std::ptrdiff_t context = 0;
 };
+
+/// The sample without what its source holds before the window.
+[[nodiscard]] PairSample without_context(PairSample sample);
 
 /// What only the simulator knows; for oracles and supervision. The samples that
 /// PairSampler::sample() gives are those of convolve(dry, response) from `lead` on.
@@ -78,11 +85,14 @@ class PairSampler {
   /// With delays dropped, source and target are those of SoundSpacesDataset::sample() for the same
   /// choice, but for rounding.
   /// @param samples  length of the window, > 0
+  /// @param context  how much sound before the window the source holds too (PairSample::context);
+  ///                 silence where it reaches before the speech
   /// @throws InputError naming the file if one is missing, malformed, empty, holds NaN, has another
   ///         number of channels or a rate below 16 kHz; or the clip, if it lacks what the choice
   ///         asks for
   [[nodiscard]] PairSample sample(const SoundSpacesClip& clip, const SoundSpacesChoice& choice,
-                                  std::ptrdiff_t samples = kPairSamples) const;
+                                  std::ptrdiff_t samples = kPairSamples,
+                                  std::ptrdiff_t context = 0) const;
 
   /// @throws InputError as sample()
   [[nodiscard]] PairTruth truth(const SoundSpacesClip& clip, const SoundSpacesChoice& choice,
@@ -96,6 +106,10 @@ class PairSampler {
   [[nodiscard]] std::ptrdiff_t speech_samples(const SoundSpacesSpeaker& speaker) const;
 
  private:
+  /// From sample `start` of the speech, which may be negative.
+  [[nodiscard]] PairTruth truth(const SoundSpacesClip& clip, const SoundSpacesChoice& choice,
+                                std::ptrdiff_t start, std::ptrdiff_t samples) const;
+
   struct State;
   std::unique_ptr<State> state_;
 };

@@ -14,7 +14,8 @@
 
 namespace earpoint {
 
-/// What a rendered clip is measured by, in the order of tables. All are errors: zero is best.
+/// What a rendered clip is measured by, in the order of tables. All but the last two are errors:
+/// zero is best.
 enum class Metric {
   mag,
   lre,
@@ -26,8 +27,10 @@ enum class Metric {
   stft_distance,
   l2,
   delay,
+  si_sdr,
+  estoi,
 };
-inline constexpr std::size_t kMetricCount = 10;
+inline constexpr std::size_t kMetricCount = 12;
 
 struct MetricName {
   std::string_view key;      ///< in JSON, unit included: "lre_db"
@@ -35,6 +38,7 @@ struct MetricName {
   std::string_view unit;     ///< "dB", or empty
   int decimals = 3;          ///< that a table shows
   std::string_view meaning;  ///< a sentence
+  bool is_error = true;      ///< otherwise more is better, and a ratio to `input` says nothing
 };
 [[nodiscard]] const MetricName& name_of(Metric metric);
 
@@ -70,11 +74,13 @@ using ReverberationEstimator = std::function<std::vector<double>(const Waveform&
 ///   second, by the same Wiener filter, so that its faults are much the same on both sides: a
 ///   second of speech tells EDT to about 0.17 s in homes of 0.7 s, and C50 to 1.2 dB. None where
 ///   the dry speech is not known or such a response has no decay.
+/// - si_sdr, estoi: speech_metrics.h, mean over the ears; only where they are asked for.
 /// One object per thread.
 class ClipMeasurer {
  public:
-  /// @param estimator  for rte; empty: none
-  explicit ClipMeasurer(ReverberationEstimator estimator);
+  /// @param estimator      for rte; empty: none
+  /// @param judges_speech  si_sdr and estoi too: the target is speech as it should be understood
+  explicit ClipMeasurer(ReverberationEstimator estimator, bool judges_speech = false);
   ~ClipMeasurer();
   ClipMeasurer(ClipMeasurer&&) noexcept;
   ClipMeasurer& operator=(ClipMeasurer&&) noexcept;

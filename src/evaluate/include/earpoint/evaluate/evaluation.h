@@ -22,8 +22,12 @@ struct ClipResult {
   int cluster = 0;
   std::optional<std::string> voice;  ///< nothing where the data do not tell
   Pose source_from_target;
-  std::optional<Vector3> speaker_m;   ///< source view's frame; nothing where it is not known
-  bool speaker_in_sight = false;      ///< of the source view
+  std::optional<Vector3> speaker_m;  ///< source view's frame; nothing where it is not known
+  bool speaker_in_sight = false;     ///< of the source view
+  /// SI-SDR of what the source heard against what it would hear without ambient sound, mean over
+  /// the ears: of all it heard, and of the primary sound. Nothing where nothing was separated.
+  std::optional<double> heard_si_sdr_db;
+  std::optional<double> primary_si_sdr_db;
   std::vector<ClipMetrics> honest;    ///< by method
   std::vector<ClipMetrics> released;  ///< by method, with the released evaluation's oracles
 };
@@ -51,6 +55,8 @@ struct EvaluationOptions {
   int jobs = 1;  ///< threads
   /// Leave out pairs that cannot be read, instead of stopping at the first.
   bool skip_bad = false;
+  /// Measure SI-SDR and ESTOI too: targets are speech to be understood.
+  bool judges_speech = false;
   /// Makes the estimator of a thread; empty: no RTE.
   std::function<ReverberationEstimator()> make_estimator;
 };

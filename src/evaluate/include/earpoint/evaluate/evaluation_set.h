@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include <earpoint/audio/ambient_separation.h>
 #include <earpoint/dataset/pair_list.h>
 #include <earpoint/dataset/pair_sample.h>
 
@@ -56,19 +57,22 @@ struct PairChoice {
 /// @param limit       take that many pairs, spread evenly over the list; nothing: all
 /// @param cache_bytes that it may keep of files
 /// @param target      near_microphone: the source of every pair is to be enhanced
+/// @param context     samples that sources hold before the window (PairSample::context)
 /// @throws InputError if a file is missing or malformed, or the list does not fit the data
 [[nodiscard]] std::unique_ptr<EvaluationSet> soundspaces_evaluation_set(
     const std::filesystem::path& folder, const std::string& split, const PairChoice& pairs,
     std::optional<std::size_t> limit, std::size_t cache_bytes,
-    PairTarget target = PairTarget::viewpoint);
+    PairTarget target = PairTarget::viewpoint, std::ptrdiff_t context = 0);
 
 /// The same pairs in a room that is not silent. Sources get the noise of add_room_noise(), drawn by
 /// the pair's number, so that every method hears the same, and are separated into the primary sound
 /// (PairSample::source) and the rest (PairSample::ambient). Targets stay clean: what is compared is
-/// the primary sound.
-/// @param level_db  of the noise, root mean square re full scale
-[[nodiscard]] std::unique_ptr<EvaluationSet> with_ambient(std::unique_ptr<EvaluationSet> set,
-                                                          double level_db);
+/// the primary sound. What the source would hear without noise is kept beside (PairSample::clean).
+/// @param level_db    of the noise, root mean square re full scale
+/// @param separation  how the two are told apart
+[[nodiscard]] std::unique_ptr<EvaluationSet> with_ambient(
+    std::unique_ptr<EvaluationSet> set, double level_db,
+    AmbientSeparation separation = AmbientSeparation::bandpass);
 
 /// The pairs that the released evaluation draws of a split of Replay-NVAS; a recording session is a
 /// cluster. Where the speaker stands is not known. The released samples have their source moved by

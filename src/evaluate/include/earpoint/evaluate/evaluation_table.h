@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include <earpoint/audio/ambient_separation.h>
 #include <earpoint/evaluate/bootstrap.h>
 #include <earpoint/evaluate/clip_metrics.h>
 #include <earpoint/evaluate/evaluation.h>
@@ -22,7 +23,8 @@ struct TableRow {
 
   struct Column {
     std::optional<Estimate> mean;      ///< nothing if no clip has a value
-    std::optional<Estimate> ratio;     ///< to the row `input`, over the clips that both have
+    std::optional<Estimate> ratio;     ///< to the row `input`, over the clips that both have;
+                                       ///< none where MetricName::is_error is false
     std::optional<Estimate> released;  ///< mean with the released evaluation's oracles
   };
   std::array<Column, kMetricCount> columns;
@@ -40,6 +42,9 @@ struct EvaluationTable {
   std::size_t homes = 0;              ///< of recordings, sessions
   std::optional<std::size_t> voices;  ///< nothing where the data do not tell
   std::vector<BadPair> skipped;
+  /// ClipResult::heard_si_sdr_db and primary_si_sdr_db over all clips, where sound was separated.
+  std::optional<Estimate> heard_si_sdr_db{};
+  std::optional<Estimate> primary_si_sdr_db{};
 
   /// What intervals are drawn by.
   [[nodiscard]] std::string_view interval_unit() const {
@@ -64,6 +69,8 @@ struct EvaluationSubject {
   std::string pairs;  ///< where they come from
   PairTarget target = PairTarget::viewpoint;
   std::optional<double> ambient_db;  ///< as with_ambient() has it
+  AmbientSeparation separation = AmbientSeparation::bandpass;
+  double context_s = 0.0;  ///< of sound before the window
 };
 
 /// @return the JSON of `earpoint evaluate --json`; docs/formats.md describes it

@@ -6,14 +6,22 @@
 
 namespace earpoint {
 
+/// What a gtf network is asked for.
+struct GtfUse {
+  /// 0 the mean, 1 natural; means nothing to a network that knows one.
+  double texture = 1.0;
+  /// Keep the level within what the geometry allows: not of a network that was trained for
+  /// enhancement.
+  bool limits_level = true;
+};
+
 /// Geometric time-frequency synthesis, window by window, a quarter of which overlaps; a target that
 /// moves is followed hop by hop within. A speaker who is known neither by place nor by box is
 /// looked for by picture and sound.
 class GtfSynthesizer : public AcousticSynthesizer {
  public:
   /// @param horizontal_fov_rad  of the source camera
-  /// @param texture  0 the mean, 1 natural; means nothing to a network that knows one
-  GtfSynthesizer(const GtfWeights& weights, double horizontal_fov_rad, double texture = 1.0);
+  GtfSynthesizer(const GtfWeights& weights, double horizontal_fov_rad, const GtfUse& use = {});
 
   [[nodiscard]] WindowShape window_shape(int source_rate_hz) const override;
   [[nodiscard]] double ambient_cutoff_hz() const override;
@@ -33,6 +41,7 @@ class GtfSynthesizer : public AcousticSynthesizer {
 
   Gtf network_;
   double horizontal_fov_rad_;
+  bool limits_level_;
   std::optional<View> seen_;  ///< what the network looked at last
   Waveform sound_;
   std::optional<Vector3> speaker_m_;

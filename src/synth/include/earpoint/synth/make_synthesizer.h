@@ -16,6 +16,9 @@ struct SynthesizerOptions {
   int threads = 1;
   /// Of a gtf network that knows two: 0 the mean, 1 natural. Nothing: natural, and any network.
   std::optional<double> texture;
+  /// The network was trained for enhancement: what it answers is no place's sound, and has a level
+  /// of its own.
+  bool enhances = false;
 };
 
 /// @param model  `input`, `dsp`, or the path of a weight file

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include <earpoint/core/image.h>
 #include <earpoint/video/media.h>
@@ -16,6 +17,9 @@ class PictureStream {
   PictureStream() = default;
   /// @throws InputError if the file is neither a picture nor a movie with frames
   explicit PictureStream(const std::filesystem::path& path);
+
+  /// A still picture in memory; null: none.
+  explicit PictureStream(std::shared_ptr<const Image> picture) : image_(std::move(picture)) {}
 
   [[nodiscard]] bool empty() const { return !frames_ && image_ == nullptr; }
 

@@ -8,7 +8,7 @@
 
 namespace earpoint {
 
-/// Where rendered sound goes.
+/// Where rendered sound goes: blocks of 2 channels.
 class SoundSink {
  public:
   virtual ~SoundSink() = default;
@@ -23,12 +23,13 @@ class SoundSink {
 /// picture of `movie`.
 ///
 /// @param movie    the source movie; empty if the source has no moving picture
-/// @param samples  that will be written, per ear
+/// @param samples   that will be written, per ear
+/// @param channels  2, or 1: both channels are the same, and a sound file gets one of them
 /// @throws InputError if the extension is not known, the file cannot be written, a movie is asked
 /// for
 ///         without one, or a WAV file cannot hold so many samples
 std::unique_ptr<SoundSink> open_sound_sink(const std::filesystem::path& output, int sample_rate_hz,
                                            const std::filesystem::path& movie,
-                                           std::ptrdiff_t samples);
+                                           std::ptrdiff_t samples, int channels = 2);
 
 }  // namespace earpoint

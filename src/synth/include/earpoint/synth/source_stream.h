@@ -3,11 +3,13 @@
 #include <array>
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include <earpoint/audio/ambient_separation.h>
 #include <earpoint/audio/butterworth.h>
 #include <earpoint/audio/resample.h>
 #include <earpoint/audio/stereo_check.h>
@@ -44,13 +46,25 @@ struct SoundSurvey {
 ///         throughout (below -100 dB), or holds a sample that is no number (naming its time)
 SoundSurvey survey_sound(const SoundSource& source);
 
+/// How a recording is separated into primary and ambient sound.
+struct AmbientOptions {
+  AmbientSeparation separation = AmbientSeparation::bandpass;
+  /// What lies below is ambient, Hz; 0: none, and with bandpass all is primary.
+  double cutoff_hz = 0.0;
+};
+
+/// Gives the next samples of a recording, at most as many as asked for: 2 ears; none after the end.
+using BlockReader = std::function<Waveform(std::ptrdiff_t)>;
+
+/// Reads that sound from its beginning. @throws InputError as AudioReader
+[[nodiscard]] BlockReader read_blocks(const SoundSource& source);
+
 /// The recording as windows at a synthesizer's rate, read once, front to back, with bounded memory.
 class SourceStream {
  public:
-  /// @param model_rate_hz      at most the recording's rate
-  /// @param ambient_cutoff_hz  what lies below is ambient; 0: none
-  SourceStream(const SoundSource& source, const SoundSurvey& survey, int model_rate_hz,
-               double ambient_cutoff_hz);
+  /// @param model_rate_hz  at most the recording's rate
+  SourceStream(BlockReader read, const SoundSurvey& survey, int model_rate_hz,
+               const AmbientOptions& ambient);
 
   struct Window {
     Waveform primary;  ///< 2 ears, [context + samples + context]
@@ -73,17 +87,22 @@ class SourceStream {
 
  private:
   void read_block();
+  void append(const Waveform& block);
+  void separate_by_band(Window& window, std::ptrdiff_t start, std::ptrdiff_t context) const;
+  void separate_by_noise(Window& window, std::ptrdiff_t start, std::ptrdiff_t context) const;
 
   SoundSurvey survey_;
-  AudioReader reader_;
+  BlockReader read_;
   std::unique_ptr<StreamResampler> down_;  // null if the rates are equal
   std::unique_ptr<StreamResampler> up_;
   std::vector<SecondOrderSection> primary_band_;
   std::ptrdiff_t model_samples_;
   std::ptrdiff_t filter_margin_ = 0;
-  StreamBuffer model_;   // the recording at the model's rate
-  StreamBuffer native_;  // the recording, until its low band has come back from down_ and up_
-  StreamBuffer high_;    // native minus low band
+  std::optional<NoiseSuppressor> suppressor_;
+  StreamBuffer model_;    // the recording at the model's rate
+  StreamBuffer primary_;  // what suppressor_ has given of it
+  StreamBuffer native_;   // the recording, until its low band has come back from down_ and up_
+  StreamBuffer high_;     // native minus low band
   WaveformOutline outline_;
   bool ended_ = false;
 };

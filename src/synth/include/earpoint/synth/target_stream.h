@@ -53,6 +53,7 @@ class TargetStream {
   std::ptrdiff_t samples_;  // the recording's length
   double model_per_native_;
   float gain_;
+  RenderAnswer answer_;
   OverlapAdder adder_;
   std::unique_ptr<StreamResampler> up_;          // null if the rates are equal
   std::optional<BandExtension> band_extension_;  // none if the rates are equal or not wished

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include <earpoint/audio/ambient_separation.h>
 #include <earpoint/dataset/dataset_folder.h>
 #include <earpoint/dataset/pair_sample.h>
 #include <earpoint/dataset/replay.h>
@@ -54,7 +55,8 @@ struct PairOptions {
   Alignment alignment = Alignment::responses;  ///< in training; validation pairs are aligned
   /// Level of room noise in both sounds, dB re full scale; near microphones hear none.
   std::optional<double> ambient_db;
-  bool separate = true;                ///< take the ambient sound out again, by the high-pass
+  bool separate = true;                                        ///< take the ambient sound out again
+  AmbientSeparation separation = AmbientSeparation::bandpass;  ///< and how
   std::size_t validation_pairs = 256;  ///< of the frozen list, evenly spread; 0 takes all
   std::size_t cache_bytes = 0;
   /// Called for each example that cannot be made, which is then left out; without it that ends

@@ -1,0 +1,112 @@
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include <earpoint/audio/noise_tracker.h>
+#include <earpoint/core/random.h>
+
+namespace earpoint {
+namespace {
+
+constexpr int kBins = 257;
+constexpr double kHop_s = 0.008;
+constexpr int kFramesPerSecond = 125;
+
+/// Power of a frame of complex noise of that mean power: exponentially distributed.
+std::vector<float> noise_frame(double mean, RandomStream& random) {
+  std::vector<float> power(kBins);
+  for (float& value : power) {
+    value = static_cast<float>(-mean * std::log(1.0 - random.uniform()));
+  }
+  return power;
+}
+
+double mean_db(std::span<const float> values) {
+  const double sum = std::accumulate(values.begin(), values.end(), 0.0);
+  return 10.0 * std::log10(sum / static_cast<double>(values.size()));
+}
+
+/// A tracker that has heard two seconds of noise of power 1.
+NoiseTracker settled(RandomStream& random) {
+  NoiseTracker tracker(kBins, kHop_s);
+  std::vector<float> start;
+  for (int i = 0; i < kFramesPerSecond; ++i) {
+    const std::vector<float> frame = noise_frame(1.0, random);
+    start.insert(start.end(), frame.begin(), frame.end());
+  }
+  tracker.start(start);
+  for (int i = 0; i < 2 * kFramesPerSecond; ++i) tracker.update(noise_frame(1.0, random));
+  return tracker;
+}
+
+// Over 257 bins and about 39 frames that the average remembers, chance moves the mean by less than
+// 0.1 dB. Frames whose smoothed power happens to be 7 dB above the minimum are left out, which
+// makes the estimate up to 0.5 dB too small.
+constexpr double kBias_db = 0.6;
+
+TEST(NoiseTracker, FindsThePowerOfStationaryNoise) {
+  RandomStream random(1);
+  EXPECT_NEAR(mean_db(settled(random).noise()), 0.0, kBias_db);
+}
+
+TEST(NoiseTracker, KnowsTheNoiseAfterTheFirstSecond) {
+  RandomStream random(2);
+  NoiseTracker tracker(kBins, kHop_s);
+  std::vector<float> start;
+  // Speech 30 dB above the noise from the first frame on, with a pause of a third of a second.
+  for (int i = 0; i < kFramesPerSecond; ++i) {
+    const bool pause = i > 70 && i < 112;
+    const std::vector<float> frame = noise_frame(pause ? 1.0 : 1000.0, random);
+    start.insert(start.end(), frame.begin(), frame.end());
+  }
+  tracker.start(start);
+  // The smoothed power falls to within 1 dB of the noise in 36 frames (0.8^36 of 1000 is 0.3), in
+  // which nothing is averaged yet: what is known is 1.5 times the minimum of the rest.
+  EXPECT_NEAR(mean_db(tracker.noise()), 0.0, 2.0);
+}
+
+TEST(NoiseTracker, DoesNotTakeSyllablesForNoise) {
+  RandomStream random(3);
+  NoiseTracker tracker = settled(random);
+  for (int i = 0; i < 4 * kFramesPerSecond; ++i) {
+    tracker.update(noise_frame(i % 60 < 25 ? 1000.0 : 1.0, random));
+  }
+  // The first frame raises the smoothed power by a fifth of 30 dB, far above 7 dB. At the end of a
+  // syllable the smoothed power takes 24 frames to come within 7 dB, when the noise is alone.
+  EXPECT_NEAR(mean_db(tracker.noise()), 0.0, kBias_db);
+}
+
+TEST(NoiseTracker, FollowsAFallWithinThreeTenthsOfASecond) {
+  RandomStream random(4);
+  NoiseTracker tracker = settled(random);
+  // 20 dB take 4.6 time constants of 20 frames by the average alone: 0.74 s. To within 3 dB of
+  // 6 dB less: 1.4 of them.
+  for (int i = 0; i < 0.3 * kFramesPerSecond; ++i) tracker.update(noise_frame(0.25, random));
+  EXPECT_NEAR(mean_db(tracker.noise()), -6.0, 3.0);
+}
+
+TEST(NoiseTracker, FollowsARiseOfTenDecibelsWithinItsStatedTimeAndNotBefore) {
+  RandomStream random(5);
+  NoiseTracker tracker = settled(random);
+  const int stated = static_cast<int>(1.6 * kFramesPerSecond);
+  for (int i = 0; i < kFramesPerSecond / 4; ++i) tracker.update(noise_frame(10.0, random));
+  EXPECT_LT(mean_db(tracker.noise()), 5.0);
+  for (int i = kFramesPerSecond / 4; i < stated; ++i) tracker.update(noise_frame(10.0, random));
+  // Three time constants of the average after the last window of quiet is forgotten.
+  EXPECT_NEAR(mean_db(tracker.noise()), 10.0, 1.0);
+}
+
+TEST(NoiseTracker, HoldsTheSameTimesForOtherHops) {
+  RandomStream random(6);
+  NoiseTracker tracker(kBins, 2.0 * kHop_s);
+  tracker.start(noise_frame(1.0, random));
+  for (int i = 0; i < kFramesPerSecond; ++i) tracker.update(noise_frame(1.0, random));
+  for (int i = 0; i < 0.8 * kFramesPerSecond; ++i) tracker.update(noise_frame(10.0, random));
+  EXPECT_NEAR(mean_db(tracker.noise()), 10.0, 1.0);
+}
+
+}  // namespace
+}  // namespace earpoint
