@@ -22,6 +22,7 @@ struct HeardTime {
 struct HeardEvent {
   std::size_t device = 0;  ///< a camera
   int ear = 0;
+  double expected_s = 0.0;  ///< about when, on the camera's clock
   std::vector<HeardTime> times;
 };
 
