@@ -60,13 +60,14 @@ class Synchronizer {
     match_onsets();
     match_claps();
     refine();
-    for (const SyncedDevice& device : result_.devices) {
+    for (std::size_t d = 0; d < result_.devices.size(); ++d) {
+      const SyncedDevice& device = result_.devices[d];
       if (device.method != SyncMethod::onsets) continue;
+      const bool placed = !device.is_camera || matched_[d].world_from_head;
       result_.notes.push_back(
           fmt::format("{} {} is synchronised by onsets alone, to some ten milliseconds: {}",
                       device.is_camera ? "camera" : "near microphone of", device.clock.name,
-                      device.is_camera ? "it is not calibrated, or too few others are"
-                                       : "its voice is heard alone too rarely"));
+                      placed ? "voices are heard alone too rarely" : "it is not calibrated"));
     }
     return std::move(result_);
   }
