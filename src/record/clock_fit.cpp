@@ -81,7 +81,7 @@ class Fit {
 
   [[nodiscard]] double anchor_travel_s(const SoundEvent& event, const Vector3& place) const {
     const FitDevice& anchor = devices_[event.anchor];
-    if (!event.anchor_ear) return anchor.near_distance_m / kSpeedOfSound_m_s;
+    if (!event.anchor_ear) return anchor.near_distance_m / kSoundMetresPerSecond;
     return travel_time_s(place, *anchor.world_from_head, *event.anchor_ear);
   }
 
@@ -278,7 +278,7 @@ double travel_time_s(const Vector3& source_m, const Pose& world_from_head, int e
   const double distance_m = std::max(norm(to_source), 1e-3);
   const Vector3 left = rotate(world_from_head.orientation, {0, 1, 0});
   const double towards_left = std::clamp(dot(to_source, left) / distance_m, -1.0, 1.0);
-  return distance_m / kSpeedOfSound_m_s +
+  return distance_m / kSoundMetresPerSecond +
          rigid_sphere_delays_s(distance_m, towards_left)[static_cast<std::size_t>(ear)];
 }
 

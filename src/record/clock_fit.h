@@ -10,7 +10,7 @@
 
 namespace earpoint {
 
-inline constexpr double kSpeedOfSound_m_s = 343.0;
+inline constexpr double kSoundMetresPerSecond = 343.0;
 
 /// When an ear of a camera may have heard the sound of an event.
 struct HeardTime {

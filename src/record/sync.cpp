@@ -138,7 +138,7 @@ class Synchronizer {
       const double metres = device.world_from_head
                                 ? norm(device.world_from_head->position_m - clap_m)
                                 : kToMicrophone_m;
-      return metres / kSpeedOfSound_m_s;
+      return metres / kSoundMetresPerSecond;
     };
     const double emitted_s = *result_.devices.front().clap_s - way_s(matched_.front());
     for (std::size_t d = 1; d < matched_.size(); ++d) {
@@ -204,7 +204,7 @@ class Synchronizer {
   void remove_ways_from(const Vector3& centre_m, std::vector<FitDevice>& devices) const {
     const auto way_s = [&](const FitDevice& device) {
       return device.world_from_head
-                 ? norm(device.world_from_head->position_m - centre_m) / kSpeedOfSound_m_s
+                 ? norm(device.world_from_head->position_m - centre_m) / kSoundMetresPerSecond
                  : 0.0;
     };
     const double reference_s = way_s(devices.front());
@@ -216,6 +216,7 @@ class Synchronizer {
 
   static std::vector<DeviceClock> clocks_of(const std::vector<FitDevice>& devices) {
     std::vector<DeviceClock> clocks;
+    clocks.reserve(devices.size());
     for (const FitDevice& device : devices) clocks.push_back(device.clock);
     return clocks;
   }

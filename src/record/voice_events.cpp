@@ -177,7 +177,7 @@ std::vector<SoundEvent> VoiceEvents::find(const std::vector<DeviceClock>& clocks
       const double travel_s =
           anchor.is_camera
               ? 0.0
-              : norm(camera.world_from_head->position_m - centre_m_) / kSpeedOfSound_m_s;
+              : norm(camera.world_from_head->position_m - centre_m_) / kSoundMetresPerSecond;
       const double expected_s = device_time_s(clocks[d], session_s + travel_s);
       const auto first =
           static_cast<std::ptrdiff_t>(std::lround((expected_s - 0.5 * kEvent_s) * kSyncRateHz)) -
