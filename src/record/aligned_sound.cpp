@@ -14,7 +14,8 @@
 namespace earpoint {
 namespace {
 
-constexpr int kTaps = 32;
+constexpr int kHalf = 16;
+constexpr int kTaps = 2 * kHalf;
 constexpr int kPhases = 512;
 constexpr std::ptrdiff_t kBlock = 16384;
 
@@ -26,9 +27,9 @@ const std::vector<Taps>& sinc_table() {
     std::vector<Taps> rows(kPhases + 1);
     for (int phase = 0; phase <= kPhases; ++phase) {
       for (int tap = 0; tap < kTaps; ++tap) {
-        const double t = tap - (kTaps / 2 - 1) - static_cast<double>(phase) / kPhases;
+        const double t = tap - (kHalf - 1) - static_cast<double>(phase) / kPhases;
         const double sinc = t == 0.0 ? 1.0 : std::sin(kPi * t) / (kPi * t);
-        const double window = 0.5 + 0.5 * std::cos(kPi * t / (kTaps / 2));
+        const double window = 0.5 + 0.5 * std::cos(kPi * t / kHalf);
         rows[phase][tap] = static_cast<float>(sinc * window);
       }
     }
@@ -132,7 +133,7 @@ Waveform AlignedSound::read(std::ptrdiff_t frames) {
   for (std::ptrdiff_t n = 0; n < frames; ++n) {
     const double place = position(n);
     const double whole = std::floor(place);
-    const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(whole) - (kTaps / 2 - 1) - s.first;
+    const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(whole) - (kHalf - 1) - s.first;
     if (at < 0 || at + kTaps > std::ssize(s.held.front())) continue;
     for (std::size_t c = 0; c < s.held.size(); ++c) {
       sound.channel(static_cast<int>(c))[n] = interpolate(s.held[c].data() + at, place - whole);

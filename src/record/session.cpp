@@ -21,7 +21,7 @@ constexpr const char* kFormat = "earpoint-session-1";
 /// Names appear in file names and tables.
 std::string name_of(const JsonField& object, std::set<std::string>& taken) {
   const JsonField field = object.field("name");
-  const std::string name = field.text();
+  std::string name = field.text();
   const bool plain = !name.empty() && std::ranges::all_of(name, [](char c) {
     return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' || c == '_' || c == '.';
   });
