@@ -17,7 +17,7 @@ constexpr int kRight = 60;
 constexpr int kTop = 40;
 constexpr int kStrip = 46;
 constexpr int kBottom = 40;
-constexpr double kSpan_ms = 0.6;  ///< what the fit keeps
+constexpr double kSpanMs = 0.6;  ///< what the fit keeps
 
 constexpr Color kWhite{255, 255, 255};
 constexpr Color kGrey{120, 120, 120};
@@ -36,12 +36,12 @@ class SyncPlot {
   Image draw() {
     draw_text(image_, {10.0, 24.0},
               fmt::format("Clocks against camera {}: what is left of times of arrival, +-{:.1f} ms",
-                          result_.devices.front().clock.name, kSpan_ms),
+                          result_.devices.front().clock.name, kSpanMs),
               {.size = 16.0, .is_bold = true});
     for (std::size_t d = 0; d < result_.devices.size(); ++d) strip(d);
     for (const SyncResidual& residual : result_.residuals) {
       const double y =
-          middle(residual.device) - 1e3 * residual.residual_s / kSpan_ms * (0.5 * kStrip - 4.0);
+          middle(residual.device) - 1e3 * residual.residual_s / kSpanMs * (0.5 * kStrip - 4.0);
       fill_rect(image_, {column(residual.time_s) - 1, static_cast<int>(y) - 1, 2, 2}, kBlue, 0.5);
     }
     for (const LocatedVoice& voice : result_.voices) {
