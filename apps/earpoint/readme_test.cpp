@@ -60,8 +60,8 @@ void fill(const fs::path& folder) {
   fs::copy_file(EARPOINT_SOURCE_DIR "/src/scene/testdata/room.glb", folder / "flat.glb");
   write_file(folder / "room-walk.csv",
              "time_s,x,y,z,yaw_deg,pitch_deg,roll_deg\n0,5,1,1.6,90,0,0\n2,3,4,1.6,180,0,0\n");
-  TestSession session = make_test_session(
-      {.cameras = 3, .people = 1, .duration_s = 16.0, .reverberation_s = 0.0});
+  TestSession session =
+      make_test_session({.cameras = 3, .people = 1, .duration_s = 16.0, .reverberation_s = 0.0});
   write_test_session(folder, session);
   fs::create_directory(folder / "speech");
   write_file(folder / "speech" / "speech.csv",

@@ -56,7 +56,7 @@ struct SyncResult {
 };
 
 struct SyncOptions {
-  std::optional<double> clap_s;   ///< as Session has them
+  std::optional<double> clap_s;  ///< as Session has them
   std::optional<Vector3> clap_m;
 };
 
