@@ -4,6 +4,7 @@
 #include "metrics_command.h"
 #include "model_command.h"
 #include "pairs_command.h"
+#include "record_command.h"
 #include "render_command.h"
 #include "run_app.h"
 #include "serve_command.h"
@@ -25,6 +26,7 @@ int main(int argc, char** argv) {
   earpoint::add_locate_command(app);
   add_metrics_command(app);
   add_pairs_command(app);
+  earpoint::add_record_command(app);
   earpoint::add_render_command(app);
   add_model_command(app);
   earpoint::add_serve_command(app);
