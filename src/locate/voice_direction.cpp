@@ -152,6 +152,13 @@ VoiceDirection::~VoiceDirection() = default;
 VoiceDirection::VoiceDirection(VoiceDirection&&) noexcept = default;
 VoiceDirection& VoiceDirection::operator=(VoiceDirection&&) noexcept = default;
 
+void VoiceDirection::start() {
+  for (auto& samples : state_->samples) samples.clear();
+  state_->floor.fill(0.0);
+  state_->loudness = 0.0;
+  state_->has_frame = false;
+}
+
 DirectionEvidence VoiceDirection::listen(const Waveform& block) {
   EARPOINT_CHECK(block.channels() == 2 && block.sample_rate_hz() == kSampleRateHz);
   State& state = *state_;

@@ -98,7 +98,7 @@ SoundSurvey survey_sound(const SoundSource& source) {
   if (!is_one_by_request) survey.stereo = stereo.kind();
   survey.warnings = reader.warnings();
   std::string warning = warning_of(survey.stereo);
-  if (!warning.empty()) survey.warnings.push_back(std::move(warning));
+  if (!warning.empty() && !source.placement) survey.warnings.push_back(std::move(warning));
   return survey;
 }
 
@@ -113,6 +113,9 @@ SourceStream::SourceStream(const SoundSource& source, const SoundSurvey& survey,
       high_(2, survey.sample_rate_hz),
       outline_(survey.sample_rate_hz) {
   EARPOINT_CHECK(model_rate_hz <= survey.sample_rate_hz);
+  if (source.placement) {
+    placer_.emplace(*source.placement, HrtfSet::load(survey.sample_rate_hz));
+  }
   if (model_rate_hz != survey.sample_rate_hz) {
     down_ = std::make_unique<StreamResampler>(2, survey.sample_rate_hz, model_rate_hz);
     up_ = std::make_unique<StreamResampler>(2, model_rate_hz, survey.sample_rate_hz);
@@ -125,9 +128,10 @@ SourceStream::SourceStream(const SoundSource& source, const SoundSurvey& survey,
 }
 
 void SourceStream::read_block() {
-  const Waveform block = reader_.read(kBlock);
+  Waveform block = reader_.read(kBlock);
   ended_ = block.samples() == 0;
-  if (!ended_) outline_.add(block);
+  if (placer_) block = ended_ ? placer_->finish() : placer_->process(block);
+  if (block.samples() > 0) outline_.add(block);
   if (!down_) {
     model_.append(block);
     return;

@@ -49,6 +49,9 @@ class VoiceDirection {
   /// @param block  2 ears, 16 kHz, finite
   [[nodiscard]] DirectionEvidence listen(const Waveform& block);
 
+  /// Forgets what was heard: another recording follows.
+  void start();
+
  private:
   struct State;
   std::unique_ptr<State> state_;
