@@ -16,6 +16,7 @@ namespace {
 struct Worker {
   std::vector<std::unique_ptr<Method>> methods;
   ClipMeasurer measurer;
+  SpeakerTelling tell;  ///< empty: the truth
 };
 
 /// One pair of a batch, on its way through.
@@ -35,7 +36,8 @@ class Evaluation {
     for (int i = 0; i < options.jobs; ++i) {
       Worker worker{.methods = {},
                     .measurer = ClipMeasurer(options.make_estimator ? options.make_estimator()
-                                                                    : ReverberationEstimator())};
+                                                                    : ReverberationEstimator()),
+                    .tell = options.make_telling ? options.make_telling() : SpeakerTelling()};
       for (const MethodEntry& entry : methods) worker.methods.push_back(entry.make());
       workers_.push_back(std::move(worker));
     }
@@ -82,11 +84,13 @@ class Evaluation {
     if (set_.knows_speaker()) clip.result.speaker_m = sample->speaker_m;
     clip.result.speaker_in_sight = sample->speaker_box.has_value();
     const std::optional<PairSample> released = set_.released_sample(pair);
+    const PairSample told = as_told(*sample, worker);
+    const PairSample released_told = released ? as_told(*released, worker) : PairSample();
     for (std::size_t m = 0; m < methods_.size(); ++m) {
-      Waveform rendering = render(m, worker, *sample, clip);
+      Waveform rendering = render(m, worker, *sample, told, clip);
       clip.result.honest.push_back(worker.measurer.measure(rendering));
       if (released) {
-        rendering = render(m, worker, *released, clip);
+        rendering = render(m, worker, *released, released_told, clip);
         clip.result.released.push_back(worker.measurer.measure(rendering));
       } else {
         clip.result.released.push_back(clip.result.honest.back());
@@ -95,18 +99,23 @@ class Evaluation {
     }
   }
 
+  /// What methods may see, which are no oracles.
+  static PairSample as_told(PairSample sample, const Worker& worker) {
+    sample.target = Waveform();
+    if (worker.tell) worker.tell(sample);
+    return sample;
+  }
+
   /// Shows the method what it may see.
   Waveform render(std::size_t method, Worker& worker, const PairSample& sample,
-                  const Clip& clip) const {
+                  const PairSample& told, const Clip& clip) const {
     const MethodEntry& entry = methods_[method];
     try {
       if (entry.is_oracle) {
         return worker.methods[method]->render(
             {sample, clip.result.scene, clip.truth ? &*clip.truth : nullptr});
       }
-      PairSample seen = sample;
-      seen.target = Waveform();
-      return worker.methods[method]->render({seen, clip.result.scene});
+      return worker.methods[method]->render({told, clip.result.scene});
     } catch (const InputError& error) {
       throw InputError("method " + entry.name, error.what());
     }

@@ -197,6 +197,7 @@ std::string json_of(const EvaluationTable& table, const EvaluationSubject& subje
   json["split"] = subject.split;
   json["target"] = subject.target == PairTarget::viewpoint ? "viewpoint" : "near_microphone";
   json["ambient_db"] = subject.ambient_db ? Json(*subject.ambient_db) : Json();
+  json["boxes"] = subject.boxes;
   json["pairs"] = subject.pairs;
   json["clips"] = table.clips;
   json["conversations"] = table.conversations;

@@ -185,9 +185,10 @@ PeopleInPicture StillSpeakerFinder::find(std::vector<DetectedPerson> people,
     tracked.push_back({.track = static_cast<int>(tracked.size()), .box = person.box});
   }
   direction_.start();
-  const SpeakerMoment moment =
-      speaker_moment(tracked, direction_.listen(sound), horizontal_fov_rad_);
+  const DirectionEvidence evidence = direction_.listen(sound);
+  const SpeakerMoment moment = speaker_moment(tracked, evidence, horizontal_fov_rad_);
   found.belief = active_speakers(std::span(&moment, 1)).front();
+  found.heard_azimuth_rad = evidence.azimuth_rad();
   found.people = std::move(people);
   return found;
 }

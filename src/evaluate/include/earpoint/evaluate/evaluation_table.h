@@ -64,6 +64,7 @@ struct EvaluationSubject {
   std::string pairs;  ///< where they come from
   PairTarget target = PairTarget::viewpoint;
   std::optional<double> ambient_db;  ///< as with_ambient() has it
+  std::string boxes = "true";        ///< what methods were told; as boxes_named() knows it
 };
 
 /// @return the JSON of `earpoint evaluate --json`; docs/formats.md describes it

@@ -72,7 +72,8 @@ struct PeopleSearch {
 /// Who is in one picture and who of them speaks in a short sound.
 struct PeopleInPicture {
   std::vector<DetectedPerson> people;
-  SpeakerBelief belief;  ///< over the whole sound
+  SpeakerBelief belief;            ///< over the whole sound
+  double heard_azimuth_rad = 0.0;  ///< where the voice comes from by the sound alone
 
   /// Where the most probable speaker is seen; nothing: not in the picture.
   [[nodiscard]] std::optional<Box> speaker_box() const;
