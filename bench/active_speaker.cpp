@@ -18,6 +18,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/core.h>
@@ -41,6 +42,7 @@ using namespace earpoint;
 
 constexpr std::uint64_t kSeed = 1;
 constexpr int kRateHz = 16000;
+constexpr int kWindows = 4;  // of every speaker at every viewpoint
 constexpr double kFovRad = kPi / 2;
 constexpr double kSamePerson = 0.3;  // overlap (IoU) from which a box shows a person
 constexpr double kWellApartDegrees = 15.0;
@@ -56,8 +58,11 @@ struct Case {
   bool speaker_in_sight = false;
   double angle_deg = 0.0;  // between the two, as seen from the camera
   double certainty = 0.0;
-  std::optional<double> level_error_db;  // between the target's ears, from mono
-  std::optional<double> binaural_level_error_db;  // the same from the binaural source
+  // Between the target's ears: from mono put at the person that was found and at the one that
+  // truly speaks, and from the binaural source.
+  std::optional<double> found_level_error_db;
+  std::optional<double> given_level_error_db;
+  std::optional<double> binaural_level_error_db;
 };
 
 struct Bench {
@@ -121,12 +126,12 @@ Waveform through_gtf(Bench& bench, const PairSample& sample, const Waveform& sou
   return bench.gtf->synthesize(sample.source_from_target);
 }
 
-double level_error(const PairSample& sample, const Waveform& rendered) {
+std::optional<double> level_error(const PairSample& sample, const Waveform& rendered) {
   return binaural_metrics(sample.target, rendered).lre_db;
 }
 
 /// The source made mono, its voice put at the box, and rendered at the target.
-double mono_level_error(Bench& bench, const PairSample& sample, const Box& box) {
+std::optional<double> mono_level_error(Bench& bench, const PairSample& sample, const Box& box) {
   Waveform mono(2, sample.source.samples(), kRateHz);
   for (std::ptrdiff_t i = 0; i < mono.samples(); ++i) {
     const float mean = 0.5F * (sample.source.channel(0)[i] + sample.source.channel(1)[i]);
@@ -175,11 +180,13 @@ Case measure(Bench& bench, const PairSampler& sampler, const SoundSpacesClip& cl
       azimuth_of(view, clip.speakers[0]) - azimuth_of(view, clip.speakers[1]))));
   result.certainty = found.belief.outside;
   for (const double value : found.belief.people) result.certainty = std::max(result.certainty, value);
-  if (bench.gtf && chosen && bench.samples == kRateHz) {
-    result.level_error_db = mono_level_error(bench, sample, *chosen);
-    result.binaural_level_error_db =
-        level_error(sample, through_gtf(bench, sample, sample.source, chosen));
+  if (!bench.gtf || bench.samples != kRateHz) return result;
+  if (chosen) result.found_level_error_db = mono_level_error(bench, sample, *chosen);
+  if (truth[speaker]) {
+    result.given_level_error_db = mono_level_error(bench, sample, *truth[speaker]);
   }
+  result.binaural_level_error_db =
+      level_error(sample, through_gtf(bench, sample, sample.source, truth[speaker]));
   return result;
 }
 
@@ -191,8 +198,10 @@ std::vector<Case> measure_all(Bench& bench, const SoundSpacesDataset& dataset) {
     for (int viewpoint = 0; viewpoint < static_cast<int>(clip.viewpoints.size()); ++viewpoint) {
       for (int speaker = 0; speaker < static_cast<int>(clip.speakers.size()); ++speaker) {
         if (!clip.speakers[speaker].speech || clip.speakers.size() != 2) continue;
-        RandomStream random(kSeed, {number++});
-        cases.push_back(measure(bench, sampler, clip, viewpoint, speaker, random));
+        for (int window = 0; window < kWindows; ++window) {
+          RandomStream random(kSeed, {number++});
+          cases.push_back(measure(bench, sampler, clip, viewpoint, speaker, random));
+        }
       }
     }
   }
@@ -261,7 +270,8 @@ nlohmann::json report(const Bench& bench, const std::vector<Case>& cases) {
     row["to"] = to;
     json["by_certainty"].push_back(row);
   }
-  json["mono"] = level_json(cases, &Case::level_error_db);
+  json["mono_found"] = level_json(cases, &Case::found_level_error_db);
+  json["mono_given"] = level_json(cases, &Case::given_level_error_db);
   json["binaural"] = level_json(cases, &Case::binaural_level_error_db);
   return json;
 }

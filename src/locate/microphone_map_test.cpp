@@ -106,7 +106,7 @@ TEST(MatchMicrophones, LeavesAMicrophoneWithoutAPersonWhereThereAreFewer) {
   Session session(2, 60, 8, 1.0, false);
   for (NearRangeMoment& moment : session.moments) moment.distance_m.pop_back();
   const auto map = match_microphones(session.moments, kSilence_db);
-  EXPECT_EQ(std::ranges::count(map.person_of, std::nullopt), 1);
+  EXPECT_EQ(std::count(map.person_of.begin(), map.person_of.end(), std::nullopt), 1);
   EXPECT_EQ(map.person_of[session.microphone_of[0]], 0U);
   EXPECT_TRUE(match_microphones({}, kSilence_db).person_of.empty());
 }
