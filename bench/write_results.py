@@ -5,7 +5,7 @@ usage: bench/write_results.py MEASURED RESULTS.md [--measured-only]
 
 MEASURED holds vigas.md, gtf_bench.json, training.json, training_gtf.json, oracle_errors.md, render_speed.jsonl,
 render_memory.jsonl, demo.jsonl, trace_gates.md, learning_curves-single.md, learning_curves-novel.md,
-rt60_error.json, home_reverberation.jsonl, compare_tracers.json, kills.json,
+rt60_error.json, people_detection.jsonl, home_reverberation.jsonl, compare_tracers.json, kills.json,
 camera_bench.jsonl, simulate_cost.jsonl, evaluate-single.json, evaluate-novel.json, ablations-single.json, ablations-novel.json, generalisation.json,
 generalisation_heads.json, ambient-single.json, ambient-novel.json and enhance-novel.json; a section
 whose file is missing stays as it is in RESULTS.md, or says so where it is new; with --measured-only it
@@ -102,6 +102,24 @@ def rt60_table(text):
     rows += [f"| **all** | {run['responses']} | **{run['error_s']:.3f} s** (aim 0.08) |", "",
              f"On average {run['bias_s']:+.3f} s off; always saying the median would be "
              f"{run['error_of_saying_the_median_s']:.3f} s off."]
+    return "\n".join(rows)
+
+
+def detection_table(text):
+    names = {"people": "drawn", "novel": "views of conversations", "photographs": "photographs"}
+    rows = ["| detector | pictures | | people | recall | precision | height at least 1/8: recall | 1/4 | 1/2 | "
+            "processor-ms per picture |", "|---|---|---|---|---|---|---|---|---|---|"]
+    for line in text.splitlines():
+        run = json.loads(line)
+        clear = run["unoccluded"]
+        # Views of conversations do not tell who is hidden: everybody with a box counts.
+        known = clear["people"] > 0
+        count = clear if known else run["all"]
+        heights = [f"{step['recall']:.3f}" if known and step["people"] else "-"
+                   for step in run["by_height"][1:]]
+        rows.append(f"| {run['detector']} | {names[run['data']]} | {run['pictures']} | {count['people']} | "
+                    f"{count['recall']:.3f} | {count['precision']:.3f} | {' | '.join(heights)} | "
+                    f"{run['processor_ms_per_picture']:.1f} |")
     return "\n".join(rows)
 
 
@@ -244,6 +262,13 @@ SECTIONS = [
     ("Reverberation time from sound", "rt60_error.json", rt60_table,
      "`rt60_error DATA test`: the estimator that RTE is computed with, on simulated speech of homes and "
      "voices it has not heard, against the reverberation time of the response."),
+    ("People in pictures", "people_detection.jsonl", detection_table,
+     "`people_detection DATA test`: a person is found where a box overlaps by half (intersection over union). "
+     "*Drawn* are pictures of `earpoint-people-pictures`: homes and people of its test split, of whom nothing "
+     "but the picture's edge hides more than a tenth; others need not be found. *Views of conversations* are those "
+     "of `earpoint simulate`'s test split, of everybody with a box, hidden or not. *Photographs*: four of people "
+     "and six of things out of Debian packages, boxes drawn by hand (`bench/photographs.json`): a smoke test, no "
+     "measurement. NanoDet is what `./dev assets --people` installs."),
     ("Ablations in one home", "ablations-single.json", evaluation_table,
      "`earpoint evaluate --ablations --json`: the network without one of its parts."),
     ("Ablations in unseen homes", "ablations-novel.json", evaluation_table,

@@ -30,6 +30,8 @@ int main(int argc, char** argv) try {
   app.add_option("--views", options.views, "Pictures of each group")
       ->check(CLI::Range(1, 10))
       ->capture_default_str();
+  app.add_option("--split", options.split, "Draw the homes of this split alone")
+      ->check(CLI::IsMember({"train", "val", "test"}));
   app.add_option("--jobs", options.jobs, "Homes at a time")
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();

@@ -207,7 +207,8 @@ void draw_people_pictures(const PeoplePictureOptions& options, const FurnitureLi
                               : number < options.train_homes + options.val_homes ? "val"
                                                                                  : "test";
     const fs::path folder = options.out / split / fmt::format("home-{:04}", number);
-    if (!fs::exists(folder / kPeoplePictureList)) {
+    const bool is_wanted = !options.split || *options.split == split;
+    if (is_wanted && !fs::exists(folder / kPeoplePictureList)) {
       draw_home(options, furniture, figures, split, number, folder);
     }
     const std::lock_guard lock(mutex);

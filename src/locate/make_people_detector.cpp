@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <earpoint/core/data_folder.h>
 #include <earpoint/core/error.h>
 #include <earpoint/model/shipped_model.h>
 #include <earpoint/model/weights.h>
@@ -15,6 +16,15 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view kShipped = "people.safetensors";
+constexpr std::string_view kNanoDet = "nanodet";
+constexpr std::string_view kNanoDetFile = "people-nanodet.onnx";
+
+/// What `./dev assets --people` has installed.
+fs::path installed(std::string_view name) {
+  const auto folder = data_folder();
+  if (folder && fs::exists(*folder / name)) return *folder / name;
+  throw InputError("detector 'nanodet'", "is not installed", "run ./dev assets --people");
+}
 
 std::unique_ptr<PeopleDetector> own_network(const fs::path& path, int threads) {
   const std::string where = path.string();
@@ -40,9 +50,11 @@ std::unique_ptr<PeopleDetector> make_people_detector(const std::optional<fs::pat
     }
     return own_network(*shipped, threads);
   }
+  if (*file == kNanoDet) return make_people_detector(installed(kNanoDetFile), threads);
   const std::string extension = file->extension().string();
   if (extension == ".safetensors") return own_network(*file, threads);
-  if (extension != ".onnx") throw InputError(file->string(), "expected .safetensors or .onnx");
+  if (extension != ".onnx")
+    throw InputError(file->string(), "expected nanodet, or a .safetensors or .onnx file");
 #if EARPOINT_HAS_OPENCV
   return make_onnx_detector(*file, threads);
 #else

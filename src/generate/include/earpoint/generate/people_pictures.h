@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 
 #include <earpoint/scene/furniture.h>
@@ -21,7 +22,8 @@ struct PeoplePictureOptions {
   int views = 6;    ///< of each group
   int width = 320;
   int height = 192;
-  int jobs = 1;  ///< homes at a time
+  std::optional<std::string> split;  ///< the only one to draw; nothing: all
+  int jobs = 1;                      ///< homes at a time
 };
 
 /// Draws pictures of people in homes for detectors to learn from: people stand and sit at random
@@ -32,7 +34,8 @@ struct PeoplePictureOptions {
 ///
 /// Writes `out/{train,val,test}/home-NNNN/{*.jpg,people.json}`; a home whose list is there is left
 /// as it is, so that a killed run goes on. The same options and library give the same pictures.
-/// @param on_home  called, by one thread at a time, when a home is there: how many are, of how many
+/// @param on_home  called, by one thread at a time, when a home is there or not asked for: how many
+///                 are, of how many
 /// @throws InputError if it cannot write
 void draw_people_pictures(const PeoplePictureOptions& options, const FurnitureLibrary& furniture,
                           const FigureLibrary& figures,
