@@ -1,13 +1,14 @@
 // Who speaks, found by picture and sound in single seconds of a simulated data set: how often it is
-// right, by the angle between the two people, and what is said of speakers outside the picture. And
-// how near the level between the target's ears comes to the truth where the source is made mono and
-// its voice put at the speaker. Writes one JSON object to standard output.
+// right, by the angle between the two people, and what is said of speakers outside the picture; and
+// what gtf makes of being told that. And how near the level between the target's ears comes to the
+// truth where the source is made mono and its voice put at the speaker. Writes one JSON object to
+// standard output.
 //
 // usage: active_speaker DATA SPLIT DETECTOR [SECONDS]
 //
 // DETECTOR is a detector's file; "shipped"; "true", the boxes of the data set as they are; or
-// "jittered", the same moved by 5 % of their height, one in twenty missing. SECONDS: length of sound,
-// 1 by default.
+// "jittered", the same moved by 5 % of their height, one in twenty missing. SECONDS: length of
+// sound, 1 by default.
 
 #include <algorithm>
 #include <array>
@@ -28,6 +29,7 @@
 #include <earpoint/core/random.h>
 #include <earpoint/dataset/dataset_folder.h>
 #include <earpoint/dataset/pair_sample.h>
+#include <earpoint/evaluate/clip_metrics.h>
 #include <earpoint/evaluate/metrics.h>
 #include <earpoint/locate/box_overlap.h>
 #include <earpoint/locate/find_people.h>
@@ -51,6 +53,10 @@ constexpr std::array<double, 7> kAngles{0.0, 5.0, 10.0, 15.0, 30.0, 60.0, 181.0}
 
 enum class Answer { right, other, nobody };
 
+/// What gtf is told of the speaker, and the unchanged source beside it.
+enum class Told { input, nothing, found, truth };
+constexpr std::array<const char*, 4> kToldNames{"input", "none", "found", "true"};
+
 /// One second of one speaker at one viewpoint.
 struct Case {
   Answer answer = Answer::right;
@@ -63,6 +69,7 @@ struct Case {
   std::optional<double> found_level_error_db;
   std::optional<double> given_level_error_db;
   std::optional<double> binaural_level_error_db;
+  std::array<ClipMetrics, 4> told;  // by Told
 };
 
 struct Bench {
@@ -71,6 +78,7 @@ struct Bench {
   StillSpeakerFinder speakers{HrtfSet::load(kRateHz), kFovRad};
   HrtfSet head = HrtfSet::load(kRateHz);
   std::unique_ptr<GtfSynthesizer> gtf;
+  ClipMeasurer measurer{ReverberationEstimator()};
   std::ptrdiff_t samples = kRateHz;
 };
 
@@ -109,8 +117,7 @@ Answer judge(const std::optional<Box>& chosen, const std::vector<std::optional<B
   if (!truth[speaker]) return Answer::other;
   const double overlap = intersection_over_union(*chosen, *truth[speaker]);
   for (std::size_t i = 0; i < truth.size(); ++i) {
-    const bool is_nearer =
-        truth[i] && intersection_over_union(*chosen, *truth[i]) > overlap;
+    const bool is_nearer = truth[i] && intersection_over_union(*chosen, *truth[i]) > overlap;
     if (static_cast<int>(i) != speaker && is_nearer) return Answer::other;
   }
   return overlap >= kSamePerson ? Answer::right : Answer::other;
@@ -176,17 +183,25 @@ Case measure(Bench& bench, const PairSampler& sampler, const SoundSpacesClip& cl
   for (const auto& box : truth) result.in_sight += box ? 1 : 0;
   result.speaker_in_sight = truth[speaker].has_value();
   const SoundSpacesViewpoint& view = clip.viewpoints[viewpoint];
-  result.angle_deg = degrees_from_radians(std::abs(wrap_angle(
-      azimuth_of(view, clip.speakers[0]) - azimuth_of(view, clip.speakers[1]))));
+  result.angle_deg = degrees_from_radians(std::abs(
+      wrap_angle(azimuth_of(view, clip.speakers[0]) - azimuth_of(view, clip.speakers[1]))));
   result.certainty = found.belief.outside;
-  for (const double value : found.belief.people) result.certainty = std::max(result.certainty, value);
+  for (const double value : found.belief.people)
+    result.certainty = std::max(result.certainty, value);
   if (!bench.gtf || bench.samples != kRateHz) return result;
   if (chosen) result.found_level_error_db = mono_level_error(bench, sample, *chosen);
   if (truth[speaker]) {
     result.given_level_error_db = mono_level_error(bench, sample, *truth[speaker]);
   }
-  result.binaural_level_error_db =
-      level_error(sample, through_gtf(bench, sample, sample.source, truth[speaker]));
+  bench.measurer.set_target(sample.target, nullptr);
+  const auto told = [&](Told what, const Waveform& sound) {
+    result.told[static_cast<std::size_t>(what)] = bench.measurer.measure(sound);
+  };
+  told(Told::input, sample.source);
+  told(Told::nothing, through_gtf(bench, sample, sample.source, std::nullopt));
+  told(Told::found, through_gtf(bench, sample, sample.source, chosen));
+  told(Told::truth, through_gtf(bench, sample, sample.source, truth[speaker]));
+  result.binaural_level_error_db = result.told[static_cast<std::size_t>(Told::truth)][Metric::lre];
   return result;
 }
 
@@ -224,7 +239,7 @@ nlohmann::json shares(const std::vector<Case>& cases, Filter filter) {
 }
 
 /// Of numbers there are at all: how many are within the tolerance, and their median.
-nlohmann::json level_json(const std::vector<Case>& cases, std::optional<double> Case::* error) {
+nlohmann::json level_json(const std::vector<Case>& cases, std::optional<double> Case::*error) {
   std::vector<double> errors;
   for (const Case& one : cases) {
     if (one.*error) errors.push_back(*(one.*error));
@@ -237,6 +252,31 @@ nlohmann::json level_json(const std::vector<Case>& cases, std::optional<double> 
           {"median_db", errors[errors.size() / 2]}};
 }
 
+double mean_of(const std::vector<Case>& cases, Told told, Metric metric) {
+  double sum = 0.0;
+  int count = 0;
+  for (const Case& one : cases) {
+    const std::optional<double>& value = one.told[static_cast<std::size_t>(told)][metric];
+    if (!value) continue;
+    sum += *value;
+    ++count;
+  }
+  return sum / std::max(count, 1);
+}
+
+/// Errors of gtf by what it is told, over those of the unchanged source.
+nlohmann::json told_json(const std::vector<Case>& cases) {
+  nlohmann::json json = nlohmann::json::object();
+  for (const Told told : {Told::nothing, Told::found, Told::truth}) {
+    nlohmann::json& row = json[kToldNames[static_cast<std::size_t>(told)]];
+    for (const Metric metric : {Metric::mag, Metric::lre, Metric::interaural_delay}) {
+      row[std::string(name_of(metric).key)] =
+          mean_of(cases, told, metric) / mean_of(cases, Told::input, metric);
+    }
+  }
+  return json;
+}
+
 nlohmann::json report(const Bench& bench, const std::vector<Case>& cases) {
   const auto both = [](const Case& one) { return one.in_sight == 2; };
   nlohmann::json json{
@@ -244,12 +284,11 @@ nlohmann::json report(const Bench& bench, const std::vector<Case>& cases) {
       {"seconds", static_cast<double>(bench.samples) / kRateHz},
       {"all", shares(cases, [](const Case&) { return true; })},
       {"both_in_sight", shares(cases, both)},
-      {"well_apart", shares(cases, [&](const Case& one) {
-         return both(one) && one.angle_deg >= kWellApartDegrees;
-       })},
-      {"one_in_sight", shares(cases, [](const Case& one) {
-         return one.in_sight == 1 && one.speaker_in_sight;
-       })},
+      {"well_apart",
+       shares(cases,
+              [&](const Case& one) { return both(one) && one.angle_deg >= kWellApartDegrees; })},
+      {"one_in_sight",
+       shares(cases, [](const Case& one) { return one.in_sight == 1 && one.speaker_in_sight; })},
       {"speaker_outside", shares(cases, [](const Case& one) { return !one.speaker_in_sight; })},
       {"by_angle", nlohmann::json::array()},
       {"by_certainty", nlohmann::json::array()}};
@@ -261,17 +300,17 @@ nlohmann::json report(const Bench& bench, const std::vector<Case>& cases) {
     row["to_deg"] = kAngles[i + 1];
     json["by_angle"].push_back(row);
   }
-  for (const auto& [from, to] : {std::pair{0.0, 0.7}, std::pair{0.7, 0.9}, std::pair{0.9, 0.99},
-                                 std::pair{0.99, 1.01}}) {
-    nlohmann::json row = shares(cases, [&](const Case& one) {
-      return one.certainty >= from && one.certainty < to;
-    });
+  for (const auto& [from, to] :
+       {std::pair{0.0, 0.7}, std::pair{0.7, 0.9}, std::pair{0.9, 0.99}, std::pair{0.99, 1.01}}) {
+    nlohmann::json row =
+        shares(cases, [&](const Case& one) { return one.certainty >= from && one.certainty < to; });
     row["from"] = from;
     row["to"] = to;
     json["by_certainty"].push_back(row);
   }
   json["mono_found"] = level_json(cases, &Case::found_level_error_db);
   json["mono_given"] = level_json(cases, &Case::given_level_error_db);
+  json["gtf_told"] = told_json(cases);
   json["binaural"] = level_json(cases, &Case::binaural_level_error_db);
   return json;
 }
@@ -284,8 +323,9 @@ int run(int count, char** words) {
   Bench bench;
   bench.word = words[3];
   if (bench.word != "true" && bench.word != "jittered") {
-    bench.detector = bench.word == "shipped" ? make_people_detector()
-                                             : make_people_detector(std::filesystem::path(bench.word));
+    bench.detector = bench.word == "shipped"
+                         ? make_people_detector()
+                         : make_people_detector(std::filesystem::path(bench.word));
   }
   if (count == 5) bench.samples = static_cast<std::ptrdiff_t>(std::stod(words[4]) * kRateHz);
   if (const auto gtf = shipped_model_path("gtf.safetensors")) {

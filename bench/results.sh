@@ -258,6 +258,10 @@ results() {
     python3 bench/learning_curves.py "out/runs/$data" "docs/images/learning-curves-$data.svg" \
       >"out/bench/learning_curves-$data.md"
   done
+  if [ -f models/people.safetensors ]; then
+    say "Who speaks"
+    build/release/bench/active_speaker out/data/novel test shipped >out/bench/active_speaker.json
+  fi
   build/release/bench/rt60_error out/data/novel test models/rt60.safetensors >out/bench/rt60_error.json
   measure_detectors
   python3 bench/write_results.py out/bench docs/results.md

@@ -5,7 +5,7 @@ usage: bench/write_results.py MEASURED RESULTS.md [--measured-only]
 
 MEASURED holds vigas.md, gtf_bench.json, training.json, training_gtf.json, oracle_errors.md, render_speed.jsonl,
 render_memory.jsonl, demo.jsonl, trace_gates.md, learning_curves-single.md, learning_curves-novel.md,
-rt60_error.json, people_detection.jsonl, home_reverberation.jsonl, compare_tracers.json, kills.json,
+rt60_error.json, active_speaker.json, people_detection.jsonl, home_reverberation.jsonl, compare_tracers.json, kills.json,
 camera_bench.jsonl, simulate_cost.jsonl, evaluate-single.json, evaluate-novel.json, ablations-single.json, ablations-novel.json, generalisation.json,
 generalisation_heads.json, ambient-single.json, ambient-novel.json and enhance-novel.json; a section
 whose file is missing stays as it is in RESULTS.md, or says so where it is new; with --measured-only it
@@ -102,6 +102,43 @@ def rt60_table(text):
     rows += [f"| **all** | {run['responses']} | **{run['error_s']:.3f} s** (aim 0.08) |", "",
              f"On average {run['bias_s']:+.3f} s off; always saying the median would be "
              f"{run['error_of_saying_the_median_s']:.3f} s off."]
+    return "\n".join(rows)
+
+
+def speaker_table(text):
+    run = json.loads(text)
+    def row(name, part):
+        return (f"| {name} | {part['cases']} | {100 * part['right']:.1f} % | {100 * part['other']:.1f} % | "
+                f"{100 * part['nobody']:.1f} % |")
+    rows = [f"{run['detector']}, {run['seconds']:g} s of sound each.", "",
+            "| the two people, as seen from the camera | cases | right | the other person | \"not in the picture\" |",
+            "|---|---|---|---|---|"]
+    for step in run["by_angle"]:
+        upto = f"{step['from_deg']:.0f} to {step['to_deg']:.0f} degrees apart" if step["to_deg"] <= 180 else \
+            f"{step['from_deg']:.0f} degrees and more apart"
+        rows.append(row(upto, step))
+    rows += [row("**15 degrees and more apart** (aim 90 %)", run["well_apart"]),
+             row("one is out of the picture, the other speaks", run["one_in_sight"]),
+             row("the speaker is out of the picture (right: saying so)", run["speaker_outside"]),
+             row("**all** (aim 80 %)", run["all"]), "",
+             "How sure it says to be, and how often it is right:", "", "| certainty | cases | right |", "|---|---|---|"]
+    for step in run["by_certainty"]:
+        if step["cases"]:
+            rows.append(f"| {step['from']:.2f} to {min(step['to'], 1):.2f} | {step['cases']} | "
+                        f"{100 * step['right']:.1f} % |")
+    if run.get("gtf_told"):
+        rows += ["", "gtf's mean errors over those of the unchanged source, by what it is told of the speaker:", "",
+                 "| told | Mag | LRE | interaural delay |", "|---|---|---|---|"]
+        for name, errors in run["gtf_told"].items():
+            rows.append(f"| {name} | {errors['mag']:.3f} | {errors['lre_db']:.3f} | {errors['itd_us']:.3f} |")
+    if run.get("mono_given"):
+        rows += ["", "The source made mono, its voice put at a person and rendered by gtf: clips whose level between "
+                 "the ears is within 2 dB of the truth (aim 80 %).", "", "| source | clips | within 2 dB | median error |",
+                 "|---|---|---|---|"]
+        for name, key in (("mono, at the true speaker", "mono_given"), ("mono, at the one who was found", "mono_found"),
+                          ("binaural", "binaural")):
+            part = run[key]
+            rows.append(f"| {name} | {part['cases']} | {100 * part['within_2_db']:.1f} % | {part['median_db']:.2f} dB |")
     return "\n".join(rows)
 
 
@@ -269,6 +306,9 @@ SECTIONS = [
      "of `earpoint simulate`'s test split, of everybody with a box, hidden or not. *Photographs*: four of people "
      "and six of things out of Debian packages, boxes drawn by hand (`bench/photographs.json`): a smoke test, no "
      "measurement. NanoDet is what `./dev assets --people` installs."),
+    ("Who speaks, in unseen homes", "active_speaker.json", speaker_table,
+     "`active_speaker DATA test shipped`: people are found in the picture and the speaker among them by the time "
+     "between the ears, in single seconds of the test split; four for every speaker and viewpoint."),
     ("Ablations in one home", "ablations-single.json", evaluation_table,
      "`earpoint evaluate --ablations --json`: the network without one of its parts."),
     ("Ablations in unseen homes", "ablations-novel.json", evaluation_table,

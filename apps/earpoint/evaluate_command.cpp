@@ -236,9 +236,9 @@ void run(const Options& options) {
     write_report(*options.report, *set, methods, result, report, progress);
   }
   const earpoint::EvaluationTable table = make_table(result);
-  const earpoint::EvaluationSubject subject{options.data.string(), options.split, set->pairs(),
-                                            target_of(options), ambient_db(options),
-                                            options.boxes};
+  const earpoint::EvaluationSubject subject{options.data.string(), options.split,
+                                            set->pairs(),          target_of(options),
+                                            ambient_db(options),   options.boxes};
   const std::span<const earpoint::Metric> told =
       options.enhance ? kEnhancementMetrics : earpoint::told_metrics();
   if (options.json) {

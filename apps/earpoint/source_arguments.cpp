@@ -85,9 +85,10 @@ void add_channel_option(CLI::App& command, SourceArguments& arguments) {
 
 void add_recording_option(CLI::App& command, SourceArguments& arguments) {
   command
-      .add_option("--recording", arguments.recording,
-                  "What the sound is: binaural, stereo of a phone or mixing desk, or mono; the voice "
-                  "of the latter two is put at the speaker by head filters; auto finds out")
+      .add_option(
+          "--recording", arguments.recording,
+          "What the sound is: binaural, stereo of a phone or mixing desk, or mono; the voice "
+          "of the latter two is put at the speaker by head filters; auto finds out")
       ->check(CLI::IsMember({"auto", "binaural", "stereo", "mono"}))
       ->capture_default_str();
 }

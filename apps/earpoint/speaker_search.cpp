@@ -51,14 +51,15 @@ const char* words_for(StereoKind kind) {
 
 std::string side_of(double azimuth_rad) {
   const double azimuth_deg = degrees_from_radians(azimuth_rad);
-  return fmt::format("{:.0f} degrees {}", std::abs(azimuth_deg), azimuth_deg < 0 ? "right" : "left");
+  return fmt::format("{:.0f} degrees {}", std::abs(azimuth_deg),
+                     azimuth_deg < 0 ? "right" : "left");
 }
 
 std::string who_speaks(const PeopleInClip& people) {
   const SpeakerSummary summary = summary_of(people);
   if (summary.people == 0) return "nobody is in the picture";
-  const std::string found =
-      fmt::format("{} {} in the picture", summary.people, summary.people == 1 ? "person" : "people");
+  const std::string found = fmt::format("{} {} in the picture", summary.people,
+                                        summary.people == 1 ? "person" : "people");
   if (!people.hears_direction && summary.people > 1) {
     return found + "; without binaural sound it cannot be heard which of them speaks";
   }
@@ -131,18 +132,18 @@ void tell_of_speaker(const SourceArguments& arguments, const SpeakerSearchResult
   }
   if (result.kind == StereoKind::plausible) return;
   if (!result.is_placed) {
-    fmt::print(stderr,
-               "earpoint: {}: not binaural ({}), and nobody is known to put its voice at; --speaker "
-               "x,y,z or --speaker-box tells\n",
-               arguments.inputs.back(), words_for(result.kind));
+    fmt::print(
+        stderr,
+        "earpoint: {}: not binaural ({}), and nobody is known to put its voice at; --speaker "
+        "x,y,z or --speaker-box tells\n",
+        arguments.inputs.back(), words_for(result.kind));
     return;
   }
   const Vector3 mouth = source.sound.placement->rows.front().mouth_m;
   fmt::print(stderr,
              "earpoint: {}: not binaural ({}): its voice is put at the speaker, {}{}, by head "
              "filters; --recording binaural keeps it as it is\n",
-             arguments.inputs.back(), words_for(result.kind),
-             side_of(std::atan2(mouth.y, mouth.x)),
+             arguments.inputs.back(), words_for(result.kind), side_of(std::atan2(mouth.y, mouth.x)),
              source.sound.placement->rows.size() > 1 ? " at first" : "");
 }
 

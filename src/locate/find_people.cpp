@@ -76,9 +76,9 @@ PeopleInClip find_people(const RenderSource& source, const SoundSurvey& survey,
                          const PeopleSearch& search, ProgressSink& progress) {
   PeopleInClip found;
   found.hears_direction = search.hears_direction && !source.speaker_track;
-  found.detector = source.speaker_track           ? "given boxes"
+  found.detector = source.speaker_track         ? "given boxes"
                    : search.detector == nullptr ? "none"
-                                                  : search.detector->name();
+                                                : search.detector->name();
   People people(source, search.detector);
   SourceStream stream(source.sound, survey, kRate_hz, kAmbientCutoff_hz);
   std::optional<VoiceDirection> direction;

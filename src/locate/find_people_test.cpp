@@ -68,8 +68,7 @@ class FindPeople : public ::testing::Test {
         voice[t] = static_cast<float>(0.1 * envelope * random.normal());
       }
       const Waveform panned = pan_binaural(
-          voice, head,
-          {.azimuth_rad = radians_from_degrees(azimuths_deg[i]), .distance_m = 1.5});
+          voice, head, {.azimuth_rad = radians_from_degrees(azimuths_deg[i]), .distance_m = 1.5});
       for (int ear = 0; ear < 2; ++ear) {
         std::ranges::copy(panned.channel(ear),
                           sound.channel(ear).begin() + static_cast<std::ptrdiff_t>(i) * turn);
@@ -81,11 +80,10 @@ class FindPeople : public ::testing::Test {
 
   PeopleInClip find(PeopleDetector* detector, bool hears_direction = true) {
     SilentProgress silent;
-    return find_people(source_, survey_sound(source_.sound),
-                       {.detector = detector,
-                        .horizontal_fov_rad = kFov_rad,
-                        .hears_direction = hears_direction},
-                       silent);
+    return find_people(
+        source_, survey_sound(source_.sound),
+        {.detector = detector, .horizontal_fov_rad = kFov_rad, .hears_direction = hears_direction},
+        silent);
   }
 
   fs::path folder_;

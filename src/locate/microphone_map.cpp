@@ -94,8 +94,8 @@ Costs costs_for(const std::vector<std::vector<Match>>& matches, double gain_db) 
   for (const std::vector<Match>& row : matches) {
     costs.emplace_back();
     for (const Match& match : row) {
-      const double variance = std::pow(kGainSpread_db, 2) +
-                              std::pow(kUnexplained_db, 2) / std::max(match.weight, 1e-9);
+      const double variance =
+          std::pow(kGainSpread_db, 2) + std::pow(kUnexplained_db, 2) / std::max(match.weight, 1e-9);
       costs.back().push_back(match.cost + 0.5 * std::pow(match.gain_db - gain_db, 2) / variance);
     }
   }

@@ -108,9 +108,9 @@ void write_people_movie(const std::filesystem::path& path, const RenderSource& s
   AudioReader sound(source.sound.path, source.sound.binaural_channels, source.sound.audio_stream);
   const double rate_hz = picture_rate_hz(source);
   std::optional<MovieWriter> movie;
-  const double duration_s = 2.0 * people.frames.back().time_s -
-                            (people.frames.size() > 1 ? people.frames[people.frames.size() - 2].time_s
-                                                      : 0.0);
+  const double duration_s =
+      2.0 * people.frames.back().time_s -
+      (people.frames.size() > 1 ? people.frames[people.frames.size() - 2].time_s : 0.0);
   const auto count = std::max<std::ptrdiff_t>(1, std::llround(duration_s * rate_hz));
   progress.begin("drawing people", static_cast<double>(count), "pictures");
   for (std::ptrdiff_t i = 0; i < count; ++i) {

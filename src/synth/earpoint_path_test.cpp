@@ -144,7 +144,7 @@ TEST(SpeakerTrack, UnderstandsPixelsWhereThePictureIsKnown) {
 TEST(SpeakerTrack, ChoosesWhoSpeaksAmongThePeopleOfAFile) {
   const auto track = SpeakerTrack::parse_csv(
       "time_s,track,x0,y0,x1,y1,speaking,voice\n"
-      "0,0,0,0,0.2,1,0.1,1\n0,1,0.5,0,0.7,1,0.8,1\n"      // the second
+      "0,0,0,0,0.2,1,0.1,1\n0,1,0.5,0,0.7,1,0.8,1\n"        // the second
       "1,0,0,0,0.2,1,0.03,0.1\n1,1,0.5,0,0.7,1,0.02,0.1\n"  // silence: still that one
       "2,0,0,0,0.2,1,0.7,0.9\n2,1,0.5,0,0.7,1,0.1,0.9\n"    // the first
       "3,0,0,0,0.2,1,0.1,0.9\n3,1,0.5,0,0.7,1,0.2,0.9\n",   // 0.6 are left for somebody else

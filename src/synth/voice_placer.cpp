@@ -55,9 +55,8 @@ std::optional<VoicePlacement> placed_at(const SpeakerTrack& track, StereoKind ki
   VoicePlacement placement{.rows = {}, .kind = kind};
   for (const SpeakerTrack::Row& row : track.rows()) {
     if (!row.box) continue;
-    placement.rows.push_back(
-        {row.time_s, cartesian_from_spherical(speaker_direction_from_box(
-                         *row.box, horizontal_fov_rad, width, height))});
+    placement.rows.push_back({row.time_s, cartesian_from_spherical(speaker_direction_from_box(
+                                              *row.box, horizontal_fov_rad, width, height))});
   }
   return placement.rows.empty() ? std::nullopt : std::optional(std::move(placement));
 }
@@ -73,8 +72,7 @@ struct VoicePlacer::State {
   void pan(std::array<std::vector<float>, 2>& output) {
     const int size = panner.block_size();
     panned += size;
-    Spherical place = spherical_from_cartesian(
-        placement.at(static_cast<double>(panned) / rate_hz));
+    Spherical place = spherical_from_cartesian(placement.at(static_cast<double>(panned) / rate_hz));
     place.distance_m = std::max(place.distance_m, kNearest_m);
     const auto gain = static_cast<float>(1.0 / distance_gain(place.distance_m));
     std::vector<float> mono(voice.begin(), voice.begin() + size);
@@ -133,8 +131,8 @@ Waveform VoicePlacer::finish() {
   // Silence pushes out what the panner still holds: its delay and the block that is not full.
   std::array<std::vector<float>, 2> output;
   while (state_->given + std::ssize(output[0]) < state_->taken) {
-    state_->voice.resize(
-        std::max<std::size_t>(state_->voice.size(), state_->panner.block_size()), 0.0F);
+    state_->voice.resize(std::max<std::size_t>(state_->voice.size(), state_->panner.block_size()),
+                         0.0F);
     state_->pan(output);
   }
   return state_->ready(output);

@@ -73,8 +73,8 @@ TEST(VoicePlacer, TakesTheOneVoiceOutOfEveryKindOfStereo) {
   const HrtfSet head = HrtfSet::load(kRate_hz);
   const VoicePlacement same = placed_at({2.0, 0.0, 0.0}, StereoKind::same);
   const double expected = energy(place_all(same, head, noise_twice(3200, 1.0F)).planar());
-  for (const auto& [kind, right] : {std::pair{StereoKind::one_channel, 0.0F},
-                                    std::pair{StereoKind::inverted, -1.0F}}) {
+  for (const auto& [kind, right] :
+       {std::pair{StereoKind::one_channel, 0.0F}, std::pair{StereoKind::inverted, -1.0F}}) {
     const VoicePlacement placement{.rows = same.rows, .kind = kind};
     EXPECT_NEAR(energy(place_all(placement, head, noise_twice(3200, right)).planar()), expected,
                 1e-6 * expected);

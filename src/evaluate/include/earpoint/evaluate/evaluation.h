@@ -54,8 +54,8 @@ struct EvaluationOptions {
   bool skip_bad = false;
   /// Makes the estimator of a thread; empty: no RTE.
   std::function<ReverberationEstimator()> make_estimator;
-  /// Makes what tells methods about the speaker, for a thread; empty: the truth. Oracles are told the
-  /// truth.
+  /// Makes what tells methods about the speaker, for a thread; empty: the truth. Oracles are told
+  /// the truth.
   std::function<SpeakerTelling()> make_telling{};
 };
 

@@ -16,7 +16,8 @@ enum class SpeakerBoxes {
   none,      ///< nothing
 };
 
-/// @param name  "true", "detected" or "none". @throws InputError naming --boxes if it is none of them
+/// @param name  "true", "detected" or "none". @throws InputError naming --boxes if it is none of
+/// them
 [[nodiscard]] SpeakerBoxes boxes_named(std::string_view name);
 
 /// Puts what a method is told of the speaker in place of what the data set knows: speaker_box and
@@ -29,7 +30,8 @@ using SpeakerTelling = std::function<void(PairSample&)>;
 /// is where speaker_direction_from_box() takes it from the box, or 1.5 m away in the direction that
 /// is heard where the speaker is not in the picture.
 /// @param detector  a detector's file; nothing: the shipped one
-/// @throws InputError if the detector is missing or damaged; it is read here, before any work is done
+/// @throws InputError if the detector is missing or damaged; it is read here, before any work is
+/// done
 [[nodiscard]] std::function<SpeakerTelling()> telling_maker(
     SpeakerBoxes boxes, const std::optional<std::filesystem::path>& detector);
 

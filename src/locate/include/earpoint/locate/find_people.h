@@ -38,10 +38,10 @@ struct PeopleInClip {
 
 /// What a recording tells of its speaker, all in all.
 struct SpeakerSummary {
-  int people = 0;                  ///< tracks that were ever seen
-  std::optional<int> speaker;      ///< who speaks for most of the time; nothing: somebody outside
-  double outside_share = 0.0;      ///< of the time in which anybody speaks: somebody outside
-  double certainty = 0.0;          ///< mean probability of the most probable at each moment
+  int people = 0;              ///< tracks that were ever seen
+  std::optional<int> speaker;  ///< who speaks for most of the time; nothing: somebody outside
+  double outside_share = 0.0;  ///< of the time in which anybody speaks: somebody outside
+  double certainty = 0.0;      ///< mean probability of the most probable at each moment
 };
 
 /// How people are looked for and listened to.
@@ -65,8 +65,8 @@ struct PeopleSearch {
 
 [[nodiscard]] SpeakerSummary summary_of(const PeopleInClip& people);
 
-/// CSV with a row for every moment and person: time_s,track,x0,y0,x1,y1,speaking,voice. SpeakerTrack
-/// reads it.
+/// CSV with a row for every moment and person: time_s,track,x0,y0,x1,y1,speaking,voice.
+/// SpeakerTrack reads it.
 [[nodiscard]] std::string csv_of(const PeopleInClip& people);
 
 /// Who is in one picture and who of them speaks in a short sound.

@@ -7,8 +7,8 @@
 
 namespace earpoint {
 
-/// What the near-range microphones and one camera tell of one moment (a window of about a second) of
-/// a session. A session with several cameras gives a moment for each of them.
+/// What the near-range microphones and one camera tell of one moment (a window of about a second)
+/// of a session. A session with several cameras gives a moment for each of them.
 struct NearRangeMoment {
   std::vector<double> near_db;  ///< level at every near-range microphone
   double camera_db = 0.0;       ///< at the camera's ears
@@ -27,8 +27,8 @@ struct NearRangeMoment {
 /// Who wears which microphone.
 struct MicrophoneMap {
   std::vector<std::optional<std::size_t>> person_of;  ///< by microphone
-  /// By microphone: how surely it is that person and no other, 0.5 to 1; 0 where there is nobody. One
-  /// half where nothing told.
+  /// By microphone: how surely it is that person and no other, 0.5 to 1; 0 where there is nobody.
+  /// One half where nothing told.
   std::vector<double> certainty;
 };
 

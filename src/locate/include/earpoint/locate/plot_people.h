@@ -9,9 +9,9 @@
 
 namespace earpoint {
 
-/// Draws a box with its number around everybody, thick and bright around who speaks, with a bar that
-/// tells how surely; dashed where somebody is carried on while hidden. A line at the bottom says so
-/// when somebody speaks who is not in the picture.
+/// Draws a box with its number around everybody, thick and bright around who speaks, with a bar
+/// that tells how surely; dashed where somebody is carried on while hidden. A line at the bottom
+/// says so when somebody speaks who is not in the picture.
 void draw_people(Image& picture, const PeopleFrame& frame);
 
 /// Writes the recording as a movie with boxes drawn, at its picture's own rate (at most 30 a

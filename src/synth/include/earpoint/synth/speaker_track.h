@@ -37,9 +37,10 @@ class SpeakerTrack {
   /// Reads `time_s,x0,y0,x1,y1` (that header first; times grow). All boxes are in pixels if one has
   /// a number beyond 2, else normalised.
   ///
-  /// Or what `earpoint locate -o` writes, `time_s,track,x0,y0,x1,y1,speaking,voice`, a row for every
-  /// person: the speaker is the one with the largest `speaking`, or somebody outside the picture
-  /// where the rest of `voice` is larger; while `voice` is below one half, who spoke before.
+  /// Or what `earpoint locate -o` writes, `time_s,track,x0,y0,x1,y1,speaking,voice`, a row for
+  /// every person: the speaker is the one with the largest `speaking`, or somebody outside the
+  /// picture where the rest of `voice` is larger; while `voice` is below one half, who spoke
+  /// before.
   /// @throws InputError naming the line
   static SpeakerTrack from_csv(const std::filesystem::path& path,
                                const PictureSize& picture = std::nullopt);

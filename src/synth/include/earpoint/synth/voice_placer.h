@@ -19,7 +19,7 @@ struct VoicePlacement {
     double time_s = 0.0;
     Vector3 mouth_m;  ///< in the source view's frame
   };
-  std::vector<Row> rows;                 ///< not empty, times grow; in between places move linearly
+  std::vector<Row> rows;               ///< not empty, times grow; in between places move linearly
   StereoKind kind = StereoKind::same;  ///< what the two channels are
 
   [[nodiscard]] Vector3 at(double time_s) const;
@@ -28,8 +28,8 @@ struct VoicePlacement {
 /// The mouth stays at one place.
 [[nodiscard]] VoicePlacement placed_at(const Vector3& mouth_m, StereoKind kind);
 
-/// The mouth is where boxes are seen, by speaker_direction_from_box(); while there is none, where it
-/// is seen next or was seen last.
+/// The mouth is where boxes are seen, by speaker_direction_from_box(); while there is none, where
+/// it is seen next or was seen last.
 /// @param horizontal_fov_rad  of the whole picture
 /// @param picture             its size in pixels; nothing: square
 /// @return nothing if there is never a box
