@@ -56,7 +56,7 @@ class SpeakerSearch : public ::testing::Test {
     write_sound(at(name), sound, SampleFormat::float32);
   }
 
-  [[nodiscard]] ProgramOutcome run(std::vector<std::string> arguments) const {
+  ProgramOutcome run(const std::vector<std::string>& arguments) const {
     const ProgramOutcome outcome = run_earpoint(arguments);
     EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
     return outcome;
