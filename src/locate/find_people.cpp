@@ -181,6 +181,7 @@ PeopleInPicture StillSpeakerFinder::find(std::vector<DetectedPerson> people,
   EARPOINT_CHECK(sound.samples() > 0);
   PeopleInPicture found;
   std::vector<TrackedPerson> tracked;
+  tracked.reserve(people.size());
   for (const DetectedPerson& person : people) {
     tracked.push_back({.track = static_cast<int>(tracked.size()), .box = person.box});
   }
