@@ -177,6 +177,46 @@ measure_kills() {
   python3 bench/kill_anywhere.py "$1" "$speech_folder" examples/clip.mp4 out/kills >out/bench/kills.json
 }
 
+# Photographs of people and of things out of Debian packages, which are unpacked and not installed, with
+# the boxes that bench/photographs.json has for them.
+# Usage: gather_photographs FOLDER
+gather_photographs() (
+  local folder=$1/test/photographs unpacked package
+  unpacked=$(mktemp -d)
+  trap 'rm -rf "$unpacked"' EXIT
+  mkdir -p "$folder"
+  for package in python3-skimage opencv-doc; do
+    (cd "$unpacked" && apt-get download -qq -o APT::Sandbox::User=root "$package") ||
+      fail "could not fetch $package; try apt-get update"
+    dpkg-deb -x "$unpacked/$package"_*.deb "$unpacked"
+  done
+  cp "$unpacked"/usr/lib/python3/dist-packages/skimage/data/{astronaut,camera,chelsea,coffee}.png \
+    "$unpacked"/usr/lib/python3/dist-packages/skimage/data/rocket.jpg \
+    "$unpacked"/usr/share/doc/opencv-doc/examples/data/{basketball1.png,basketball2.png,fruits.jpg,home.jpg,stuff.jpg} \
+    "$folder"
+  cp bench/photographs.json "$folder/people.json"
+)
+
+# People in pictures that no detector of ours learned from, simulated and photographed: the shipped
+# detector, and NanoDet where ./dev assets --people has installed it.
+measure_detectors() {
+  local detector data
+  local installed=${EARPOINT_DATA_DIR:-${XDG_DATA_HOME:-$HOME/.local/share}/earpoint}/people-nanodet.onnx
+  say "Finding people"
+  build/release/apps/people_pictures/earpoint-people-pictures --seed 1 --train-homes 21 --val-homes 2 \
+    --test-homes 4 --split test --out out/data/people
+  gather_photographs out/data/photographs
+  : >out/bench/people_detection.jsonl
+  for detector in models/people.safetensors "$installed"; do
+    [ -f "$detector" ] || continue
+    for data in people novel photographs; do
+      build/release/bench/people_detection "out/data/$data" test "$detector" | python3 -c \
+        'import json, sys; print(json.dumps({"data": sys.argv[1], **json.load(sys.stdin)}))' "$data" \
+        >>out/bench/people_detection.jsonl
+    done
+  done
+}
+
 # Everything that docs/results.md shows. The exactness table needs the reference outputs.
 results() {
   bench
@@ -199,7 +239,12 @@ results() {
     python3 bench/learning_curves.py "out/runs/$data" "docs/images/learning-curves-$data.svg" \
       >"out/bench/learning_curves-$data.md"
   done
+  if [ -f models/people.safetensors ]; then
+    say "Who speaks"
+    build/release/bench/active_speaker out/data/novel test shipped >out/bench/active_speaker.json
+  fi
   build/release/bench/rt60_error out/data/novel test models/rt60.safetensors >out/bench/rt60_error.json
+  measure_detectors
   python3 bench/write_results.py out/bench docs/results.md
   say "Wrote docs/results.md"
 }

@@ -5,7 +5,8 @@ usage: bench/write_results.py MEASURED RESULTS.md [--measured-only]
 
 MEASURED holds vigas.md, gtf_bench.json, training.json, training_gtf.json, oracle_errors.md, render_speed.jsonl,
 render_memory.jsonl, demo.jsonl, trace_gates.md, learning_curves-single.md, learning_curves-novel.md,
-rt60_error.json, home_reverberation.jsonl, compare_tracers.json, kills.json, change_of_results.md,
+rt60_error.json, active_speaker.json, people_detection.jsonl, home_reverberation.jsonl, compare_tracers.json, kills.json,
+change_of_results.md,
 camera_bench.jsonl, simulate_cost.jsonl, evaluate-single.json, evaluate-novel.json, ablations-single.json, ablations-novel.json, generalisation.json,
 generalisation_heads.json, ambient-single.json, ambient-novel.json, context-novel.json, separation-novel.md and enhance-novel.json; a section
 whose file is missing stays as it is in RESULTS.md, or says so where it is new; with --measured-only it
@@ -102,6 +103,61 @@ def rt60_table(text):
     rows += [f"| **all** | {run['responses']} | **{run['error_s']:.3f} s** (aim 0.08) |", "",
              f"On average {run['bias_s']:+.3f} s off; always saying the median would be "
              f"{run['error_of_saying_the_median_s']:.3f} s off."]
+    return "\n".join(rows)
+
+
+def speaker_table(text):
+    run = json.loads(text)
+    def row(name, part):
+        return (f"| {name} | {part['cases']} | {100 * part['right']:.1f} % | {100 * part['other']:.1f} % | "
+                f"{100 * part['nobody']:.1f} % |")
+    rows = [f"{run['detector']}, {run['seconds']:g} s of sound each.", "",
+            "| the two people, as seen from the camera | cases | right | the other person | \"not in the picture\" |",
+            "|---|---|---|---|---|"]
+    for step in run["by_angle"]:
+        upto = f"{step['from_deg']:.0f} to {step['to_deg']:.0f} degrees apart" if step["to_deg"] <= 180 else \
+            f"{step['from_deg']:.0f} degrees and more apart"
+        rows.append(row(upto, step))
+    rows += [row("**15 degrees and more apart** (aim 90 %)", run["well_apart"]),
+             row("one is out of the picture, the other speaks", run["one_in_sight"]),
+             row("the speaker is out of the picture (right: saying so)", run["speaker_outside"]),
+             row("**all** (aim 80 %)", run["all"]), "",
+             "How sure it says to be, and how often it is right:", "", "| certainty | cases | right |", "|---|---|---|"]
+    for step in run["by_certainty"]:
+        if step["cases"]:
+            rows.append(f"| {step['from']:.2f} to {min(step['to'], 1):.2f} | {step['cases']} | "
+                        f"{100 * step['right']:.1f} % |")
+    if run.get("gtf_told"):
+        rows += ["", "gtf's mean errors over those of the unchanged source, by what it is told of the speaker:", "",
+                 "| told | Mag | LRE | interaural delay |", "|---|---|---|---|"]
+        for name, errors in run["gtf_told"].items():
+            rows.append(f"| {name} | {errors['mag']:.3f} | {errors['lre_db']:.3f} | {errors['itd_us']:.3f} |")
+    if run.get("mono_given"):
+        rows += ["", "The source made mono, its voice put at a person and rendered by gtf: clips whose level between "
+                 "the ears is within 2 dB of the truth (aim 80 %).", "", "| source | clips | within 2 dB | median error |",
+                 "|---|---|---|---|"]
+        for name, key in (("mono, at the true speaker", "mono_given"), ("mono, at the one who was found", "mono_found"),
+                          ("binaural", "binaural")):
+            part = run[key]
+            rows.append(f"| {name} | {part['cases']} | {100 * part['within_2_db']:.1f} % | {part['median_db']:.2f} dB |")
+    return "\n".join(rows)
+
+
+def detection_table(text):
+    names = {"people": "drawn", "novel": "views of conversations", "photographs": "photographs"}
+    rows = ["| detector | pictures | | people | recall | precision | height at least 1/8: recall | 1/4 | 1/2 | "
+            "processor-ms per picture |", "|---|---|---|---|---|---|---|---|---|---|"]
+    for line in text.splitlines():
+        run = json.loads(line)
+        clear = run["unoccluded"]
+        # Views of conversations do not tell who is hidden: everybody with a box counts.
+        known = clear["people"] > 0
+        count = clear if known else run["all"]
+        heights = [f"{step['recall']:.3f}" if known and step["people"] else "-"
+                   for step in run["by_height"][1:]]
+        rows.append(f"| {run['detector']} | {names[run['data']]} | {run['pictures']} | {count['people']} | "
+                    f"{count['recall']:.3f} | {count['precision']:.3f} | {' | '.join(heights)} | "
+                    f"{run['processor_ms_per_picture']:.1f} |")
     return "\n".join(rows)
 
 
@@ -252,6 +308,16 @@ SECTIONS = [
     ("Reverberation time from sound", "rt60_error.json", rt60_table,
      "`rt60_error DATA test`: the estimator that RTE is computed with, on simulated speech of homes and "
      "voices it has not heard, against the reverberation time of the response."),
+    ("People in pictures", "people_detection.jsonl", detection_table,
+     "`people_detection DATA test`: a person is found where a box overlaps by half (intersection over union). "
+     "*Drawn* are pictures of `earpoint-people-pictures`: homes and people of its test split, of whom nothing "
+     "but the picture's edge hides more than a tenth; others need not be found. *Views of conversations* are those "
+     "of `earpoint simulate`'s test split, of everybody with a box, hidden or not. *Photographs*: four of people "
+     "and six of things out of Debian packages, boxes drawn by hand (`bench/photographs.json`): a smoke test, no "
+     "measurement. NanoDet is what `./dev assets --people` installs."),
+    ("Who speaks, in unseen homes", "active_speaker.json", speaker_table,
+     "`active_speaker DATA test shipped`: people are found in the picture and the speaker among them by the time "
+     "between the ears, in single seconds of the test split; four for every speaker and viewpoint."),
     ("Ablations in one home", "ablations-single.json", evaluation_table,
      "`earpoint evaluate --ablations --json`: the network without one of its parts."),
     ("Ablations in unseen homes", "ablations-novel.json", evaluation_table,

@@ -31,6 +31,7 @@
 #include <earpoint/evaluate/evaluation_table.h>
 #include <earpoint/evaluate/metrics.h>
 #include <earpoint/evaluate/report.h>
+#include <earpoint/evaluate/speaker_boxes.h>
 #include <earpoint/infer/rt60_estimator.h>
 #include <earpoint/model/weights.h>
 
@@ -57,6 +58,7 @@ Examples:
   earpoint evaluate --data data/homes --methods input,tf,dsp,vigas --oracles --report out
   earpoint evaluate --data data/homes --enhance --methods input,mine=runs/enhance/best.safetensors
   earpoint evaluate --data data/homes --ablations --runs runs/ablations
+  earpoint evaluate --data data/homes --boxes detected --methods input,dsp,gtf
 
 Methods:
   input    the source's sound as it is
@@ -105,6 +107,8 @@ struct Options {
   std::optional<fs::path> report;
   std::vector<std::string> ambient;  ///< level in dB, separation, or both
   double context_s = 0.0;
+  std::string boxes = "true";
+  std::optional<fs::path> detector;
   bool enhance = false;
   bool skip_bad = false;
   bool json = false;
@@ -219,6 +223,15 @@ void warn_of_levels(const earpoint::EvaluationTable& table) {
   }
 }
 
+void check_boxes(earpoint::SpeakerBoxes boxes, std::span<const earpoint::MethodEntry> methods) {
+  if (boxes != earpoint::SpeakerBoxes::none) return;
+  for (const earpoint::MethodEntry& method : methods) {
+    if (!method.needs_speaker) continue;
+    throw InputError("--methods " + method.name, "must be told where the speaker is",
+                     "leave it out with --boxes none, or take --boxes detected");
+  }
+}
+
 void run(const Options& options) {
   if (options.jobs < 0) {
     throw InputError("--jobs", fmt::format("expected 0 or more, found {}", options.jobs));
@@ -226,6 +239,7 @@ void run(const Options& options) {
   const std::unique_ptr<earpoint::EvaluationSet> set = evaluation_set(options);
   std::set<std::string> scenes;
   for (std::size_t pair = 0; pair < set->size(); ++pair) scenes.insert(set->scene(pair));
+  const earpoint::SpeakerBoxes boxes = earpoint::boxes_named(options.boxes);
   MethodRequest request = options.methods;
   request.data = options.data;
   request.enhance = options.enhance;
@@ -234,15 +248,18 @@ void run(const Options& options) {
   request.knows_speaker = set->knows_speaker();
   if (request.words.empty()) {
     request.words = {"input"};
-    if (!options.enhance && set->knows_speaker()) request.words.emplace_back("dsp");
+    const bool is_told = boxes != earpoint::SpeakerBoxes::none;
+    if (!options.enhance && set->knows_speaker() && is_told) request.words.emplace_back("dsp");
   }
   const std::vector<earpoint::MethodEntry> methods = methods_of(request, scenes);
+  check_boxes(boxes, methods);
 
   earpoint::EvaluationOptions how;
   how.jobs = options.jobs > 0 ? options.jobs : earpoint::available_cores();
   how.skip_bad = options.skip_bad;
   how.judges_speech = options.enhance;
   how.make_estimator = estimator_maker(options.rt60_model);
+  how.make_telling = telling_maker(boxes, options.detector);
 
   earpoint::SilentProgress silent;
   earpoint::StreamProgress bar(stderr);
@@ -264,14 +281,15 @@ void run(const Options& options) {
     if (options.context_s > 0.0) {
       report.data += fmt::format(", {:g} s of sound before", options.context_s);
     }
+    if (options.boxes != "true") report.data += ", boxes: " + options.boxes;
     report.split = options.split;
     report.pairs = set->pairs();
     write_report(*options.report, *set, methods, result, report, progress);
   }
   const earpoint::EvaluationTable table = make_table(result);
   const earpoint::EvaluationSubject subject{
-      options.data.string(), options.split,      set->pairs(),     target_of(options),
-      ambient.level_db,      ambient.separation, options.context_s};
+      options.data.string(), options.split,      set->pairs(),      target_of(options),
+      ambient.level_db,      ambient.separation, options.context_s, options.boxes};
   const std::span<const earpoint::Metric> told =
       options.enhance ? kEnhancementMetrics : earpoint::told_metrics();
   if (options.json) {
@@ -343,6 +361,15 @@ void add_evaluate_command(CLI::App& app) {
       "--enhance", options->enhance,
       "Enhancement of speech instead: the target is the speaker's near microphone; see "
       "below");
+  command
+      ->add_option("--boxes", options->boxes,
+                   "What methods are told about the speaker: the true box and place, those of the "
+                   "person who is found to speak, or nothing")
+      ->check(CLI::IsMember({"true", "detected", "none"}))
+      ->capture_default_str();
+  command->add_option("--detector", options->detector,
+                      "What finds people with --boxes detected: a weight file or an .onnx network; "
+                      "default: the shipped network");
   command->add_option("--jobs", options->jobs, "Threads; 0 takes all cores")->capture_default_str();
   command->add_option("--rt60-model", options->rt60_model,
                       "Weight file of the estimator behind rte_s (default: the shipped one)");

@@ -2,9 +2,11 @@
 
 #include "json_text.h"
 #include "source_arguments.h"
+#include "speaker_search.h"
 
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -13,6 +15,8 @@
 #include <nlohmann/json.hpp>
 
 #include <earpoint/core/error.h>
+#include <earpoint/core/file.h>
+#include <earpoint/locate/plot_people.h>
 #include <earpoint/model/safetensors.h>
 #include <earpoint/model/shipped_model.h>
 #include <earpoint/synth/locate_speaker.h>
@@ -27,9 +31,16 @@ constexpr const char* kFooter = R"(
 The direction is seen from the camera: azimuth to its left, elevation up, degrees. x points to the
 front, y to the left, z up; metres.
 
+People are found in the picture and followed, five times a second; the time between the ears tells who of
+them speaks, or that the speaker is not in the picture. With a box that is given nobody is looked for.
+
 Examples:
   # which way the speaker is, by picture and sound
   earpoint locate clip.mp4
+
+  # who is where and who speaks when; render takes the CSV, by hand corrected or not
+  earpoint locate clip.mp4 -o boxes.csv --plot people.mp4
+  earpoint render clip.mp4 --speaker-boxes boxes.csv --translate 1,0,0 -o there.wav
 
   # where they are and which way they face, told where they are seen; and a map
   earpoint locate frame.png sound.flac --speaker-box 0.4,0.3,0.6,0.9 --3d --plot map.png
@@ -44,7 +55,9 @@ of the speaker, and its spread says so.)";
 struct LocateArguments {
   SourceArguments source;
   std::string model;
+  std::string output;
   std::string plot;
+  std::string detector;  ///< empty: the shipped one
   bool is_3d = false;
   bool json = false;
   bool quiet = false;
@@ -75,8 +88,23 @@ nlohmann::json json_of(const GtfSpeaker& speaker, bool is_3d) {
   return json;
 }
 
+nlohmann::json json_of(const PeopleFrame& frame) {
+  nlohmann::json people = nlohmann::json::array();
+  for (std::size_t i = 0; i < frame.people.size(); ++i) {
+    const Box& box = frame.people[i].box;
+    people.push_back({{"track", frame.people[i].track},
+                      {"box", {box.x_min, box.y_min, box.x_max, box.y_max}},
+                      {"seen", frame.people[i].is_seen},
+                      {"speaking", frame.speaking(i)}});
+  }
+  return {{"time_s", frame.time_s},
+          {"people", std::move(people)},
+          {"outside", frame.belief.voice * frame.belief.outside},
+          {"voice", frame.belief.voice}};
+}
+
 void print_json(const LocateArguments& arguments, const std::string& model,
-                const LocatedSpeaker& located) {
+                const PeopleInClip& people, const LocatedSpeaker& located) {
   nlohmann::json speaker = json_of(located.speaker, arguments.is_3d);
   speaker["azimuth_spread_deg"] = degrees_from_radians(located.azimuth_spread_rad);
   if (arguments.is_3d) speaker["distance_spread"] = std::expm1(located.log_distance_spread);
@@ -85,7 +113,11 @@ void print_json(const LocateArguments& arguments, const std::string& model,
                           {"stereo", name_of(located.survey.stereo)},
                           {"warnings", located.survey.warnings},
                           {"speaker", speaker},
-                          {"windows", nlohmann::json::array()}};
+                          {"windows", nlohmann::json::array()},
+                          {"detector", people.detector},
+                          {"people", earpoint::json_of(people)},
+                          {"frames", nlohmann::json::array()}};
+  for (const PeopleFrame& frame : people.frames) document["frames"].push_back(json_of(frame));
   if (located.has_picture) document["by"].push_back("picture");
   if (located.has_box) document["by"].push_back("box");
   for (const SpeakerSighting& sighting : located.sightings) {
@@ -100,6 +132,15 @@ void print_json(const LocateArguments& arguments, const std::string& model,
 /// "12.3 degrees left"
 std::string angle_text(double deg, const char* positive, const char* negative) {
   return fmt::format("{:.1f} degrees {}", std::abs(deg), deg < 0 ? negative : positive);
+}
+
+void print_people(const PeopleInClip& people) {
+  const SpeakerSummary summary = summary_of(people);
+  fmt::print("{:<10} {}  ({})\n", "people", summary.people, people.detector);
+  if (people.frames.empty() || summary.people == 0) return;
+  const std::string who =
+      summary.speaker ? fmt::format("number {}", *summary.speaker) : "not in the picture";
+  fmt::print("{:<10} {}  ({:.0f} % sure)\n", "speaker", who, 100.0 * summary.certainty);
 }
 
 void print_text(const LocateArguments& arguments, const LocatedSpeaker& located) {
@@ -119,24 +160,44 @@ void print_text(const LocateArguments& arguments, const LocatedSpeaker& located)
              located.has_box ? ", box" : "");
 }
 
+bool is_movie_path(const std::string& path) {
+  const std::string extension = std::filesystem::path(path).extension().string();
+  return extension == ".mp4" || extension == ".m4v" || extension == ".mov";
+}
+
 void run_locate(const LocateArguments& arguments) {
   const std::string model = model_of(arguments);
-  const RenderSource source = parse_source(arguments.source);
+  RenderSource source = parse_source(arguments.source);
   const GtfWeights weights = read_gtf_weights(model);
-  if (!arguments.plot.empty()) check_image_path(arguments.plot);
+  const bool plots_movie = is_movie_path(arguments.plot);
+  if (!arguments.plot.empty() && !plots_movie) check_image_path(arguments.plot);
   const double fov_rad =
       radians_from_degrees(fov_deg_of(arguments.source, source, !arguments.quiet));
   SilentProgress silent;
   StreamProgress stream(stderr);
   ProgressSink& progress = arguments.quiet ? static_cast<ProgressSink&>(silent) : stream;
+  const SpeakerSearchResult search = search_speaker(arguments.source,
+                                                    {.horizontal_fov_rad = fov_rad,
+                                                     .detector = arguments.detector,
+                                                     .always_looks = true,
+                                                     .quiet = arguments.quiet},
+                                                    source, progress);
+  // Directions are those of the recording itself, wherever its voice might be put.
+  source.sound.placement = nullptr;
   const LocatedSpeaker located = locate_speaker(source, weights, fov_rad, progress);
   print_warnings(arguments.source, located.survey);
   if (arguments.json) {
-    print_json(arguments, model, located);
+    print_json(arguments, model, *search.people, located);
   } else {
     print_text(arguments, located);
+    print_people(*search.people);
   }
-  if (!arguments.plot.empty()) write_image(arguments.plot, plot_speaker(located, fov_rad));
+  if (!arguments.output.empty()) write_file(arguments.output, csv_of(*search.people));
+  if (plots_movie) {
+    write_people_movie(arguments.plot, source, *search.people, progress);
+  } else if (!arguments.plot.empty()) {
+    write_image(arguments.plot, plot_speaker(located, fov_rad));
+  }
 }
 
 }  // namespace
@@ -149,9 +210,15 @@ void add_locate_command(CLI::App& app) {
   add_source_inputs(*command, arguments->source);
   add_box_options(*command, arguments->source);
   command->add_option("--model", arguments->model, "A gtf weight file; default: the shipped one");
+  add_detector_option(*command, arguments->detector);
   add_channel_option(*command, arguments->source);
+  add_recording_option(*command, arguments->source);
   command->add_flag("--3d", arguments->is_3d, "Distance, height and heading as well");
-  command->add_option("--plot", arguments->plot, "Draw a map from above into a PNG");
+  command->add_option("-o,--output", arguments->output,
+                      "CSV of who is where and who speaks, five times a second; render takes it as "
+                      "--speaker-boxes");
+  command->add_option("--plot", arguments->plot,
+                      "Draw a map from above into a .png, or everybody's box into a .mp4 or .mov");
   command->add_flag("--json", arguments->json, "Print JSON, with every window");
   command->add_flag("--quiet", arguments->quiet, "No progress");
   command->callback([arguments] { run_locate(*arguments); });

@@ -19,6 +19,7 @@
 #include <earpoint/model/checkpoint_export.h>
 #include <earpoint/model/gtf.h>
 #include <earpoint/model/network.h>
+#include <earpoint/model/people.h>
 #include <earpoint/model/safetensors.h>
 #include <earpoint/model/vam.h>
 #include <earpoint/model/weights.h>
@@ -116,6 +117,9 @@ ModelFacts facts_of(const fs::path& path) {
       break;
     case earpoint::NetworkKind::vam:
       take(earpoint::vam_weights(std::move(file), where));
+      break;
+    case earpoint::NetworkKind::people:
+      take(earpoint::people_weights(std::move(file), where));
       break;
   }
   return facts;

@@ -3,6 +3,7 @@
 #include "arguments.h"
 #include "json_text.h"
 #include "source_arguments.h"
+#include "speaker_search.h"
 
 #include <algorithm>
 #include <cmath>
@@ -18,6 +19,7 @@
 #include <earpoint/core/error.h>
 #include <earpoint/core/parallel.h>
 #include <earpoint/model/shipped_model.h>
+#include <earpoint/synth/gtf_synthesizer.h>
 #include <earpoint/synth/make_synthesizer.h>
 #include <earpoint/synth/render.h>
 #include <earpoint/video/image_file.h>
@@ -30,8 +32,15 @@ constexpr const char* kFooter = R"(
 Frames: x points to the front of the source view, y to its left, z up; metres. A positive yaw turns
 the target's head to the left, a positive pitch looks up.
 
+Where neither --speaker nor a box tells who speaks, the people in the picture are found and the
+speaker among them is heard by the time between the ears; --json says how sure that is. The voice of a
+recording that is not binaural is put at the speaker first.
+
 Examples:
   # one metre ahead and half a metre to the right, looking left
+  earpoint render clip.mp4 --translate 1.0,-0.5,0 --yaw 90 -o there.wav
+
+  # the same, told where the mouth is
   earpoint render clip.mp4 --translate 1.0,-0.5,0 --yaw 90 --speaker 2,0,0 -o there.wav
 
   # three earpoints in one pass, with a picture of what each ear hears
@@ -63,6 +72,7 @@ struct RenderArguments {
   std::string texture;  ///< empty: the model's
   std::string plot;
   std::string ambient = "bandpass";
+  std::string detector;  ///< empty: the shipped one
   double ambient_cutoff_hz = -1.0;
   double gain_db = 0.0;
   int threads = available_cores();
@@ -130,7 +140,8 @@ nlohmann::json levels(const WaveformOutline& outline) {
           {"peak", outline.peak()}};
 }
 
-void print_json(const RenderArguments& arguments, const RenderReport& report) {
+void print_json(const RenderArguments& arguments, const SpeakerSearchResult& search,
+                const RenderReport& report) {
   nlohmann::json document{{"model", arguments.model},
                           {"duration_s", report.survey.duration_s()},
                           {"sample_rate_hz", report.survey.sample_rate_hz},
@@ -138,8 +149,10 @@ void print_json(const RenderArguments& arguments, const RenderReport& report) {
                           {"source", levels(report.source)},
                           {"doubts", report.doubts},
                           {"stereo", name_of(report.survey.stereo)},
+                          {"placed", search.is_placed},
                           {"warnings", report.survey.warnings},
                           {"targets", nlohmann::json::array()}};
+  if (search.people) document["people"] = json_of(*search.people);
   for (std::size_t i = 0; i < report.targets.size(); ++i) {
     nlohmann::json target = levels(report.targets[i]);
     target["output"] = arguments.outputs[i];
@@ -216,6 +229,11 @@ std::string resolve_model(const std::string& word) {
   return shipped && !is_known ? shipped->string() : word;
 }
 
+/// Whether a moment without a box means that the speaker is not in the picture.
+bool is_gtf(const AcousticSynthesizer& synthesizer) {
+  return dynamic_cast<const GtfSynthesizer*>(&synthesizer) != nullptr;
+}
+
 void run_render(RenderArguments arguments) {
   const bool takes_default = arguments.model.empty();
   arguments.model = resolve_model(arguments.model);
@@ -227,14 +245,15 @@ void run_render(RenderArguments arguments) {
   }
   const std::vector<EarpointPath> paths = parse_targets(arguments);
   if (!arguments.plot.empty()) check_image_path(arguments.plot);
-  const RenderSource source = parse_source(arguments.source);
+  RenderSource source = parse_source(arguments.source);
   std::vector<RenderTarget> targets;
   for (std::size_t i = 0; i < paths.size(); ++i) {
     targets.push_back({paths[i], arguments.outputs[i]});
   }
 
+  const bool uses_speaker = arguments.model != "input";
   const bool uses_fov =
-      arguments.model != "input" && (arguments.model != "dsp" || source.speaker_track);
+      uses_speaker && (arguments.model != "dsp" || source.speaker_track || !source.speaker_m);
   SynthesizerOptions synthesizer_options;
   if (!arguments.hrtf.empty()) synthesizer_options.hrtf = arguments.hrtf;
   synthesizer_options.horizontal_fov_rad =
@@ -256,9 +275,19 @@ void run_render(RenderArguments arguments) {
   SilentProgress silent;
   StreamProgress stream(stderr);
   ProgressSink& progress = arguments.quiet ? static_cast<ProgressSink&>(silent) : stream;
+  SpeakerSearchResult search;
+  if (uses_speaker) {
+    search = search_speaker(arguments.source,
+                            {.horizontal_fov_rad = synthesizer_options.horizontal_fov_rad,
+                             .detector = arguments.detector,
+                             .keeps_box = !is_gtf(*synthesizer),
+                             .quiet = arguments.quiet},
+                            source, progress);
+    if (!arguments.quiet) tell_of_speaker(arguments.source, search, source);
+  }
   const RenderReport report = render(source, *synthesizer, targets, options, progress);
   if (arguments.json) {
-    print_json(arguments, report);
+    print_json(arguments, search, report);
   } else if (!arguments.quiet) {
     print_table(arguments, report);
   }
@@ -304,6 +333,7 @@ void add_speaker_options(CLI::App& command, RenderArguments& arguments) {
       .add_option("--speaker", arguments.source.speaker,
                   "x,y,z of the mouth in metres, in place of a box")
       ->group("Who speaks");
+  add_detector_option(command, arguments.detector);
 }
 
 void add_model_options(CLI::App& command, RenderArguments& arguments) {
@@ -330,6 +360,7 @@ void add_model_options(CLI::App& command, RenderArguments& arguments) {
                   "Sound below this (Hz) is ambient; default: the model's")
       ->check(within(0.0, 1000.0));
   add_channel_option(command, arguments.source);
+  add_recording_option(command, arguments.source);
   command.add_option("--gain", arguments.gain_db, "Gain of the outputs in dB")
       ->check(within(-60.0, 60.0));
   command.add_flag("--no-limit", arguments.no_limit,

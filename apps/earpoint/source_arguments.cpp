@@ -30,6 +30,19 @@ std::optional<StreamInfo> picture_of(const RenderSource& source) {
   return picture == nullptr ? std::nullopt : std::optional(*picture);
 }
 
+/// Whether the stream that is heard has one channel.
+bool is_mono(const SoundSource& sound) {
+  const MediaInfo info = probe_media(sound.path);
+  if (!sound.audio_stream) {
+    const StreamInfo* preferred = info.preferred(StreamKind::audio);
+    return preferred != nullptr && preferred->channels == 1;
+  }
+  return std::ranges::any_of(info.streams, [&](const StreamInfo& stream) {
+    return stream.index == *sound.audio_stream && stream.kind == StreamKind::audio &&
+           stream.channels == 1;
+  });
+}
+
 SpeakerTrack::PictureSize picture_size(const std::optional<StreamInfo>& picture) {
   if (!picture || picture->width <= 0 || picture->height <= 0) return std::nullopt;
   return std::array{picture->width, picture->height};
@@ -70,6 +83,26 @@ void add_channel_option(CLI::App& command, SourceArguments& arguments) {
                      "Which of a movie's streams to hear, counted from 0; default: the preferred");
 }
 
+void add_recording_option(CLI::App& command, SourceArguments& arguments) {
+  command
+      .add_option(
+          "--recording", arguments.recording,
+          "What the sound is: binaural, stereo of a phone or mixing desk, or mono; the voice "
+          "of the latter two is put at the speaker by head filters; auto finds out")
+      ->check(CLI::IsMember({"auto", "binaural", "stereo", "mono"}))
+      ->capture_default_str();
+}
+
+bool is_one_channel(const SoundSource& sound) {
+  return sound.binaural_channels && (*sound.binaural_channels)[0] == (*sound.binaural_channels)[1];
+}
+
+bool has_picture_of(const RenderSource& source) { return picture_of(source).has_value(); }
+
+SpeakerTrack::PictureSize picture_size_of(const RenderSource& source) {
+  return picture_size(picture_of(source));
+}
+
 RenderSource parse_source(const SourceArguments& arguments) {
   RenderSource source;
   source.sound.path = stored_input(arguments.inputs.back());
@@ -87,6 +120,10 @@ RenderSource parse_source(const SourceArguments& arguments) {
   if (!arguments.binaural_channels.empty()) {
     const auto channels = parse_numbers(arguments.binaural_channels, 2, "--binaural-channels");
     source.sound.binaural_channels = {static_cast<int>(channels[0]), static_cast<int>(channels[1])};
+  }
+  if (!source.sound.binaural_channels && arguments.recording != "binaural" &&
+      is_mono(source.sound)) {
+    source.sound.binaural_channels = {0, 0};
   }
   if (!arguments.speaker.empty()) {
     source.speaker_m = parse_place(arguments.speaker, "--speaker");

@@ -19,6 +19,7 @@ struct SourceArguments {
   std::string binaural_channels;
   std::optional<int> audio_stream;
   std::optional<double> fov_deg;
+  std::string recording = "auto";  ///< auto, binaural, stereo or mono
 };
 
 /// A movie, a sound, or a picture and a sound in either order.
@@ -28,6 +29,10 @@ void add_box_options(CLI::App& command, SourceArguments& arguments);
 /// Which stream and which channels of it.
 void add_channel_option(CLI::App& command, SourceArguments& arguments);
 
+/// What kind of recording it is, where that is not to be found out.
+void add_recording_option(CLI::App& command, SourceArguments& arguments);
+
+/// Mono sound is taken as both ears, unless --recording asks for binaural sound.
 /// @throws InputError naming the flag or file
 [[nodiscard]] RenderSource parse_source(const SourceArguments& arguments);
 
@@ -36,6 +41,15 @@ void add_channel_option(CLI::App& command, SourceArguments& arguments);
 /// @param tells  say on stderr which of the latter two it is, if there is a picture
 [[nodiscard]] double fov_deg_of(const SourceArguments& arguments, const RenderSource& source,
                                 bool tells);
+
+/// Whether both ears are the same channel of the file.
+[[nodiscard]] bool is_one_channel(const SoundSource& sound);
+
+/// Whether there is a still or moving picture.
+[[nodiscard]] bool has_picture_of(const RenderSource& source);
+
+/// The picture's size in pixels, where there is one that tells it.
+[[nodiscard]] SpeakerTrack::PictureSize picture_size_of(const RenderSource& source);
 
 /// Says on stderr what the survey warns of.
 void print_warnings(const SourceArguments& arguments, const SoundSurvey& survey);

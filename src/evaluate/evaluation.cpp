@@ -17,6 +17,7 @@ namespace {
 struct Worker {
   std::vector<std::unique_ptr<Method>> methods;
   ClipMeasurer measurer;
+  SpeakerTelling tell;  ///< empty: the truth
 };
 
 /// Mean over the ears.
@@ -60,7 +61,8 @@ class Evaluation {
       Worker worker{.methods = {},
                     .measurer = ClipMeasurer(options.make_estimator ? options.make_estimator()
                                                                     : ReverberationEstimator(),
-                                             options.judges_speech)};
+                                             options.judges_speech),
+                    .tell = options.make_telling ? options.make_telling() : SpeakerTelling()};
       for (const MethodEntry& entry : methods) worker.methods.push_back(entry.make());
       workers_.push_back(std::move(worker));
     }
@@ -108,11 +110,13 @@ class Evaluation {
     clip.result.speaker_in_sight = sample->speaker_box.has_value();
     measure_separation(*sample, clip.result);
     const std::optional<PairSample> released = set_.released_sample(pair);
+    const PairSample told = as_told(*sample, worker);
+    const PairSample released_told = released ? as_told(*released, worker) : PairSample();
     for (std::size_t m = 0; m < methods_.size(); ++m) {
-      Waveform rendering = render(m, worker, *sample, clip);
+      Waveform rendering = render(m, worker, *sample, told, clip);
       clip.result.honest.push_back(worker.measurer.measure(rendering));
       if (released) {
-        rendering = render(m, worker, *released, clip);
+        rendering = render(m, worker, *released, released_told, clip);
         clip.result.released.push_back(worker.measurer.measure(rendering));
       } else {
         clip.result.released.push_back(clip.result.honest.back());
@@ -121,12 +125,20 @@ class Evaluation {
     }
   }
 
+  /// What methods may see, which are no oracles.
+  static PairSample as_told(PairSample sample, const Worker& worker) {
+    sample.target = Waveform();
+    if (worker.tell) worker.tell(sample);
+    return sample;
+  }
+
+  /// Shows the method what it may see.
   Waveform render(std::size_t method, Worker& worker, const PairSample& sample,
-                  const Clip& clip) const {
+                  const PairSample& told, const Clip& clip) const {
     const MethodEntry& entry = methods_[method];
     try {
-      return ask(*worker.methods[method], entry, sample, clip.result.scene,
-                 clip.truth ? &*clip.truth : nullptr);
+      return ask(*worker.methods[method], entry, entry.is_oracle ? sample : told,
+                 clip.result.scene, clip.truth ? &*clip.truth : nullptr);
     } catch (const InputError& error) {
       throw InputError("method " + entry.name, error.what());
     }

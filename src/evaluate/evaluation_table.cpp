@@ -210,6 +210,7 @@ std::string json_of(const EvaluationTable& table, const EvaluationSubject& subje
   json["heard_si_sdr_db"] = json_of(table.heard_si_sdr_db, "mean");
   json["primary_si_sdr_db"] = json_of(table.primary_si_sdr_db, "mean");
   json["context_s"] = subject.context_s;
+  json["boxes"] = subject.boxes;
   json["pairs"] = subject.pairs;
   json["clips"] = table.clips;
   json["conversations"] = table.conversations;

@@ -148,6 +148,40 @@ TEST_F(EvaluationTest, OnlyOraclesSeeTheTargetAndTheTruth) {
   (void)evaluate_all(*set, {method("blind", check(false)), method("oracle", check(true), true)});
 }
 
+TEST_F(EvaluationTest, TellsMethodsOfTheSpeakerWhatItIsAskedToAndOraclesTheTruth) {
+  const auto set = test_set(3);
+  const Box told{.x_min = 0.125, .y_min = 0.25, .x_max = 0.5, .y_max = 0.75};
+  const auto check = [&](bool is_oracle) {
+    return [&, is_oracle](const Question& question) {
+      EXPECT_EQ(question.sample.speaker_box == told, !is_oracle);
+      EXPECT_TRUE(is_oracle || question.sample.target.empty());
+      return question.sample.source;
+    };
+  };
+  EvaluationOptions options;
+  options.make_telling = [told] {
+    return [told](PairSample& sample) { sample.speaker_box = told; };
+  };
+  SilentProgress silent;
+  const std::vector<MethodEntry> methods{method("told", check(false)),
+                                         method("oracle", check(true), true)};
+  const EvaluationResult result = evaluate(*set, methods, options, silent);
+  for (const ClipResult& clip : result.clips) {
+    EXPECT_EQ(clip.speaker_in_sight, set->sample(clip.pair).speaker_box.has_value());
+  }
+}
+
+TEST_F(EvaluationTest, WithoutBoxesMethodsAreToldNothing) {
+  const auto set = test_set(1);
+  PairSample sample = set->sample(0);
+  sample.speaker_box = Box{};
+  telling_maker(SpeakerBoxes::none, std::nullopt)()(sample);
+  EXPECT_FALSE(sample.speaker_box);
+  EXPECT_EQ(sample.speaker_m, Vector3());
+  EXPECT_FALSE(telling_maker(SpeakerBoxes::truth, std::nullopt));
+  EXPECT_THROW((void)boxes_named("some"), InputError);
+}
+
 TEST_F(EvaluationTest, SignFixChangesOnlyTheReleasedColumn) {
   const auto set = test_set();
   const EvaluationResult result =

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include <earpoint/core/data_folder.h>
 #include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
 #include <earpoint/generate/speech_corpus.h>
@@ -105,13 +106,6 @@ const SpeechRecording& SpeechCorpus::recording(const std::string& id) const {
                    "give the corpus that the data set was begun with");
 }
 
-fs::path default_speech_folder() {
-  if (const char* folder = std::getenv("EARPOINT_DATA_DIR")) return fs::path(folder) / "speech";
-  if (const char* folder = std::getenv("XDG_DATA_HOME")) {
-    return fs::path(folder) / "earpoint" / "speech";
-  }
-  const char* home = std::getenv("HOME");
-  return fs::path(home == nullptr ? "." : home) / ".local/share/earpoint/speech";
-}
+fs::path default_speech_folder() { return data_folder().value_or(".") / "speech"; }
 
 }  // namespace earpoint

@@ -1,28 +1,12 @@
 #pragma once
 
-#include <functional>
+#include "folded_convolution.h"
+
 #include <memory>
 #include <span>
 #include <string>
 
-#include <earpoint/model/tensor.h>
-
 namespace earpoint::infer {
-
-/// A convolution with the batch normalisation behind it folded in.
-struct FoldedConvolution {
-  std::vector<float> weight;  ///< [out][in][height][width]
-  std::vector<float> bias;    ///< [out]
-};
-
-/// Tensor of a name in the state dict.
-using TensorByName = std::function<const Tensor&(const std::string&)>;
-
-/// Folds `<norm>.weight`, `.bias`, `.running_mean` and `.running_var` (eps 1e-5) into
-/// `<convolution>.weight` and, if it has one, `<convolution>.bias`.
-[[nodiscard]] FoldedConvolution fold_batch_norm(const TensorByName& tensor,
-                                                const std::string& convolution,
-                                                const std::string& norm, bool has_bias);
 
 /// ResNet-18 without pooling and classifier, for inference; oneDNN does the work.
 /// Source: He et al., Deep Residual Learning (2015); names and layout as in the oracle notes on the

@@ -22,6 +22,17 @@ void add_batch_norm(TensorShapes& shapes, const std::string& prefix, std::int64_
   }
 }
 
+void add_residual_block(TensorShapes& shapes, const std::string& name, std::int64_t from,
+                        std::int64_t to) {
+  shapes[name + ".conv1.weight"] = {to, from, 3, 3};
+  add_batch_norm(shapes, name + ".bn1", to);
+  shapes[name + ".conv2.weight"] = {to, to, 3, 3};
+  add_batch_norm(shapes, name + ".bn2", to);
+  if (from == to) return;
+  shapes[name + ".downsample.0.weight"] = {to, from, 1, 1};
+  add_batch_norm(shapes, name + ".downsample.1", to);
+}
+
 void add_resnet18(TensorShapes& shapes, const std::string& prefix, std::int64_t image_channels,
                   std::int64_t channels) {
   shapes[prefix + ".0.weight"] = {channels, image_channels, 7, 7};
@@ -31,14 +42,7 @@ void add_resnet18(TensorShapes& shapes, const std::string& prefix, std::int64_t 
     const std::int64_t to = channels << stage;
     for (int block = 0; block < 2; ++block) {
       const std::string name = fmt::format("{}.{}.{}", prefix, stage + 4, block);
-      shapes[name + ".conv1.weight"] = {to, from, 3, 3};
-      add_batch_norm(shapes, name + ".bn1", to);
-      shapes[name + ".conv2.weight"] = {to, to, 3, 3};
-      add_batch_norm(shapes, name + ".bn2", to);
-      if (from != to) {
-        shapes[name + ".downsample.0.weight"] = {to, from, 1, 1};
-        add_batch_norm(shapes, name + ".downsample.1", to);
-      }
+      add_residual_block(shapes, name, from, to);
       from = to;
     }
   }

@@ -17,6 +17,10 @@ void check_range(std::string_view where, std::string_view field, std::int64_t va
 /// Names and shapes of a batch norm's four tensors.
 void add_batch_norm(TensorShapes& shapes, const std::string& prefix, std::int64_t channels);
 
+/// Two 3x3 convolutions with batch norms; where the width changes, a 1x1 convolution beside them.
+void add_residual_block(TensorShapes& shapes, const std::string& name, std::int64_t from,
+                        std::int64_t to);
+
 /// ResNet-18 without pooling and classifier, as a list of modules under `prefix`.
 /// @param image_channels  of what it looks at
 /// @param channels        of its first stage: 64 in the published network

@@ -4,6 +4,7 @@
 
 #include <earpoint/core/error.h>
 #include <earpoint/model/gtf.h>
+#include <earpoint/model/people.h>
 #include <earpoint/model/safetensors.h>
 #include <earpoint/model/vam.h>
 #include <earpoint/model/weights.h>
@@ -29,6 +30,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         break;
       case NetworkKind::vam:
         (void)vam_weights(std::move(file), "input");
+        break;
+      case NetworkKind::people:
+        (void)people_weights(std::move(file), "input");
         break;
     }
   } catch (const InputError&) {

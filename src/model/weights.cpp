@@ -34,8 +34,10 @@ NetworkKind network_kind(const SafetensorsFile& file, std::string_view where) {
   if (network == "gtf") return NetworkKind::gtf;
   if (network == "rt60_estimator") return NetworkKind::rt60_estimator;
   if (network == "vam") return NetworkKind::vam;
+  if (network == "people") return NetworkKind::people;
   throw InputError(
-      here, fmt::format("'network': expected 'vigas', 'gtf', 'vam' or 'rt60_estimator', found {}",
+      here, fmt::format("'network': expected 'vigas', 'gtf', 'vam', 'rt60_estimator' or 'people', "
+                        "found {}",
                         in_quotes(network)));
 }
 

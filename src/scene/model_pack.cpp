@@ -6,6 +6,7 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
+#include <earpoint/core/data_folder.h>
 #include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
 #include <earpoint/scene/material_table.h>
@@ -201,12 +202,6 @@ class PackReader {
   std::span<const std::byte> blob_;
 };
 
-std::optional<std::filesystem::path> environment_folder(const char* name) {
-  const char* value = std::getenv(name);
-  if (value == nullptr || *value == '\0') return std::nullopt;
-  return std::filesystem::path(value);
-}
-
 }  // namespace
 
 void write_model_pack(const ModelPack& pack, const std::filesystem::path& path) {
@@ -245,17 +240,9 @@ void write_model_pack(const ModelPack& pack, const std::filesystem::path& path) 
 ModelPack read_model_pack(const std::filesystem::path& path) { return PackReader(path).read(); }
 
 std::optional<std::filesystem::path> installed_model_pack() {
-  std::filesystem::path folder;
-  if (const auto own = environment_folder("EARPOINT_DATA_DIR")) {
-    folder = *own;
-  } else if (const auto data = environment_folder("XDG_DATA_HOME")) {
-    folder = *data / "earpoint";
-  } else if (const auto home = environment_folder("HOME")) {
-    folder = *home / ".local/share/earpoint";
-  } else {
-    return std::nullopt;
-  }
-  std::filesystem::path path = folder / "models.pack";
+  const auto folder = data_folder();
+  if (!folder) return std::nullopt;
+  std::filesystem::path path = *folder / "models.pack";
   std::error_code error;
   if (!std::filesystem::exists(path, error)) return std::nullopt;
   return path;

@@ -116,10 +116,10 @@ TEST(PoseJson, NamesWhatIsWrong) {
 TEST(SpeakerTrack, GivesTheNearestBox) {
   const auto track =
       SpeakerTrack::parse_csv("time_s,x0,y0,x1,y1\n0,0,0,0.5,1\n2,0.5,0,1,1\n", "boxes.csv");
-  EXPECT_EQ(track.at(-1).x_min, 0.0);
-  EXPECT_EQ(track.at(0.9).x_min, 0.0);
-  EXPECT_EQ(track.at(1.1).x_min, 0.5);
-  EXPECT_EQ(track.at(10).x_min, 0.5);
+  EXPECT_EQ(track.at(-1)->x_min, 0.0);
+  EXPECT_EQ(track.at(0.9)->x_min, 0.0);
+  EXPECT_EQ(track.at(1.1)->x_min, 0.5);
+  EXPECT_EQ(track.at(10)->x_min, 0.5);
 }
 
 TEST(SpeakerTrack, UnderstandsPixelsWhereThePictureIsKnown) {
@@ -139,6 +139,22 @@ TEST(SpeakerTrack, UnderstandsPixelsWhereThePictureIsKnown) {
               (void)SpeakerTrack(Box{64, 48, 641, 480}, picture);
             }).find("leaves the picture"),
             std::string::npos);
+}
+
+TEST(SpeakerTrack, ChoosesWhoSpeaksAmongThePeopleOfAFile) {
+  const auto track = SpeakerTrack::parse_csv(
+      "time_s,track,x0,y0,x1,y1,speaking,voice\n"
+      "0,0,0,0,0.2,1,0.1,1\n0,1,0.5,0,0.7,1,0.8,1\n"        // the second
+      "1,0,0,0,0.2,1,0.03,0.1\n1,1,0.5,0,0.7,1,0.02,0.1\n"  // silence: still that one
+      "2,0,0,0,0.2,1,0.7,0.9\n2,1,0.5,0,0.7,1,0.1,0.9\n"    // the first
+      "3,0,0,0,0.2,1,0.1,0.9\n3,1,0.5,0,0.7,1,0.2,0.9\n",   // 0.6 are left for somebody else
+      "people.csv");
+  EXPECT_EQ(track.at(0)->x_min, 0.5);
+  EXPECT_EQ(track.at(1)->x_min, 0.5);
+  EXPECT_EQ(track.at(2)->x_min, 0.0);
+  EXPECT_EQ(track.at(3), std::nullopt);
+  EXPECT_EQ(track.held()->at(3)->x_min, 0.0);
+  EXPECT_EQ(SpeakerTrack(std::vector<SpeakerTrack::Row>{{0.0, std::nullopt}}).held(), std::nullopt);
 }
 
 TEST(SpeakerTrack, RefusesBoxesOutsideThePictureOrEmpty) {

@@ -52,9 +52,8 @@ Reach reach_of(const RenderOutline& outline) {
 /// Whether at some time the speaker's box lies outside of what the network is shown.
 bool leaves_view(const RenderOutline& outline, double horizontal_fov_rad) {
   for (double time_s = 0.0; time_s <= outline.duration_s; time_s += 1.0) {
-    if (!gtf_view(nullptr, outline.speaker_track->at(time_s), horizontal_fov_rad, 1).speaker_box) {
-      return true;
-    }
+    const std::optional<Box> box = outline.speaker_track->at(time_s);
+    if (box && !gtf_view(nullptr, box, horizontal_fov_rad, 1).speaker_box) return true;
   }
   return false;
 }

@@ -88,7 +88,7 @@ LocatedSpeaker locate_speaker(const RenderSource& source, const GtfWeights& weig
         (static_cast<double>(start) + 0.5 * static_cast<double>(samples)) / kRate_hz;
     const std::shared_ptr<const Image> picture = pictures.nearest(middle_s);
     const std::optional<Box> box =
-        source.speaker_track ? std::optional(source.speaker_track->at(middle_s)) : std::nullopt;
+        source.speaker_track ? source.speaker_track->at(middle_s) : std::nullopt;
     const GtfView view =
         gtf_view(picture.get(), box, horizontal_fov_rad, std::max(description.picture_px, 1));
     network.look(view.picture, view.speaker_box);

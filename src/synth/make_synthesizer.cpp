@@ -47,6 +47,9 @@ std::unique_ptr<AcousticSynthesizer> make_synthesizer(const std::string& model,
     case NetworkKind::rt60_estimator:
       throw InputError(model, "is an estimator of reverberation time, which makes no sound",
                        "use it with `earpoint metrics --rt60-model`");
+    case NetworkKind::people:
+      throw InputError(model, "finds people in pictures, and makes no sound",
+                       "use it with `earpoint locate --detector`");
     case NetworkKind::vigas:
       break;
   }

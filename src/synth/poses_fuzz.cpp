@@ -37,8 +37,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       }
       case 'b': {
         const SpeakerTrack track = SpeakerTrack::parse_csv(text, "input");
-        const Box box = track.at(0.5);
-        if (!(box.x_min >= 0.0 && box.x_max <= 1.0 && box.x_min < box.x_max)) std::abort();
+        const std::optional<Box> box = track.at(0.5);
+        if (box && !(box->x_min >= 0.0 && box->x_max <= 1.0 && box->x_min < box->x_max)) {
+          std::abort();
+        }
         break;
       }
       default:

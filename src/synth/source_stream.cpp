@@ -98,13 +98,30 @@ SoundSurvey survey_sound(const SoundSource& source) {
   if (!is_one_by_request) survey.stereo = stereo.kind();
   survey.warnings = reader.warnings();
   std::string warning = warning_of(survey.stereo);
-  if (!warning.empty()) survey.warnings.push_back(std::move(warning));
+  if (!warning.empty() && !source.placement) survey.warnings.push_back(std::move(warning));
   return survey;
 }
 
 BlockReader read_blocks(const SoundSource& source) {
-  return [reader = std::make_shared<AudioReader>(open(source))](std::ptrdiff_t samples) {
-    return reader->read(samples);
+  struct Reading {
+    AudioReader reader;
+    std::optional<VoicePlacer> placer;
+    bool ended = false;
+  };
+  auto reading = std::make_shared<Reading>(Reading{open(source), {}});
+  if (source.placement) {
+    reading->placer.emplace(*source.placement, HrtfSet::load(reading->reader.sample_rate_hz()));
+  }
+  return [reading](std::ptrdiff_t samples) {
+    Waveform block = reading->reader.read(samples);
+    // What the placer holds back at first and gives at the end are blocks like any other.
+    while (reading->placer && !reading->ended) {
+      reading->ended = block.samples() == 0;
+      block = reading->ended ? reading->placer->finish() : reading->placer->process(block);
+      if (block.samples() > 0 || reading->ended) break;
+      block = reading->reader.read(samples);
+    }
+    return block;
   };
 }
 

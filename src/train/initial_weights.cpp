@@ -20,6 +20,9 @@ using Shapes = std::map<std::string, std::vector<std::int64_t>>;
 
 /// Where an untrained estimator of reverberation time begins.
 constexpr double kUsualT60_s = 0.5;
+/// An untrained network that finds people is sure of nobody: few cells hold one.
+constexpr float kUnsure = -3.0F;
+constexpr double kSmallOutput = 0.01;
 /// Of what tells the places of a picture apart.
 constexpr double kPositionSize = 0.02;
 
@@ -145,6 +148,27 @@ Rt60EstimatorWeights initial_rt60_weights(const Rt60Description& description, st
     }
     weights.tensors[name] = draw(rule, shape, RandomStream(seed, {index++}));
   }
+  return weights;
+}
+
+PeopleWeights initial_people_weights(const PeopleDescription& description, std::uint64_t seed) {
+  const Shapes shapes = required_tensors(description);
+  PeopleWeights weights{description, {}, {}};
+  std::uint64_t index = 0;
+  for (const auto& [name, shape] : shapes) {
+    Rule rule{Rule::Kind::constant, 0.0};
+    if (is_batch_norm(shapes, name)) {
+      rule = batch_norm_rule(name);
+    } else if (name == "output.weight") {
+      rule = {Rule::Kind::normal, kSmallOutput};
+    } else if (name.ends_with(".weight")) {
+      rule = {Rule::Kind::normal, std::sqrt(2.0 / fan_in(shape))};
+    }
+    weights.tensors[name] = draw(rule, shape, RandomStream(seed, {index++}));
+  }
+  std::vector<float> bias(PeopleDescription::kOutputs, 0.0F);
+  bias[0] = kUnsure;
+  weights.tensors["output.bias"] = make_tensor<float>(bias, {PeopleDescription::kOutputs});
   return weights;
 }
 

@@ -14,8 +14,18 @@ namespace {
 constexpr double kMomentum = 0.1;
 constexpr double kEpsilon = 1e-5;
 
-at::Tensor basic_block(const GraphTensors& tensors, const std::string& name, const at::Tensor& x,
-                       bool halves, GraphMode mode) {
+}  // namespace
+
+at::Tensor batch_norm(const GraphTensors& tensors, const std::string& name, const at::Tensor& x,
+                      GraphMode mode) {
+  return at::batch_norm(x, tensors.parameter(name + ".weight"), tensors.parameter(name + ".bias"),
+                        tensors.buffers.at(name + ".running_mean"),
+                        tensors.buffers.at(name + ".running_var"), mode == GraphMode::training,
+                        kMomentum, kEpsilon, /*cudnn_enabled=*/true);
+}
+
+at::Tensor residual_block(const GraphTensors& tensors, const std::string& name, const at::Tensor& x,
+                          bool halves, GraphMode mode) {
   const std::int64_t stride = halves ? 2 : 1;
   const auto convolved = [&](const std::string& layer, const at::Tensor& input, std::int64_t step,
                              std::int64_t padding) {
@@ -29,16 +39,6 @@ at::Tensor basic_block(const GraphTensors& tensors, const std::string& name, con
   return (y + identity).relu();
 }
 
-}  // namespace
-
-at::Tensor batch_norm(const GraphTensors& tensors, const std::string& name, const at::Tensor& x,
-                      GraphMode mode) {
-  return at::batch_norm(x, tensors.parameter(name + ".weight"), tensors.parameter(name + ".bias"),
-                        tensors.buffers.at(name + ".running_mean"),
-                        tensors.buffers.at(name + ".running_var"), mode == GraphMode::training,
-                        kMomentum, kEpsilon, /*cudnn_enabled=*/true);
-}
-
 at::Tensor resnet18(const GraphTensors& tensors, const std::string& prefix,
                     const at::Tensor& picture, GraphMode mode) {
   at::Tensor x = at::conv2d(picture, tensors.parameter(prefix + ".0.weight"), {}, 2, 3);
@@ -46,8 +46,8 @@ at::Tensor resnet18(const GraphTensors& tensors, const std::string& prefix,
   x = at::max_pool2d(x, {3, 3}, {2, 2}, {1, 1});
   for (int stage = 4; stage < 8; ++stage) {
     const std::string name = fmt::format("{}.{}", prefix, stage);
-    x = basic_block(tensors, name + ".0", x, stage > 4, mode);
-    x = basic_block(tensors, name + ".1", x, false, mode);
+    x = residual_block(tensors, name + ".0", x, stage > 4, mode);
+    x = residual_block(tensors, name + ".1", x, false, mode);
   }
   return x;
 }

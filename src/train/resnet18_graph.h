@@ -15,6 +15,11 @@ enum class GraphMode { training, evaluation };
 at::Tensor batch_norm(const GraphTensors& tensors, const std::string& name, const at::Tensor& x,
                       GraphMode mode);
 
+/// Two 3x3 convolutions with batch norms beside an identity or, where it halves, a 1x1 convolution.
+/// @param name  of the block: `<name>.conv1.weight`, `.bn1`, ...
+at::Tensor residual_block(const GraphTensors& tensors, const std::string& name, const at::Tensor& x,
+                          bool halves, GraphMode mode);
+
 /// ResNet-18 without pooling and classifier, of any width.
 /// @param prefix   the network's names start with it
 /// @param picture  [pictures][channels][height][width]

@@ -116,10 +116,12 @@ TrainingTask make_training_task(const TrainConfig& config, std::string_view wher
   if (config.kind == "gtf") return gtf_task(config, where, options);
   if (config.kind == "vam") return vam_task(config, where, options);
   if (config.kind == "rt60") return rt60_task(config, where, options);
+  if (config.kind == "people") return people_task(config, where, options);
   throw InputError(
       where,
-      fmt::format(R"('network': 'kind': expected "vigas", "gtf", "vam" or "rt60", found "{}")",
-                  config.kind));
+      fmt::format(
+          R"('network': 'kind': expected "vigas", "gtf", "vam", "rt60" or "people", found "{}")",
+          config.kind));
 }
 
 TrainingExample vigas_example(const ViGasDescription& description, const PairSample& sample) {

@@ -11,6 +11,7 @@
 #include <earpoint/evaluate/clip_metrics.h>
 #include <earpoint/evaluate/evaluation_set.h>
 #include <earpoint/evaluate/method.h>
+#include <earpoint/evaluate/speaker_boxes.h>
 
 namespace earpoint {
 
@@ -59,6 +60,9 @@ struct EvaluationOptions {
   bool judges_speech = false;
   /// Makes the estimator of a thread; empty: no RTE.
   std::function<ReverberationEstimator()> make_estimator;
+  /// Makes what tells methods about the speaker, for a thread; empty: the truth. Oracles are told
+  /// the truth.
+  std::function<SpeakerTelling()> make_telling{};
 };
 
 /// Pairs in one batch of the released evaluation, over which its sign fix decides.

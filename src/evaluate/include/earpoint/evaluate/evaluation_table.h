@@ -71,6 +71,7 @@ struct EvaluationSubject {
   std::optional<double> ambient_db;  ///< as with_ambient() has it
   AmbientSeparation separation = AmbientSeparation::bandpass;
   double context_s = 0.0;  ///< of sound before the window
+  std::string boxes = "true";        ///< what methods were told; as boxes_named() knows it
 };
 
 /// @return the JSON of `earpoint evaluate --json`; docs/formats.md describes it

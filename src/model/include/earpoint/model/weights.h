@@ -16,7 +16,7 @@ namespace earpoint {
 /// Key in a weight file's metadata: the network's description as JSON.
 inline constexpr std::string_view kDescriptionKey = "earpoint.network";
 
-enum class NetworkKind { vigas, gtf, rt60_estimator, vam };
+enum class NetworkKind { vigas, gtf, rt60_estimator, vam, people };
 
 /// What a weight file is of, by its description.
 /// @param where  the file, for messages

@@ -15,6 +15,7 @@
 #include <earpoint/audio/stereo_check.h>
 #include <earpoint/core/waveform.h>
 #include <earpoint/synth/stream_buffer.h>
+#include <earpoint/synth/voice_placer.h>
 #include <earpoint/video/media.h>
 #include <earpoint/video/plot.h>
 
@@ -25,6 +26,9 @@ struct SoundSource {
   std::filesystem::path path;                           ///< a sound file or a movie
   std::optional<std::array<int, 2>> binaural_channels;  ///< left, right; needed beyond two channels
   std::optional<int> audio_stream;  ///< StreamInfo::index; by default the preferred
+  /// Of a recording that is not binaural: where its voice is put before anything else. Null: the
+  /// channels are taken for two ears as they are.
+  std::shared_ptr<const VoicePlacement> placement{};
 };
 
 /// What a first reading of the whole recording finds.
@@ -32,7 +36,7 @@ struct SoundSurvey {
   int sample_rate_hz = 0;
   std::ptrdiff_t samples = 0;
   std::array<double, 2> level_db{};  ///< root mean square per ear re full scale
-  /// What the two channels are. Plausible where both were asked to be one channel.
+  /// What the two channels are; where both were asked to be one channel, plausible.
   StereoKind stereo = StereoKind::plausible;
   /// What the user should know, each one line without the file's name: of stereo that is not
   /// binaural, and AudioReader::warnings().

@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include <earpoint/model/network.h>
+#include <earpoint/model/people.h>
 #include <earpoint/model/vam.h>
 #include <earpoint/model/weights.h>
 
@@ -40,6 +41,11 @@ namespace earpoint {
 /// within 1 / sqrt(inputs of a neuron), and the last convolution so that the network at first gives
 /// back its source.
 [[nodiscard]] VamWeights initial_vam_weights(const VamDescription& description, std::uint64_t seed);
+
+/// The same for a network that finds people: convolutions normal by He's rule over the inputs, the
+/// last one nearly zero and its bias so that it finds nobody.
+[[nodiscard]] PeopleWeights initial_people_weights(const PeopleDescription& description,
+                                                   std::uint64_t seed);
 
 /// Replaces the image trunk by one trained elsewhere: a ResNet-18 with torchvision's names
 /// (`conv1.weight`, `layer1.0.conv1.weight`, ...), as .safetensors or as torch.save wrote it.

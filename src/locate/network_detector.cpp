@@ -1,0 +1,20 @@
+#include "network_detector.h"
+
+#include <utility>
+
+#include <earpoint/core/error.h>
+#include <earpoint/locate/decode_people.h>
+
+namespace earpoint {
+
+NetworkDetector::NetworkDetector(PeopleWeights weights, std::string name, int threads)
+    : network_(std::move(weights), threads), name_(std::move(name)) {}
+
+std::vector<DetectedPerson> NetworkDetector::detect(const Image& picture) {
+  EARPOINT_CHECK(!picture.empty() && picture.channels() == 3);
+  const ImagePlanes view = people_view(picture, network_.description().longest_px);
+  return decode_people(network_.run(view), view.height / PeopleDescription::kCell,
+                       view.width / PeopleDescription::kCell);
+}
+
+}  // namespace earpoint

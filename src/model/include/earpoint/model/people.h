@@ -1,0 +1,85 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <earpoint/core/image.h>
+#include <earpoint/core/resize.h>
+#include <earpoint/model/safetensors.h>
+#include <earpoint/model/tensor.h>
+
+namespace earpoint {
+
+/// The network that finds people in a picture. Residual blocks shrink the picture to a 32nd; a
+/// pyramid brings what they found back to an eighth; two convolutions there tell, for every cell of
+/// 8 x 8 pixels, whether the middle of a person lies in it, and the person's box.
+/// Sources: He et al., CVPR 2016 (blocks); Lin et al., CVPR 2017 (pyramid); Zhou et al., "Objects
+/// as points", 2019 (middles).
+struct PeopleDescription {
+  int longest_px = 256;  ///< the longer side of what it looks at; a multiple of 32
+  int channels = 16;     ///< of the first convolution
+
+  static constexpr int kCell = 8;       ///< pixels of an output along each axis
+  static constexpr int kCoarsest = 32;  ///< pixels of the coarsest map's places
+  static constexpr int kStages = 4;
+  /// Of each stage, in `channels`, and its blocks; every stage halves the map.
+  static constexpr std::array<int, kStages> kWidths{2, 3, 6, 8};
+  static constexpr std::array<int, kStages> kBlocks{1, 2, 2, 2};
+  static constexpr int kNeckWidth = 3;  ///< of the pyramid, in `channels`
+  static constexpr int kHeadLayers = 2;
+  /// How sure it is (before the logistic function); the middle's offset from the cell's, in cells,
+  /// x and y; logarithms of the width and the height in units of kBoxUnit pixels.
+  static constexpr int kOutputs = 5;
+  static constexpr int kBoxUnit = 32;
+
+  [[nodiscard]] int stage_channels(int stage) const { return channels * kWidths.at(stage); }
+  [[nodiscard]] int neck_channels() const { return channels * kNeckWidth; }
+};
+
+/// @param where  the file, for messages
+/// @throws InputError naming the field, what was expected and what was found
+void check_description(const PeopleDescription& description, std::string_view where);
+[[nodiscard]] std::string to_json(const PeopleDescription& description);
+[[nodiscard]] PeopleDescription people_description_from_json(std::string_view json,
+                                                             std::string_view where);
+
+/// Name and shape of every tensor of the network.
+[[nodiscard]] std::map<std::string, std::vector<std::int64_t>> required_tensors(
+    const PeopleDescription& description);
+
+/// A network that finds people, whose every tensor was checked.
+struct PeopleWeights {
+  PeopleDescription description;
+  /// Exactly those that required_tensors(description) names, float32, all finite.
+  std::map<std::string, Tensor> tensors;
+  std::vector<std::string> unused;
+
+  /// @throws std::logic_error if no required tensor has that name
+  [[nodiscard]] const Tensor& at(const std::string& name) const;
+};
+
+/// As vigas_weights().
+[[nodiscard]] PeopleWeights people_weights(SafetensorsFile file, std::string_view where);
+[[nodiscard]] PeopleWeights read_people_weights(const std::filesystem::path& path);
+
+/// A weight file that people_weights() reads back. `metadata` is written beside the description.
+[[nodiscard]] SafetensorsFile people_weight_file(const PeopleWeights& weights,
+                                                 std::map<std::string, std::string> metadata = {});
+
+/// What a network is shown of a picture: its longer side has `longest_px`, the other is in
+/// proportion, both rounded to multiples of PeopleDescription::kCoarsest. Every pixel is the
+/// average over its area, less one half: -0.5 to 0.5.
+/// @param picture  sRGB, three channels
+[[nodiscard]] ImagePlanes people_view(const Image& picture, int longest_px);
+
+/// A part of a picture, stretched to a size.
+/// @param part  in fractions of the picture
+[[nodiscard]] ImagePlanes people_view_of_part(const Image& picture, const Box& part, int width,
+                                              int height);
+
+}  // namespace earpoint
