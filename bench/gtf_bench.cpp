@@ -28,6 +28,18 @@ std::vector<float> noise(std::size_t count, double size, std::uint64_t seed) {
   return values;
 }
 
+/// As configs/gtf-single.json has it.
+GtfDescription configured() {
+  GtfDescription description;
+  description.channels = 128;
+  description.future_frames = 1;
+  description.look_ahead_frames = 1;
+  description.phase_rounds = 2;
+  description.texture = true;
+  description.dry_voice = true;
+  return description;
+}
+
 /// Random weights: what they are does not change the time.
 earpoint::GtfWeights drawn_network(const GtfDescription& description) {
   earpoint::GtfWeights weights{description, {}, {}};
@@ -74,7 +86,7 @@ double median(std::vector<double> values) {
 }
 
 void run(int rounds) {
-  const GtfDescription description;
+  const GtfDescription description = configured();
   const earpoint::GtfWeights weights = drawn_network(description);
   Gtf gtf(weights);
   const std::vector<float> picture =

@@ -24,7 +24,9 @@ BOXES = {
     "phase": (605, 20, 150, COMPUTED, ["delays per ear", "ears to voice to ears"]),
     "share": (605, 105, 150, LEARNED, ["share of the voice", "per band and ear"]),
     "filter": (605, 335, 150, COMPUTED, ["filter", "magnitudes x phases"]),
-    "output": (800, 335, 125, GIVEN, ["target sound", "two ears"]),
+    "texture": (205, 262, 130, GIVEN, ["texture", "natural or mean"]),
+    "rounds": (800, 335, 125, COMPUTED, ["phase rounds", "frames agree"]),
+    "output": (800, 245, 125, GIVEN, ["target sound", "two ears"]),
 }
 H = 52
 
@@ -79,7 +81,9 @@ def arrows():
     yield arrow([side("phase", "right"), (785, 46), (785, 300), (720, 300), (720, 335)])
     yield arrow([side("share", "right"), (772, 131), (772, 285), (700, 285), (700, 335)])
     yield arrow([side("spectra", "right"), side("filter", "left")])
-    yield straight("filter", "right", "output", "left")
+    yield arrow([side("texture", "right"), (387, 288), (387, 146), (395, 146)])
+    yield straight("filter", "right", "rounds", "left")
+    yield straight("rounds", "top", "output", "bottom")
 
 
 def main():

@@ -32,7 +32,7 @@ train_on() {
 # What the tables compare, and the networks without one of their parts, which train for less long.
 train_data_set() {
   local earpoint=$1 data=$2 name ablations=()
-  train_on "$earpoint" out/runs "$data" gtf-magnitude=gtf gtf=gtf-modulation vigas=vigas-small \
+  train_on "$earpoint" out/runs "$data" gtf=gtf vigas=vigas-small \
     vigas-blind=vigas-blind vam=vam
   for name in gtf{,-blind,-no-picture,-no-3d,-no-delay,-no-tail} \
     vigas{,-blind,-no-picture,-no-box,-no-alignment}; do
@@ -41,16 +41,6 @@ train_data_set() {
   train_on "$earpoint" out/ablations "$data" "${ablations[@]}"
   train_on "$earpoint" out/ambient "$data" with-ambient=ablations/vigas-with-ambient \
     no-separation=ablations/vigas-no-separation
-}
-
-# The third training of the gtf that ships: a loss by the ear of an estimator of reverberation time, which is
-# not the one that measures. Beside it as many further steps without.
-train_by_ear() {
-  local by_ear=out/by-ear/novel name
-  train_run "$1" rt60-loss out/data/novel "$by_ear/rt60-loss"
-  for name in gtf-reverberation gtf-further; do
-    train_run "$1" "$name-novel" out/data/novel "$by_ear/$name"
-  done
 }
 
 # Both data sets side by side, then enhancement: hours on two cores.
@@ -62,21 +52,9 @@ train_methods() {
   single=$!
   wait "$novel"
   wait "$single"
-  train_by_ear "$earpoint"
   for name in gtf vigas-small; do
     train_run "$earpoint" "enhance-$name" out/data/novel "out/enhance/$name"
   done
-}
-
-# The weights of a method in the tables; of gtf those of its last training.
-# Usage: weights_of DATA NAME
-weights_of() {
-  local by_ear=out/by-ear/$1/$2-reverberation/best.safetensors
-  if [ -f "$by_ear" ]; then
-    echo "$by_ear"
-  else
-    echo "out/runs/$1/$2/best.safetensors"
-  fi
 }
 
 # Every method side by side on the frozen test pairs, into out/bench; what was not trained has no row.
@@ -87,8 +65,10 @@ evaluate_methods() {
   for data in "$@"; do
     methods=input,tf,dsp
     for name in vam vigas-blind vigas gtf; do
-      weights=$(weights_of "$data" "$name")
-      [ ! -f "$weights" ] || methods+=,$name=$weights
+      weights=out/runs/$data/$name/best.safetensors
+      [ -f "$weights" ] || continue
+      methods+=,$name=$weights
+      [ "$name" != gtf ] || methods+=,$name=$weights:mean
     done
     say "Methods side by side in $data: $methods"
     "$earpoint" evaluate --data "out/data/$data" --methods "$methods" --oracles --json \
@@ -130,16 +110,9 @@ simulate_generalisation() {
     --rays 1000 --seed 99 --out out/data/imported
 }
 
-# Speech enhancement, other losses, and what gtf was not trained for.
+# Speech enhancement, and what gtf was not trained for.
 evaluate_beyond() {
-  local earpoint=$1 by_ear=out/by-ear/novel methods
-  if [ -f "$by_ear/gtf-further/best.safetensors" ]; then
-    say "A loss by ear"
-    methods=input,gtf-modulation=out/runs/novel/gtf/best.safetensors
-    methods+=,gtf-further=$by_ear/gtf-further/best.safetensors
-    methods+=,gtf=$by_ear/gtf-reverberation/best.safetensors
-    "$earpoint" evaluate --data out/data/novel --methods "$methods" --json >out/bench/by-ear-novel.json
-  fi
+  local earpoint=$1
   if [ -d out/enhance ]; then
     say "Speech enhancement"
     "$earpoint" evaluate --data out/data/novel --enhance --methods input --runs out/enhance --oracles \

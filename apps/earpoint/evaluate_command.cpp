@@ -59,6 +59,7 @@ Methods:
   tf       Wiener filters of the nearest pair of the training split, by true positions
   NAME     a model that comes with Earpoint, e.g. vigas
   NAME=FILE  a weight file, in a row of that name
+  ...:mean   any of these that was trained for two textures, asked for the mean one (render --texture)
 Oracles, which are shown part of the answer (--oracles: all), from the lowest rung up:
   oracle-gain        true level of each ear
   oracle-bands       true level of each frequency and ear

@@ -241,6 +241,21 @@ TEST_F(EvaluateCommandTest, RunsAndShippedModelsAreRows) {
   EXPECT_NE(none.errors.find("finds neither gtf.safetensors"), std::string::npos) << none.errors;
 }
 
+TEST_F(EvaluateCommandTest, ATextureIsAskedForAfterAColon) {
+  earpoint::write_gtf_file(folder_ / "two.safetensors", 32, true, true);
+  const std::string file = (folder_ / "two.safetensors").string();
+  const ProgramOutcome outcome =
+      evaluate(folder_ / "data",
+               {"--methods", "two=" + file + ",two=" + file + ":natural,two=" + file + ":mean",
+                "--limit", "2", "--quiet", "--json"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
+  const nlohmann::json rows = nlohmann::json::parse(outcome.output).at("rows");
+  const auto mag = [&](std::size_t row) { return rows.at(row).at("mag"); };
+  EXPECT_EQ(rows.at(2).at("method"), "two:mean");
+  EXPECT_EQ(mag(0), mag(1));
+  EXPECT_NE(mag(0), mag(2));
+}
+
 TEST_F(EvaluateCommandTest, SaysThatNobodyHearsReverberationTimes) {
   const ProgramOutcome outcome =
       run_earpoint({"evaluate", "--data", (folder_ / "data").string(), "--methods", "input",

@@ -29,6 +29,14 @@ MethodEntry transfer_function(const MethodRequest& request, const std::set<std::
   return earpoint::transfer_function_method(request.data, index);
 }
 
+/// A model and, after a colon, the texture that it is asked for.
+std::pair<std::string, std::optional<double>> split_texture(const std::string& word) {
+  for (const auto& [suffix, texture] : {std::pair(":mean", 0.0), std::pair(":natural", 1.0)}) {
+    if (word.ends_with(suffix)) return {word.substr(0, word.rfind(':')), texture};
+  }
+  return {word, {}};
+}
+
 MethodEntry method_of(const std::string& word, const MethodRequest& request,
                       const std::set<std::string>& scenes) {
   if (word == "input") return earpoint::input_method();
@@ -46,14 +54,16 @@ MethodEntry method_of(const std::string& word, const MethodRequest& request,
   for (MethodEntry& oracle : earpoint::oracle_methods()) {
     if (word == oracle.name) return std::move(oracle);
   }
-  if (const auto equals = word.find('='); equals != std::string::npos) {
-    if (equals == 0 || equals + 1 == word.size()) {
+  const auto [model, texture] = split_texture(word);
+  if (const auto equals = model.find('='); equals != std::string::npos) {
+    if (equals == 0 || equals + 1 == model.size()) {
       throw InputError("--methods " + word, "expected NAME=FILE");
     }
-    return earpoint::network_method(word.substr(0, equals), word.substr(equals + 1));
+    return earpoint::network_method(model.substr(0, equals) + word.substr(model.size()),
+                                    model.substr(equals + 1), texture);
   }
-  if (const auto path = earpoint::shipped_model_path(word + ".safetensors")) {
-    return earpoint::network_method(word, path->string());
+  if (const auto path = earpoint::shipped_model_path(model + ".safetensors")) {
+    return earpoint::network_method(word, path->string(), texture);
   }
   throw InputError("--methods " + word, "is neither a known method nor a model that is there",
                    "name a weight file: " + word + "=FILE.safetensors");

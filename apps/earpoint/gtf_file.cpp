@@ -4,13 +4,15 @@
 
 namespace earpoint {
 
-void write_gtf_file(const std::filesystem::path& path, int picture_px, bool geometry) {
+void write_gtf_file(const std::filesystem::path& path, int picture_px, bool geometry,
+                    bool texture) {
   GtfDescription description;
   description.channels = 8;
   description.layers = 2;
   description.bands = 10;
   description.picture_px = picture_px;
   description.geometry = description.delays = geometry;
+  description.texture = texture;
   description.highpass_cutoff_hz = 80.0;
   write_safetensors(path, gtf_weight_file(random_gtf_weights(description)));
 }

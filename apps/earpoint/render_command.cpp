@@ -60,6 +60,7 @@ struct RenderArguments {
   std::string model;  ///< empty: the default
   std::string hrtf;
   std::string band = "full";
+  std::string texture;  ///< empty: the model's
   std::string plot;
   double ambient_cutoff_hz = -1.0;
   double gain_db = 0.0;
@@ -238,6 +239,9 @@ void run_render(RenderArguments arguments) {
   synthesizer_options.horizontal_fov_rad =
       radians_from_degrees(fov_deg_of(arguments.source, source, uses_fov && !arguments.quiet));
   synthesizer_options.threads = arguments.threads;
+  if (!arguments.texture.empty()) {
+    synthesizer_options.texture = arguments.texture == "mean" ? 0.0 : 1.0;
+  }
   const auto synthesizer = make_synthesizer(arguments.model, synthesizer_options);
 
   ClipRenderOptions options;
@@ -305,6 +309,12 @@ void add_model_options(CLI::App& command, RenderArguments& arguments) {
       "--model", arguments.model,
       "input (copy), dsp (head filters), the name of a shipped model, or a weight file; "
       "default: gtf, or dsp where it is not there");
+  command
+      .add_option(
+          "--texture", arguments.texture,
+          "Of a gtf network that was trained for both: natural, with the modulation and decay of "
+          "such a room; mean, with the least error of magnitudes; default: natural")
+      ->check(CLI::IsMember({"natural", "mean"}));
   command.add_option("--hrtf", arguments.hrtf, "Head filters for dsp: a SOFA file");
   command
       .add_option(

@@ -174,6 +174,31 @@ TEST_F(RenderCommand, AShippedNetworkIsTheDefaultAndHasAName) {
   }
 }
 
+TEST_F(RenderCommand, ATextureIsForNetworksThatKnowTwo) {
+  write_gtf_file(at("two.safetensors"), 0, true, true);
+  write_gtf_file(at("one.safetensors"), 0);
+  const auto render_by = [&](const std::string& model, const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"render",  sound(),       "--model",    model,
+                                       "--quiet", "--translate", "1,0,0",      "--speaker",
+                                       "2,0.5,0", "-o",          at("out.wav")};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_earpoint(arguments);
+  };
+  const auto sound_of = [&](const std::vector<std::string>& more) {
+    const ProgramOutcome outcome = render_by(at("two.safetensors"), more);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
+    return read_text_file(at("out.wav"));
+  };
+  const std::string natural = sound_of({});
+  EXPECT_EQ(sound_of({"--texture", "natural"}), natural);
+  EXPECT_NE(sound_of({"--texture", "mean"}), natural);
+  for (const std::string& model : {at("one.safetensors"), std::string("dsp")}) {
+    const ProgramOutcome refused = render_by(model, {"--texture", "mean"});
+    EXPECT_EQ(refused.exit_code, 2);
+    EXPECT_NE(refused.errors.find("has one texture only"), std::string::npos) << refused.errors;
+  }
+}
+
 TEST_F(RenderCommand, SaysWhenANetworkIsOutOfItsDepth) {
   write_gtf_file(at("gtf.safetensors"));
   const ProgramOutcome outcome = run_earpoint(

@@ -132,6 +132,27 @@ std::vector<SecondOrderSection> butterworth_bandpass(double low_hz, double high_
   return sections;
 }
 
+Crossover linkwitz_riley(double cutoff_hz, double sample_rate_hz) {
+  EARPOINT_CHECK(0.0 < cutoff_hz && cutoff_hz < sample_rate_hz / 2.0);
+  constexpr int kOrder = 4;  // of the Butterworth filter that is applied twice
+  const double k = std::tan(kPi * cutoff_hz / sample_rate_hz);
+  Crossover crossover;
+  for (int pair = 0; pair < kOrder / 2; ++pair) {
+    const double damping = 2.0 * std::sin(kPi * (2 * pair + 1) / (2.0 * kOrder));
+    const double scale = 1.0 / (1.0 + k * damping + k * k);
+    SecondOrderSection section;
+    section.a1 = 2.0 * (k * k - 1.0) * scale;
+    section.a2 = (1.0 - k * damping + k * k) * scale;
+    section.b0 = section.b2 = k * k * scale;
+    section.b1 = 2.0 * section.b0;
+    crossover.low.insert(crossover.low.end(), 2, section);
+    section.b0 = section.b2 = scale;
+    section.b1 = -2.0 * scale;
+    crossover.high.insert(crossover.high.end(), 2, section);
+  }
+  return crossover;
+}
+
 std::ptrdiff_t zero_phase_extension(std::span<const SecondOrderSection> sections) {
   // Three times the taps of the cascade multiplied out.
   const auto first_order_zeros = std::ranges::count(sections, 0.0, &SecondOrderSection::b2);
@@ -155,6 +176,27 @@ void filter_zero_phase(std::span<const SecondOrderSection> sections, std::span<c
   filter_forward(sections, extended);
   std::ranges::reverse(extended);
   std::copy_n(extended.begin() + edge, samples, out.begin());
+}
+
+SectionFilter::SectionFilter(std::vector<SecondOrderSection> sections) {
+  for (const SecondOrderSection& section : sections) running_.push_back({section});
+}
+
+double SectionFilter::process(double sample) {
+  // Keeps decaying states off denormal numbers, which are a hundred times slower: at -500 dB.
+  constexpr double kNothing = 1e-25;
+  double value = sample + kNothing;
+  for (Running& r : running_) {
+    const double in = value;
+    value = r.section.b0 * in + r.z1;
+    r.z1 = r.section.b1 * in - r.section.a1 * value + r.z2;
+    r.z2 = r.section.b2 * in - r.section.a2 * value;
+  }
+  return value;
+}
+
+void SectionFilter::reset() {
+  for (Running& r : running_) r.z1 = r.z2 = 0.0;
 }
 
 }  // namespace earpoint

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <earpoint/audio/peak_limiter.h>
 #include <earpoint/core/error.h>
@@ -17,9 +18,19 @@ PeakLimiter::PeakLimiter(int channels, int sample_rate_hz)
       sample_rate_hz_(sample_rate_hz),
       ahead_(static_cast<std::ptrdiff_t>(kAhead_s * sample_rate_hz)),
       release_(std::exp(-1.0 / (kRelease_s * sample_rate_hz))),
-      held_(channels, ahead_, sample_rate_hz),
+      held_(static_cast<std::size_t>(channels * ahead_)),
+      minima_(static_cast<std::size_t>(ahead_) + 1),
       reductions_(static_cast<std::size_t>(ahead_) + 1) {
   EARPOINT_CHECK(channels > 0 && ahead_ > 0);
+}
+
+void PeakLimiter::reset() {
+  std::ranges::fill(held_, 0.0F);
+  std::ranges::fill(reductions_, 0.0);
+  first_ = minima_held_ = 0;
+  reduction_ = sum_ = 0.0;
+  position_ = 0;
+  peak_ = 0.0F;
 }
 
 double PeakLimiter::excess_db() const {
@@ -32,10 +43,17 @@ double PeakLimiter::excess_db() const {
 float PeakLimiter::next_gain(float peak) {
   peak_ = std::max(peak_, peak);
   const float wanted = peak > 1.0F ? 1.0F / peak : 1.0F;
-  while (!minima_.empty() && minima_.back().second >= wanted) minima_.pop_back();
-  minima_.emplace_back(position_, wanted);
-  if (minima_.front().first < position_ - ahead_) minima_.pop_front();
-  reduction_ = std::max(1.0 - double{minima_.front().second}, reduction_ * release_);
+  const auto minimum = [this](std::size_t index) -> Wish& {
+    return minima_[(first_ + index) % minima_.size()];
+  };
+  if (minima_held_ > 0 && minimum(0).position < position_ - ahead_) {
+    first_ = (first_ + 1) % minima_.size();
+    --minima_held_;
+  }
+  while (minima_held_ > 0 && minimum(minima_held_ - 1).gain >= wanted) --minima_held_;
+  minimum(minima_held_) = {position_, wanted};
+  ++minima_held_;
+  reduction_ = std::max(1.0 - double{minimum(0).gain}, reduction_ * release_);
   // What is inaudible ends, or a stream would never pass unchanged again.
   if (reduction_ < 1e-5) reduction_ = 0.0;
 
@@ -47,36 +65,36 @@ float PeakLimiter::next_gain(float peak) {
   return static_cast<float>(1.0 - mean);
 }
 
+void PeakLimiter::process_late(std::span<float> block) {
+  const auto samples = static_cast<std::ptrdiff_t>(block.size()) / channels_;
+  EARPOINT_CHECK(samples * channels_ == std::ssize(block));
+  for (std::ptrdiff_t i = 0; i < samples; ++i) {
+    const std::ptrdiff_t slot = position_ % ahead_;
+    float peak = 0.0F;
+    for (int c = 0; c < channels_; ++c) peak = std::max(peak, std::abs(block[c * samples + i]));
+    const float gain = next_gain(peak);
+    for (int c = 0; c < channels_; ++c) {
+      float& held = held_[static_cast<std::size_t>(c * ahead_ + slot)];
+      const float sample = std::exchange(held, block[c * samples + i]);
+      // The gain's rounding may leave a bit beyond full scale.
+      block[c * samples + i] = gain == 1.0F ? sample : std::clamp(sample * gain, -1.0F, 1.0F);
+    }
+  }
+}
+
 Waveform PeakLimiter::process(const Waveform& block, bool last) {
   EARPOINT_CHECK(block.channels() == channels_);
-  const std::ptrdiff_t held = position_ == 0 ? 0 : std::min(position_, ahead_);
-  const std::ptrdiff_t total = held + block.samples();
-  const std::ptrdiff_t out = last ? total : std::max<std::ptrdiff_t>(0, total - ahead_);
-  Waveform whole(channels_, total, sample_rate_hz_);
+  const std::ptrdiff_t before = position_;
+  const std::ptrdiff_t total = block.samples() + (last ? ahead_ : 0);
+  Waveform late(channels_, total, sample_rate_hz_);
+  for (int c = 0; c < channels_; ++c) std::ranges::copy(block.channel(c), late.channel(c).begin());
+  process_late(late.planar());
+  // The stream's first ahead_ samples come out as the silence before it.
+  const std::ptrdiff_t dropped = std::clamp<std::ptrdiff_t>(ahead_ - before, 0, total);
+  Waveform result(channels_, total - dropped, sample_rate_hz_);
   for (int c = 0; c < channels_; ++c) {
-    std::copy_n(held_.channel(c).begin(), held, whole.channel(c).begin());
-    std::ranges::copy(block.channel(c), whole.channel(c).begin() + held);
-  }
-
-  Waveform result(channels_, out, sample_rate_hz_);
-  const std::ptrdiff_t steps = block.samples() + (last ? ahead_ : 0);
-  for (std::ptrdiff_t i = 0; i < steps; ++i) {
-    float peak = 0.0F;
-    for (int c = 0; c < channels_ && i < block.samples(); ++c) {
-      peak = std::max(peak, std::abs(block.channel(c)[i]));
-    }
-    const float gain = next_gain(peak);
-    const std::ptrdiff_t at = held + i - ahead_;
-    if (at < 0 || at >= out) continue;
-    for (int c = 0; c < channels_; ++c) {
-      // The gain's rounding may leave a bit beyond full scale.
-      result.channel(c)[at] = gain == 1.0F ? whole.channel(c)[at]
-                                           : std::clamp(whole.channel(c)[at] * gain, -1.0F, 1.0F);
-    }
-  }
-  held_ = Waveform(channels_, ahead_, sample_rate_hz_);
-  for (int c = 0; c < channels_; ++c) {
-    std::copy_n(whole.channel(c).begin() + out, total - out, held_.channel(c).begin());
+    std::ranges::copy(late.channel(c).subspan(static_cast<std::size_t>(dropped)),
+                      result.channel(c).begin());
   }
   return result;
 }

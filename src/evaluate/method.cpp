@@ -119,8 +119,11 @@ MethodEntry dsp_method() {
           .needs_speaker = true};
 }
 
-MethodEntry network_method(const std::string& name, const std::string& weights) {
-  const auto make = [weights] { return make_synthesizer(weights, {}); };
+MethodEntry network_method(const std::string& name, const std::string& weights,
+                           std::optional<double> texture) {
+  SynthesizerOptions options;
+  options.texture = texture;
+  const auto make = [weights, options] { return make_synthesizer(weights, options); };
   const int rate_hz = make()->window_shape(kRate_hz).sample_rate_hz;
   if (rate_hz != kRate_hz) {
     throw InputError(weights,

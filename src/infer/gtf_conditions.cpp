@@ -93,6 +93,7 @@ void GtfConditions::aim(const std::optional<Vector3>& speaker_m, const Pose& sou
   }
   to = std::copy(feature_.begin(), feature_.end(), to);
   to = std::copy(heard_.begin(), heard_.end(), to);
+  if (description_.texture) *to++ = texture_;
   EARPOINT_CHECK(to == joined_.data() + joined_.size());
   hidden_.apply(joined_, middle_);
   apply_silu(middle_);

@@ -28,6 +28,9 @@ class GtfConditions {
   /// @param summary  [summary features]
   void hear(std::span<const float> summary);
 
+  /// @param natural  0 the mean, 1 the natural texture; means nothing to a network with one
+  void ask_for_texture(float natural) { texture_ = natural; }
+
   /// Computes vector() and geometry(), of what was seen and heard. Allocates nothing.
   /// @param speaker_m  the mouth, if it is known
   void aim(const std::optional<Vector3>& speaker_m, const Pose& source_from_target);
@@ -54,7 +57,8 @@ class GtfConditions {
   std::vector<float> known_, first_, second_, joined_, middle_, vector_;
   std::array<float, 9> found_{};
   std::vector<float> heard_;  // of the summary
-  GtfPlace located_;          // by hear()
+  float texture_ = 1.0F;
+  GtfPlace located_;  // by hear()
   GtfPlace place_;
 };
 

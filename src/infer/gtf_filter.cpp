@@ -74,6 +74,13 @@ GtfFilter::GtfFilter(const GtfWeights& weights, std::ptrdiff_t most_frames)
       gather_(magnitude_.size()),
       spread_(magnitude_.size()) {
   if (description_.delays) phase_ = dense_of(weights, "phase");
+  if (description_.dry_voice) {
+    dry_ = FrameMatrix(weights.at("dry.weight").as<float>(), D::kBins);
+    static_dry_ = dense_of(weights, "dry.static");
+    dry_bias_own_ = values_of(weights, "dry.bias");
+    dry_bias_ = AlignedFloats(dry_.row());
+    dry_gains_ = AlignedFloats(most_frames * dry_.row());
+  }
   for (const double tail_s : description_.tails_s) {
     tail_share_.push_back(
         static_cast<float>(std::exp(-double{D::kHop} / (D::kSampleRateHz * tail_s))));
@@ -94,6 +101,7 @@ void GtfFilter::condition(const GtfConditions& conditions) {
   };
   add(static_kernel_, kernel_bias_own_, kernel_bias_);
   add(static_gain_, gain_bias_own_, gain_bias_);
+  if (description_.dry_voice) add(static_dry_, dry_bias_own_, dry_bias_);
   const GtfGeometry* geometry = conditions.geometry();
   is_corrected_ = geometry != nullptr && geometry->is_beyond();
   if (is_corrected_) spread_over_bins(geometry->correction(), correction_);
@@ -177,6 +185,29 @@ void GtfFilter::filter(std::ptrdiff_t index, std::span<const float> magnitudes,
     const Complex x = filtered[i];
     filtered[i] *=
         magnitude_[i] / std::sqrt(x.real() * x.real() + x.imag() * x.imag() + kPowerFloor);
+  }
+}
+
+void GtfFilter::read_voice(const float* states, std::ptrdiff_t state_row, std::ptrdiff_t frames) {
+  dry_.multiply(states, state_row, frames, dry_bias_.data(), dry_gains_.data(), false);
+}
+
+void GtfFilter::tell_voice(std::ptrdiff_t index, std::span<const float> magnitudes,
+                           std::span<const Complex> spectrum, std::span<Complex> voice) const {
+  constexpr float kLeastGain = -5.0F;
+  constexpr float kMostGain = 4.0F;
+  const float* gain = dry_gains_.data() + index * dry_.row();
+  for (std::size_t bin = 0; bin < D::kBins; ++bin) {
+    Complex sum = spectrum[bin] + spectrum[D::kBins + bin];
+    if (description_.delays) {
+      sum = product(spectrum[bin], gather_[bin]) +
+            product(spectrum[D::kBins + bin], gather_[D::kBins + bin]);
+    }
+    const float magnitude =
+        (0.5F * (magnitudes[bin] + magnitudes[D::kBins + bin]) + kMagnitudeFloor) *
+        std::exp(std::clamp(gain[bin], kLeastGain, kMostGain));
+    const float length = std::sqrt(sum.real() * sum.real() + sum.imag() * sum.imag() + kPowerFloor);
+    voice[bin] = voice[D::kBins + bin] = sum * (magnitude / length);
   }
 }
 

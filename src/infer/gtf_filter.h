@@ -15,7 +15,7 @@
 namespace earpoint::infer {
 
 /// Makes the target's spectra of the source's: kernels over frames, ears and tails, a gain for
-/// each bin, and the phase of a speaker who moved.
+/// each bin, and the phase of a speaker who moved. Or tells the dry voice.
 class GtfFilter {
  public:
   GtfFilter(const GtfWeights& weights, std::ptrdiff_t most_frames);
@@ -39,6 +39,15 @@ class GtfFilter {
               std::span<const std::complex<float>> spectrum,
               std::span<std::complex<float>> filtered);
 
+  /// What the trunk says of the dry voice in a block. Allocates nothing.
+  void read_voice(const float* states, std::ptrdiff_t state_row, std::ptrdiff_t frames);
+
+  /// The dry voice in one frame of the block, the same at both ears. Allocates nothing.
+  /// @param magnitudes  of the frame, [2][bins]; `spectrum` and `voice` likewise
+  void tell_voice(std::ptrdiff_t index, std::span<const float> magnitudes,
+                  std::span<const std::complex<float>> spectrum,
+                  std::span<std::complex<float>> voice) const;
+
  private:
   void filter_magnitudes(std::ptrdiff_t index, std::span<const float> magnitudes);
   void turn_phases(std::span<const std::complex<float>> spectrum,
@@ -55,6 +64,10 @@ class GtfFilter {
   std::vector<float> tails_;               // [tails][2][bins]
   std::vector<float> magnitude_;           // [2][bins], filtered
   std::vector<float> share_;               // [2][bands]: of the speaker's phase
+  FrameMatrix dry_;
+  Dense static_dry_;
+  std::vector<float> dry_bias_own_;
+  AlignedFloats dry_bias_, dry_gains_;
   bool is_corrected_ = false;
   std::vector<float> correction_;                     // [2][bins]: beyond the trained range
   std::vector<std::complex<float>> gather_, spread_;  // [2][bins]: ears to voice, voice to ears

@@ -1,4 +1,4 @@
-#include "allocation_count.h"
+#include <earpoint/core_testing/allocation_count.h>
 
 #include <cstdlib>
 #include <string>
@@ -35,7 +35,7 @@ struct MiniInputs {
 
 TEST(AllocationCount, CountsEveryKind) {
   // Through volatile pointers, as the compiler may leave out what nobody looks at.
-  infer::AllocationCount counted;
+  AllocationCount counted;
   int* volatile by_new = new int(1);
   void* volatile by_malloc = std::malloc(10);
   void* volatile by_aligned_alloc = std::aligned_alloc(64, 64);
@@ -54,7 +54,7 @@ TEST(ViGas, AllocatesNothingAfterLoading) {
   std::vector<float> output(source.size());
   std::vector<float> fused(network.description().conditioning_width);
 
-  infer::AllocationCount counted;
+  AllocationCount counted;
   network.fuse(values, fused);
   network.synthesize(source, fused, output);
   EXPECT_EQ(counted.count(), 0);
@@ -67,7 +67,7 @@ TEST(ViGas, AllocatesOnlyWhenTheLengthChanges) {
   std::vector<float> output(source.size());
   network.synthesize(source, fused, output);
 
-  infer::AllocationCount counted;
+  AllocationCount counted;
   network.synthesize(source, fused, output);
   network.synthesize(source, fused, output);
   EXPECT_EQ(counted.count(), 0);

@@ -108,32 +108,38 @@ void check_description(const GtfDescription& d, std::string_view where) {
   check_range(where, "locator_width", d.locator_width, 1, kLargestWidth);
   check_range(where, "summary_width", d.summary_width, 1, kLargestWidth);
   check_range(where, "conditioning_width", d.conditioning_width, 1, kLargestWidth);
+  constexpr int kMostRounds = 16;
+  check_range(where, "phase_rounds", d.phase_rounds, 0, kMostRounds);
 }
 
 std::string to_json(const GtfDescription& d) {
   Json highpass;
   if (d.highpass_cutoff_hz) highpass = *d.highpass_cutoff_hz;
-  return Json{{"format", kFormat},
-              {"network", kNetwork},
-              {"sample_rate_hz", GtfDescription::kSampleRateHz},
-              {"window_samples", d.window_samples},
-              {"highpass_cutoff_hz", highpass},
-              {"channels", d.channels},
-              {"layers", d.layers},
-              {"bands", d.bands},
-              {"past_frames", d.past_frames},
-              {"future_frames", d.future_frames},
-              {"look_ahead_frames", d.look_ahead_frames},
-              {"tails_s", d.tails_s},
-              {"picture_px", d.picture_px},
-              {"box", d.box},
-              {"geometry", d.geometry},
-              {"delays", d.delays},
-              {"picture_width", d.picture_width},
-              {"locator_width", d.locator_width},
-              {"summary_width", d.summary_width},
-              {"conditioning_width", d.conditioning_width}}
-      .dump();
+  Json json{{"format", kFormat},
+            {"network", kNetwork},
+            {"sample_rate_hz", GtfDescription::kSampleRateHz},
+            {"window_samples", d.window_samples},
+            {"highpass_cutoff_hz", highpass},
+            {"channels", d.channels},
+            {"layers", d.layers},
+            {"bands", d.bands},
+            {"past_frames", d.past_frames},
+            {"future_frames", d.future_frames},
+            {"look_ahead_frames", d.look_ahead_frames},
+            {"tails_s", d.tails_s},
+            {"picture_px", d.picture_px},
+            {"box", d.box},
+            {"geometry", d.geometry},
+            {"delays", d.delays},
+            {"picture_width", d.picture_width},
+            {"locator_width", d.locator_width},
+            {"summary_width", d.summary_width},
+            {"conditioning_width", d.conditioning_width}};
+  // Left out where they are as in the first networks, whose files stay the same bytes.
+  if (d.phase_rounds > 0) json["phase_rounds"] = d.phase_rounds;
+  if (d.texture) json["texture"] = true;
+  if (d.dry_voice) json["dry_voice"] = true;
+  return json.dump();
 }
 
 GtfDescription gtf_description_from_json(std::string_view text, std::string_view where) {
@@ -163,6 +169,9 @@ GtfDescription gtf_description_from_json(std::string_view text, std::string_view
   d.locator_width = reader.integer("locator_width");
   d.summary_width = reader.integer("summary_width");
   d.conditioning_width = reader.integer("conditioning_width");
+  if (reader.has("phase_rounds")) d.phase_rounds = reader.integer("phase_rounds");
+  if (reader.has("texture")) d.texture = reader.boolean("texture");
+  if (reader.has("dry_voice")) d.dry_voice = reader.boolean("dry_voice");
   reader.expect_nothing_else();
   check_description(d, where);
   return d;
@@ -196,6 +205,10 @@ TensorShapes required_tensors(const GtfDescription& d) {
   constexpr std::int64_t kGains = std::int64_t{kEars} * GtfDescription::kBins;
   add_layer(shapes, "gain", {kGains, d.channels});
   add_layer(shapes, "gain.static", {kGains, d.conditioning_width});
+  if (d.dry_voice) {
+    add_layer(shapes, "dry", {GtfDescription::kBins, d.channels});
+    add_layer(shapes, "dry.static", {GtfDescription::kBins, d.conditioning_width});
+  }
   if (d.delays) add_layer(shapes, "phase", {std::int64_t{kEars} * d.bands, d.conditioning_width});
   return shapes;
 }

@@ -52,8 +52,17 @@ TEST(GtfDescription, JsonRoundTrips) {
   d.tails_s = {0.1, 0.2, 0.4};
   d.highpass_cutoff_hz = 80;
   d.box = d.delays = d.geometry = false;
+  d.phase_rounds = 3;
+  d.texture = d.dry_voice = true;
   EXPECT_EQ(gtf_description_from_json(to_json(d), "x"), d);
   EXPECT_EQ(gtf_description_from_json(to_json(GtfDescription{}), "x"), GtfDescription{});
+}
+
+TEST(GtfDescription, WhatTheFirstNetworksDidNotHaveIsLeftOutOfTheirFiles) {
+  const std::string json = to_json(GtfDescription{});
+  for (const char* key : {"phase_rounds", "texture", "dry_voice"}) {
+    EXPECT_EQ(json.find(key), std::string::npos) << key;
+  }
 }
 
 TEST(GtfDescription, JsonMistakesAreNamed) {
@@ -70,6 +79,8 @@ TEST(GtfDescription, JsonMistakesAreNamed) {
   expect(refusal_with("\"picture_px\":64", "\"picture_px\":60"), "a multiple of 32, found 60");
   expect(refusal_with("\"geometry\":true", "\"geometry\":false"), "delays: expected false");
   expect(refusal_with("[0.08,0.25]", "[0.08,\"0.25\"]"), "'tails_s': expected numbers");
+  expect(refusal_with("\"layers\":6", "\"layers\":6,\"phase_rounds\":17"),
+         "phase_rounds: expected 0 to 16, found 17");
   expect(refusal_with("[0.08,0.25]", "[-1]"), "tails_s: expected 0.001 to 10, found -1");
   expect(refusal_with("\"sample_rate_hz\":16000", "\"sample_rate_hz\":48000"),
          "sample_rate_hz: expected 16000, found 48000");
@@ -96,9 +107,13 @@ TEST(GtfDescription, TensorsFollowWhatTheNetworkKnows) {
   d.picture_px = 0;
   d.tails_s.clear();
   const auto shapes = required_tensors(d);
+  EXPECT_FALSE(shapes.contains("dry.weight"));
   EXPECT_FALSE(shapes.contains("head.delay_s") || shapes.contains("locator.0.weight") ||
                shapes.contains("picture.0.weight") || shapes.contains("phase.weight"));
   EXPECT_EQ(shapes.at("conditioning.0.weight"), (Shape{128, 5 + 32}));
+  d.texture = d.dry_voice = true;
+  EXPECT_EQ(required_tensors(d).at("conditioning.0.weight"), (Shape{128, 5 + 32 + 1}));
+  EXPECT_EQ(required_tensors(d).at("dry.weight"), (Shape{257, 96}));
   EXPECT_EQ(shapes.at("kernel.static.weight"), (Shape{4 * 9 * 40, 128}));
 }
 

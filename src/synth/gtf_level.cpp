@@ -53,18 +53,23 @@ LevelTolerance gtf_level_tolerance(std::span<const Pose> path) {
   return {sum.louder_db / count, sum.quieter_db / count};
 }
 
+LevelBounds gtf_level_bounds(double expected_gain, const LevelTolerance& tolerance,
+                             bool knows_place) {
+  const double expected_db = 10.0 * std::log10(expected_gain);
+  const double most_db = std::min(expected_db + tolerance.louder_db,
+                                  knows_place ? std::max(kLoudest_db, expected_db) : kLoudest_db);
+  const double least_db = std::min(expected_db - tolerance.quieter_db, most_db);
+  return {.least = std::pow(10.0, least_db / 10.0), .most = std::pow(10.0, most_db / 10.0)};
+}
+
 void limit_level(const Waveform& source, double expected_gain, const LevelTolerance& tolerance,
                  bool knows_place, Waveform& result) {
   EARPOINT_CHECK(source.planar().size() == result.planar().size());
   const double found = power_of(result);
   if (found <= 0.0) return;
-  const double expected_db = 10.0 * std::log10(expected_gain);
-  const double most_db = std::min(expected_db + tolerance.louder_db,
-                                  knows_place ? std::max(kLoudest_db, expected_db) : kLoudest_db);
-  const double least_db = std::min(expected_db - tolerance.quieter_db, most_db);
+  const LevelBounds bounds = gtf_level_bounds(expected_gain, tolerance, knows_place);
   const double ratio = found / power_of(source);  // infinite for silence, which stays silent
-  const double allowed =
-      std::clamp(ratio, std::pow(10.0, least_db / 10.0), std::pow(10.0, most_db / 10.0));
+  const double allowed = std::clamp(ratio, bounds.least, bounds.most);
   if (allowed == ratio) return;
   const auto gain = static_cast<float>(std::sqrt(allowed / ratio));
   for (float& sample : result.planar()) sample *= gain;

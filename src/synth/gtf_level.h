@@ -22,13 +22,22 @@ struct LevelTolerance {
 /// @param path  not empty
 [[nodiscard]] LevelTolerance gtf_level_tolerance(std::span<const Pose> path);
 
-/// Scales a window where its level differs from the expected one by more than it may. Nothing gets
-/// louder than the source by more than 12 dB, unless the speaker's place is known and geometry
-/// itself expects that.
-/// @param source         2 ears, [samples], what the network heard
+/// Powers that a sound may have, over that of the source.
+struct LevelBounds {
+  double least = 0.0;
+  double most = 0.0;
+};
+
+/// Nothing gets louder than the source by more than 12 dB, unless the speaker's place is known and
+/// geometry itself expects that.
 /// @param expected_gain  of power, both ears together, as Gtf::expected_gain() has it
 /// @param knows_place    whether the speaker's place was given and not estimated
-/// @param result         the same size, what it made of that
+[[nodiscard]] LevelBounds gtf_level_bounds(double expected_gain, const LevelTolerance& tolerance,
+                                           bool knows_place);
+
+/// Scales a window where its level differs from the expected one by more than it may.
+/// @param source  2 ears, [samples], what the network heard
+/// @param result  the same size, what it made of that
 void limit_level(const Waveform& source, double expected_gain, const LevelTolerance& tolerance,
                  bool knows_place, Waveform& result);
 

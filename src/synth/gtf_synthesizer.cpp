@@ -6,8 +6,10 @@
 
 namespace earpoint {
 
-GtfSynthesizer::GtfSynthesizer(const GtfWeights& weights, double horizontal_fov_rad)
-    : network_(weights), horizontal_fov_rad_(horizontal_fov_rad) {}
+GtfSynthesizer::GtfSynthesizer(const GtfWeights& weights, double horizontal_fov_rad, double texture)
+    : network_(weights), horizontal_fov_rad_(horizontal_fov_rad) {
+  network_.ask_for_texture(texture);
+}
 
 WindowShape GtfSynthesizer::window_shape(int /*source_rate_hz*/) const {
   const std::ptrdiff_t samples = network_.description().window_samples;

@@ -11,9 +11,17 @@
 #include <earpoint/synth/vigas_synthesizer.h>
 
 namespace earpoint {
+namespace {
+
+[[noreturn]] void refuse_texture(const std::string& model) {
+  throw InputError(model, "has one texture only", "leave out the choice of a texture");
+}
+
+}  // namespace
 
 std::unique_ptr<AcousticSynthesizer> make_synthesizer(const std::string& model,
                                                       const SynthesizerOptions& options) {
+  if (options.texture && (model == "input" || model == "dsp")) refuse_texture(model);
   if (model == "input") return std::make_unique<InputSynthesizer>();
   if (model == "dsp") {
     return std::make_unique<DspSynthesizer>(options.hrtf, options.horizontal_fov_rad);
@@ -23,10 +31,15 @@ std::unique_ptr<AcousticSynthesizer> make_synthesizer(const std::string& model,
                      "use input, dsp or the path of a weight file");
   }
   SafetensorsFile file = read_safetensors(model);
-  switch (network_kind(file, model)) {
-    case NetworkKind::gtf:
-      return std::make_unique<GtfSynthesizer>(gtf_weights(std::move(file), model),
-                                              options.horizontal_fov_rad);
+  const NetworkKind kind = network_kind(file, model);
+  if (options.texture && kind != NetworkKind::gtf) refuse_texture(model);
+  switch (kind) {
+    case NetworkKind::gtf: {
+      const GtfWeights weights = gtf_weights(std::move(file), model);
+      if (options.texture && !weights.description.texture) refuse_texture(model);
+      return std::make_unique<GtfSynthesizer>(weights, options.horizontal_fov_rad,
+                                              options.texture.value_or(1.0));
+    }
     case NetworkKind::vam:
       return std::make_unique<VamSynthesizer>(vam_weights(std::move(file), model), model,
                                               options.threads);

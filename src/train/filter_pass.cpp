@@ -118,11 +118,10 @@ class FilterPass : public torch::autograd::Function<FilterPass> {
     const Extent& e = *extent;
     const std::int64_t row = e.frames.row();
     const std::int64_t clips = state.size(0);
-    at::Tensor sound = at::empty({clips, kEars, e.frames.samples});
+    at::Tensor mixed = at::empty({clips, kEars, 2, kBins, row});
     const at::Tensor filtered = at::empty({clips, kEars, kBins, row});
     const at::Tensor gains = at::empty({clips, kEars * kBins, row});
     const at::Tensor kernels = at::empty({e.kernels.rows(), row});
-    std::vector<float> mixed(static_cast<std::size_t>(e.frames.spectrum()));
     const std::ptrdiff_t plane = e.frames.plane();
     for (std::int64_t clip = 0; clip < clips; ++clip) {
       per_frame(kernel_weight, of_clip(kernel_still, clip), of_clip(state, clip), row,
@@ -133,7 +132,7 @@ class FilterPass : public torch::autograd::Function<FilterPass> {
       train::apply_kernels(e.kernels, inputs, row, kernels.data_ptr<float>(),
                            of_clip(filtered, clip));
       for (std::int64_t bin = 0; bin < kBins; ++bin) {
-        float* to = mixed.data() + bin * row;
+        float* to = of_clip(mixed, clip) + bin * row;
         float* const planes[] = {to, to + plane, to + 2 * plane, to + 3 * plane};
         train::mix_bin(
             rows_of(e, bin, of_clip(spectrum, clip), of_clip(filtered, clip), of_clip(gains, clip)),
@@ -141,7 +140,6 @@ class FilterPass : public torch::autograd::Function<FilterPass> {
                      of_clip(target_s, clip)),
             row, planes);
       }
-      train::synthesise(e.frames, mixed.data(), of_clip(sound, clip));
     }
     context->saved_data["extent"] = static_cast<std::int64_t>(e.frames.samples);
     context->saved_data["kernels"] =
@@ -149,7 +147,7 @@ class FilterPass : public torch::autograd::Function<FilterPass> {
     context->saved_data["tails"] = e.kernels.tails_s;
     context->save_for_backward({state, kernel_weight, gain_weight, share, source_s, target_s,
                                 spectrum, magnitudes, filtered, gains});
-    return sound;
+    return mixed;
   }
 
   static variable_list backward(AutogradContext* context, const variable_list& gradients) {
@@ -162,7 +160,7 @@ class FilterPass : public torch::autograd::Function<FilterPass> {
     const std::int64_t row = e.frames.row();
     const std::int64_t clips = state.size(0);
     const std::int64_t channels = state.size(1);
-    const at::Tensor by_sound = gradients[0].contiguous();
+    const at::Tensor by_mixed = gradients[0].contiguous();
     at::Tensor by_state = at::zeros_like(state);
     at::Tensor by_kernel_weight = at::zeros_like(kernel_weight);
     at::Tensor by_kernel_still = at::zeros({clips, kernel_weight.size(0)});
@@ -175,13 +173,11 @@ class FilterPass : public torch::autograd::Function<FilterPass> {
     const at::Tensor by_kernels = at::empty({e.kernels.rows(), row});
     const at::Tensor by_filtered = at::empty({kEars, kBins, row});
     const at::Tensor by_gains = at::empty({kEars * kBins, row});
-    std::vector<float> by_spectrum(static_cast<std::size_t>(e.frames.spectrum()));
     std::vector<float> turned(static_cast<std::size_t>(row * channels));
     for (std::int64_t clip = 0; clip < clips; ++clip) {
-      train::synthesise_back(e.frames, of_clip(by_sound, clip), by_spectrum.data());
       for (std::int64_t bin = 0; bin < kBins; ++bin) {
         add_slopes(e, bin,
-                   back_through_bin(e, saved, clip, bin, by_spectrum.data(),
+                   back_through_bin(e, saved, clip, bin, of_clip(by_mixed, clip),
                                     by_filtered.data_ptr<float>(), by_gains.data_ptr<float>()),
                    of_clip(by_share, clip), of_clip(by_source_s, clip), of_clip(by_target_s, clip));
       }

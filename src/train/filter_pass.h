@@ -21,16 +21,17 @@ struct FilteredSound {
   std::int64_t samples = 0;
 };
 
-/// From the trunk's state to the sound, and the gradient, clip by clip. An ear's magnitudes are
-/// (max(kernels over frames and ears, 0) + 1e-3) * exp(gain between -3 and 2); its phase is that of
-/// share / 2 * the speaker's voice as the target's ears hear it + (1 - share) * the source.
+/// From the trunk's state to the target's spectra, and the gradient, clip by clip. An ear's
+/// magnitudes are (max(kernels over frames and ears, 0) + 1e-3) * exp(gain between -3 and 2); its
+/// phase is that of share / 2 * the speaker's voice as the target's ears hear it + (1 - share) *
+/// the source.
 /// @param state           [clips][channels][row]
 /// @param kernels         outputs: of output ear, input ear, tap, band
 /// @param gains           outputs: of ear and bin
 /// @param share           [clips][2][bands]
 /// @param source_delay_s  [clips][2]: by how much the source's ears hear the voice late
 /// @param target_delay_s  [clips][2]
-/// @return                [clips][2][samples]
+/// @return                [clips][2][real, imaginary][bins][row], rows as FrameExtent has them
 at::Tensor filter_pass(const GtfDescription& description, const FilteredSound& sound,
                        const at::Tensor& state, const FrameLayer& kernels, const FrameLayer& gains,
                        const at::Tensor& share, const at::Tensor& source_delay_s,

@@ -277,9 +277,11 @@ void to_sound(const FrameExtent& extent, const float* spectrum, float scale, flo
   }
 }
 
-/// One over what the squared windows add up to.
-std::vector<float> window_shares(const FrameExtent& extent) {
-  std::vector<float> sums(static_cast<std::size_t>(extent.samples));
+/// One over what the squared windows add up to; kept from call to call.
+const std::vector<float>& window_shares(const FrameExtent& extent) {
+  thread_local std::vector<float> sums;
+  if (std::ssize(sums) == extent.samples) return sums;
+  sums.assign(static_cast<std::size_t>(extent.samples), 0.0F);
   const std::vector<float>& window = tables().window;
   for (std::ptrdiff_t frame = 0; frame < extent.frames(); ++frame) {
     const std::ptrdiff_t start = frame * D::kHop - kSize / 2 + kWindowStart;
@@ -292,6 +294,16 @@ std::vector<float> window_shares(const FrameExtent& extent) {
   return sums;
 }
 
+/// @param from, to  [2][samples]; may be the same
+void multiply_by_shares(const FrameExtent& extent, const float* from, float* to) {
+  const std::vector<float>& shares = window_shares(extent);
+  for (std::ptrdiff_t ear = 0; ear < kEars; ++ear) {
+    for (std::ptrdiff_t i = 0; i < extent.samples; ++i) {
+      to[ear * extent.samples + i] = from[ear * extent.samples + i] * shares[i];
+    }
+  }
+}
+
 }  // namespace
 
 void analyse(const FrameExtent& extent, const float* sound, float* spectrum) {
@@ -300,9 +312,7 @@ void analyse(const FrameExtent& extent, const float* sound, float* spectrum) {
 
 void synthesise(const FrameExtent& extent, const float* spectrum, float* sound) {
   to_sound(extent, spectrum, 1.0F / kSize, 1.0F, sound);
-  const std::vector<float> shares = window_shares(extent);
-  for (std::ptrdiff_t i = 0; i < kEars * extent.samples; ++i)
-    sound[i] *= shares[i % extent.samples];
+  multiply_by_shares(extent, sound, sound);
 }
 
 void analyse_back(const FrameExtent& extent, const float* by_spectrum, float* by_sound) {
@@ -311,9 +321,8 @@ void analyse_back(const FrameExtent& extent, const float* by_spectrum, float* by
 }
 
 void synthesise_back(const FrameExtent& extent, const float* by_sound, float* by_spectrum) {
-  const std::vector<float> shares = window_shares(extent);
-  std::vector<float> scaled(by_sound, by_sound + kEars * extent.samples);
-  for (std::ptrdiff_t i = 0; i < std::ssize(scaled); ++i) scaled[i] *= shares[i % extent.samples];
+  std::vector<float> scaled(static_cast<std::size_t>(kEars * extent.samples));
+  multiply_by_shares(extent, by_sound, scaled.data());
   to_spectrum(extent, scaled.data(), 2.0F / kSize, 0.5F, by_spectrum);
 }
 

@@ -1,5 +1,6 @@
 #include "gtf_graph.h"
 
+#include "phase_pass.h"
 #include "torch_tensor.h"
 #include "trunk_pass.h"
 
@@ -10,8 +11,10 @@
 #include <ATen/ops/arange.h>
 #include <ATen/ops/cat.h>
 #include <ATen/ops/conv2d.h>
+#include <ATen/ops/full.h>
 #include <ATen/ops/group_norm.h>
 #include <ATen/ops/linear.h>
+#include <ATen/ops/matmul.h>
 #include <ATen/ops/silu.h>
 #include <ATen/ops/zeros.h>
 #include <fmt/format.h>
@@ -27,6 +30,7 @@ using D = GtfDescription;
 constexpr double kHeardLevel = 0.05;  // the root mean square that every sound is brought to
 constexpr double kQuietest = 1e-4;    // below it a sound counts as silence
 constexpr double kNormEpsilon = 1e-5;
+constexpr double kMagnitudeFloor = 1e-3;
 
 }  // namespace
 
@@ -125,6 +129,9 @@ GtfGraph::Conditions GtfGraph::condition(const GtfInputs& inputs, const Heard& h
   }
   if (picture.defined()) known.push_back(picture);
   known.push_back(at::silu(linear("summary", heard.summary)));
+  if (description_.texture) {
+    known.push_back(at::full({heard.summary.size(0), 1}, inputs.texture));
+  }
   const at::Tensor hidden = at::silu(linear("conditioning.0", at::cat(known, 1)));
   conditions.vector = at::silu(linear("conditioning.1", hidden));
   return conditions;
@@ -157,9 +164,23 @@ at::Tensor GtfGraph::filter(const Heard& heard, const at::Tensor& state,
     source_delay_s = conditions.move.source_delay_s;
     target_delay_s = conditions.move.target_delay_s;
   }
-  return filter_pass(description_, {heard.spectrum, heard.magnitude, heard.samples}, state,
-                     modulated("kernel", conditions.vector), modulated("gain", conditions.vector),
-                     share, source_delay_s, target_delay_s);
+  const at::Tensor spectrum =
+      filter_pass(description_, {heard.spectrum, heard.magnitude, heard.samples}, state,
+                  modulated("kernel", conditions.vector), modulated("gain", conditions.vector),
+                  share, source_delay_s, target_delay_s);
+  return phase_pass(spectrum, description_.phase_rounds, heard.samples);
+}
+
+at::Tensor GtfGraph::dry_magnitude(const Heard& heard, const at::Tensor& state,
+                                   const at::Tensor& conditions) const {
+  constexpr double kLeastGain = -5.0;
+  constexpr double kMostGain = 4.0;
+  const std::int64_t frames = 1 + heard.samples / D::kHop;
+  const FrameLayer gain = modulated("dry", conditions);
+  const at::Tensor log_gain =
+      at::matmul(gain.weight, state.narrow(2, 0, frames)) + gain.still.unsqueeze(2);
+  return (heard.magnitude.mean(at::IntArrayRef({1})).narrow(2, 0, frames) + kMagnitudeFloor) *
+         log_gain.clamp(kLeastGain, kMostGain).exp();
 }
 
 GtfOutput GtfGraph::forward(const GtfInputs& inputs) {
@@ -171,6 +192,9 @@ GtfOutput GtfGraph::forward(const GtfInputs& inputs) {
   const Conditions conditions = condition(inputs, heard, output.speaker);
   const at::Tensor state = trunk(heard, conditions.vector);
   output.sound = filter(heard, state, conditions) * level;
+  if (description_.dry_voice) {
+    output.dry_magnitude = dry_magnitude(heard, state, conditions.vector) * level;
+  }
   return output;
 }
 

@@ -21,11 +21,13 @@ struct GtfInputs {
   at::Tensor box;             ///< [clips][5]: 1 if seen, then x_min, y_min, x_max, y_max
   at::Tensor target_m;        ///< [clips][3]
   at::Tensor target_yaw_rad;  ///< [clips][1]
+  double texture = 1.0;       ///< of all clips, where the network is told it
 };
 
 struct GtfOutput {
   at::Tensor sound;                     ///< [clips][2][samples]
   std::optional<SpeakerPlace> speaker;  ///< as estimated, in a network with geometry
+  at::Tensor dry_magnitude;  ///< [clips][bins][frames]: of the dry voice, in one that tells it
 };
 
 /// The geometric time-frequency network as a graph of LibTorch operations and fused passes over
@@ -59,6 +61,8 @@ class GtfGraph {
   Conditions condition(const GtfInputs& inputs, const Heard& heard,
                        std::optional<SpeakerPlace>& speaker) const;
   at::Tensor trunk(const Heard& heard, const at::Tensor& conditions) const;
+  at::Tensor dry_magnitude(const Heard& heard, const at::Tensor& state,
+                           const at::Tensor& conditions) const;
   at::Tensor filter(const Heard& heard, const at::Tensor& state,
                     const Conditions& conditions) const;
 

@@ -38,7 +38,9 @@ struct GtfLearner::State {
 
   /// The estimator of the options, which does not learn.
   [[nodiscard]] static std::optional<Rt60Graph> frozen(const GtfLearnerOptions& options) {
-    if (options.loss.reverberation <= 0) return std::nullopt;
+    const bool is_heard = options.loss.reverberation > 0 ||
+                          (options.natural_loss && options.natural_loss->reverberation > 0);
+    if (!is_heard) return std::nullopt;
     EARPOINT_CHECK(options.estimator.has_value());
     Rt60Graph graph(*options.estimator, at::kCPU);
     for (auto& [name, parameter] : graph.tensors.parameters) parameter.requires_grad_(false);
@@ -57,8 +59,10 @@ struct GtfLearner::State {
     return to_torch(found->second, {batch.clips, width}, at::kCPU);
   }
 
-  [[nodiscard]] static GtfOutput forward(GtfGraph& graph, const TrainingBatch& batch) {
+  [[nodiscard]] static GtfOutput forward(GtfGraph& graph, const TrainingBatch& batch,
+                                         double texture) {
     GtfInputs inputs;
+    inputs.texture = texture;
     inputs.source = sounds(batch, batch.source);
     if (const std::int64_t size = graph.description().picture_px; size > 0) {
       inputs.picture = to_torch(batch.pictures, {batch.clips, 3, size, size}, at::kCPU);
@@ -113,18 +117,25 @@ struct GtfLearner::State {
     return (batch.clips + kClipsOfPart - 1) / kClipsOfPart;
   }
 
+  /// Parts take turns in the texture that they are asked for.
+  [[nodiscard]] bool is_natural(std::ptrdiff_t part) const {
+    return options.natural_loss.has_value() && (adam.steps() + part) % 2 == 1;
+  }
+
   /// A part's loss and gradient, which stays in its graph.
   double learn_from(const TrainingBatch& clips, const at::Tensor& spectrum, const BatchShare& share,
-                    GtfGraph& twin) {
+                    bool is_natural, GtfGraph& twin) {
+    const GtfLossWeights& loss_weights = is_natural ? *options.natural_loss : options.loss;
     forget_gradients(twin.parameters());
-    GtfTruth truth{sounds(clips, clips.target),
-                   spectrum,
-                   {},
-                   values(clips, "speaker_m", 3),
-                   values(clips, "speaker_heading", 2)};
-    if (options.loss.decay > 0) truth.dry = values(clips, "dry", truth.target.size(2));
-    const at::Tensor loss = gtf_loss(options.loss, forward(twin, clips), truth, share,
-                                     estimator ? &*estimator : nullptr);
+    GtfTruth truth{
+        sounds(clips, clips.target),        spectrum, {}, {}, values(clips, "speaker_m", 3),
+        values(clips, "speaker_heading", 2)};
+    if (loss_weights.decay > 0 || loss_weights.dry_voice > 0) {
+      truth.dry = values(clips, "dry", truth.target.size(2));
+    }
+    if (loss_weights.dry_voice > 0) truth.dry_magnitude = dry_magnitudes(truth.dry);
+    const at::Tensor loss = gtf_loss(loss_weights, forward(twin, clips, is_natural ? 1.0 : 0.0),
+                                     truth, share, estimator ? &*estimator : nullptr);
     loss.backward();
     return loss.item<double>();
   }
@@ -139,7 +150,10 @@ struct GtfLearner::State {
 };
 
 GtfLearner::GtfLearner(const GtfWeights& weights, GtfLearnerOptions options)
-    : state_(std::make_unique<State>(weights, options)) {}
+    : state_(std::make_unique<State>(weights, options)) {
+  EARPOINT_CHECK(weights.description.texture == options.natural_loss.has_value());
+  EARPOINT_CHECK(weights.description.dry_voice || options.loss.dry_voice == 0.0);
+}
 GtfLearner::~GtfLearner() = default;
 GtfLearner::GtfLearner(GtfLearner&&) noexcept = default;
 GtfLearner& GtfLearner::operator=(GtfLearner&&) noexcept = default;
@@ -157,23 +171,24 @@ GtfWeights GtfLearner::weights() const {
   return weights;
 }
 
-std::vector<float> GtfLearner::predict(const TrainingBatch& batch) {
-  return state_->without_gradients<float>(batch, [](const TrainingBatch& clips, GtfGraph& graph) {
-    return numbers_of<float>(State::forward(graph, clips).sound);
+std::vector<float> GtfLearner::predict(const TrainingBatch& batch, double texture) {
+  return state_->without_gradients<float>(batch, [&](const TrainingBatch& clips, GtfGraph& graph) {
+    return numbers_of<float>(State::forward(graph, clips, texture).sound);
   });
 }
 
 std::vector<float> GtfLearner::locate(const TrainingBatch& batch) {
   if (!description().geometry) return {};
   return state_->without_gradients<float>(batch, [](const TrainingBatch& clips, GtfGraph& graph) {
-    return numbers_of<float>(State::forward(graph, clips).speaker->position_m);
+    return numbers_of<float>(State::forward(graph, clips, 1.0).speaker->position_m);
   });
 }
 
 std::vector<double> GtfLearner::errors(const TrainingBatch& batch) {
   return state_->without_gradients<double>(batch, [&](const TrainingBatch& clips, GtfGraph& graph) {
-    return numbers_of<double>(magnitude_distance(
-        state_->magnitude, State::forward(graph, clips).sound, State::sounds(clips, clips.target)));
+    return numbers_of<double>(magnitude_distance(state_->magnitude,
+                                                 State::forward(graph, clips, 1.0).sound,
+                                                 State::sounds(clips, clips.target)));
   });
 }
 
@@ -195,7 +210,7 @@ double GtfLearner::compute_gradients(const TrainingBatch& batch) {
     const BatchShare share{static_cast<double>(clips.clips) / static_cast<double>(batch.clips),
                            all_loudness};
     const auto at = static_cast<std::size_t>(part);
-    losses[at] = state.learn_from(clips, spectra[at], share, graph);
+    losses[at] = state.learn_from(clips, spectra[at], share, state.is_natural(part), graph);
   });
   const OneThread one_thread;
   state.sum_gradients(static_cast<std::int64_t>(parts));

@@ -4,7 +4,9 @@
 
 #include <ATen/TensorOperators.h>
 #include <ATen/ops/log10.h>
+#include <ATen/ops/stack.h>
 #include <ATen/ops/zeros.h>
+#include <ATen/ops/zeros_like.h>
 
 #include <earpoint/core/error.h>
 
@@ -45,6 +47,17 @@ at::Tensor place_error(const SpeakerPlace& speaker, const GtfTruth& truth) {
 
 }  // namespace
 
+at::Tensor dry_magnitudes(const at::Tensor& dry) {
+  // A transform takes two ears: the second one hears nothing.
+  const at::Tensor sounds = at::stack({dry, at::zeros_like(dry)}, 1);
+  return spectrum_planes(sounds)
+      .select(1, 0)
+      .square()
+      .sum(at::IntArrayRef({1}))
+      .sqrt()
+      .narrow(2, 0, 1 + dry.size(1) / GtfDescription::kHop);
+}
+
 at::Tensor gtf_loss(const GtfLossWeights& weights, const GtfOutput& output, const GtfTruth& truth,
                     const BatchShare& share, const Rt60Graph* estimator) {
   at::Tensor loss = at::zeros({});
@@ -63,6 +76,9 @@ at::Tensor gtf_loss(const GtfLossWeights& weights, const GtfOutput& output, cons
     EARPOINT_CHECK(estimator != nullptr);
     loss = loss +
            reverberation_error_s(*estimator, output.sound, truth.target) * weights.reverberation;
+  }
+  if (weights.dry_voice > 0) {
+    loss = loss + (output.dry_magnitude - truth.dry_magnitude).abs().mean() * weights.dry_voice;
   }
   if (weights.place > 0 && output.speaker) {
     loss = loss + place_error(*output.speaker, truth) * weights.place;

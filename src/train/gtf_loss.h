@@ -15,9 +15,15 @@ struct GtfTruth {
   at::Tensor target;           ///< [clips][2][samples]
   at::Tensor spectrum;         ///< spectrum_planes() of it
   at::Tensor dry;              ///< [clips][samples]: the speech; needed where decay counts
+  at::Tensor dry_magnitude;    ///< dry_magnitudes() of it; needed where they count
   at::Tensor speaker_m;        ///< [clips][3]: the mouth in the source's frame
   at::Tensor speaker_heading;  ///< [clips][2]: cosine and sine of where it looks; zeros if unknown
 };
+
+/// Short-time magnitudes of the speech. It is on time where responses have lost their delays.
+/// @param dry  [clips][samples]
+/// @return     [clips][bins][frames]
+at::Tensor dry_magnitudes(const at::Tensor& dry);
 
 /// These clips' share of the loss that the network learns by; see GtfLossWeights. The shares of all
 /// clips of a batch add up to its loss.

@@ -3,6 +3,7 @@
 #include "filter_pass.h"
 #include "frame_planes.h"
 #include "hearing.h"
+#include "phase_pass.h"
 #include "spectral_loss.h"
 #include "trunk_pass.h"
 
@@ -102,6 +103,7 @@ class OnEveryInstructionSet : public testing::TestWithParam<std::int64_t> {
 class FramePlanes : public OnEveryInstructionSet {};
 class TrunkPass : public OnEveryInstructionSet {};
 class FilterPass : public OnEveryInstructionSet {};
+class PhasePass : public OnEveryInstructionSet {};
 class SpectralLoss : public OnEveryInstructionSet {};
 
 std::string name_of_target(const testing::TestParamInfo<std::int64_t>& info) {
@@ -259,7 +261,7 @@ at::Tensor torch_filter(const D& d, const at::Tensor& source, const FilterTensor
   const at::Tensor voice = (spectrum * delaying(-x.source_s)).sum(at::IntArrayRef({1}), true);
   const at::Tensor share = x.share.index_select(2, bands).unsqueeze(3);
   const at::Tensor mixed = voice * delaying(x.target_s) * share * 0.5 + spectrum * (1 - share);
-  return torch_sound(magnitudes * mixed / magnitude_of(mixed));
+  return magnitudes * mixed / magnitude_of(mixed);
 }
 
 TEST_P(FilterPass, ValueAndGradientAreThoseOfItsFormula) {
@@ -273,14 +275,14 @@ TEST_P(FilterPass, ValueAndGradientAreThoseOfItsFormula) {
   FilterTensors ours(d, extent.row());
   FilterTensors theirs(d, extent.row());
   const Heard heard = hear(d, source);
-  const at::Tensor found =
+  const at::Tensor found = frames_of(
       filter_pass(d, {heard.spectrum, heard.magnitude, kSamples}, ours.state,
                   {ours.kernel_weight, ours.kernel_still}, {ours.gain_weight, ours.gain_still},
-                  ours.share, ours.source_s, ours.target_s);
-  const at::Tensor right = torch_filter(d, source, theirs);
-  expect_same(found, right, "sound", 2e-5);
+                  ours.share, ours.source_s, ours.target_s));
+  const at::Tensor right = planes_of(torch_filter(d, source, theirs));
+  expect_same(found, right, "spectrum", 2e-5);
 
-  const at::Tensor weights = noise({kClips, 2, kSamples}, 1.0, 31);
+  const at::Tensor weights = noise({kClips, 2, 2, D::kBins, kFrames}, 1.0, 31);
   (found * weights).sum().backward();
   (right * weights).sum().backward();
   const char* const names[] = {"state",      "kernel weight", "kernel still", "gain weight",
@@ -288,6 +290,39 @@ TEST_P(FilterPass, ValueAndGradientAreThoseOfItsFormula) {
   for (std::size_t i = 0; i < ours.all().size(); ++i) {
     // Delays: thousands of terms of either sign, multiplied by frequencies, nearly add up to zero.
     expect_same(ours.all()[i]->grad(), theirs.all()[i]->grad(), names[i], i < 6 ? 1e-4 : 1e-3);
+  }
+}
+
+at::Tensor torch_rounds(const at::Tensor& start, int rounds) {
+  const at::Tensor magnitude =
+      (at::view_as_real(start).square().sum(at::IntArrayRef({-1})) + 1e-12).sqrt();
+  at::Tensor turned = start;
+  at::Tensor before = start;
+  for (int round = 0; round < rounds; ++round) {
+    const at::Tensor heard = torch_spectrum(torch_sound(turned));
+    const at::Tensor pushed = heard + double{D::kPhaseMomentum} * (heard - before);
+    turned = magnitude * pushed / magnitude_of(pushed);
+    before = heard;
+  }
+  return torch_sound(turned);
+}
+
+TEST_P(PhasePass, ValueAndGradientAreThoseOfGriffinLim) {
+  for (const int rounds : {0, 1, 3}) {
+    const at::Tensor start = noise({kClips, 2, 2, D::kBins, kFrames}, 0.5, 50);
+    const train::FrameExtent extent{kSamples};
+    const at::Tensor ours = learned(at::constant_pad_nd(start, {0, extent.row() - kFrames}));
+    const at::Tensor found = phase_pass(ours, rounds, kSamples);
+    const at::Tensor theirs = learned(start);
+    const at::Tensor right =
+        torch_rounds(at::view_as_complex(theirs.permute({0, 1, 3, 4, 2}).contiguous()), rounds);
+    expect_same(found, right, "sound", 1e-4);
+
+    const at::Tensor weights = noise({kClips, 2, kSamples}, 1.0, 51);
+    (found * weights).sum().backward();
+    (right * weights).sum().backward();
+    // Where a bin is nearly nothing, rounding decides its phase: the rounds pass that on.
+    expect_same(frames_of(ours.grad()), theirs.grad(), "by spectrum", 2e-3);
   }
 }
 
@@ -346,6 +381,8 @@ INSTANTIATE_TEST_SUITE_P(OnEveryInstructionSet, FramePlanes,
 INSTANTIATE_TEST_SUITE_P(OnEveryInstructionSet, TrunkPass,
                          testing::ValuesIn(hwy::SupportedAndGeneratedTargets()), name_of_target);
 INSTANTIATE_TEST_SUITE_P(OnEveryInstructionSet, FilterPass,
+                         testing::ValuesIn(hwy::SupportedAndGeneratedTargets()), name_of_target);
+INSTANTIATE_TEST_SUITE_P(OnEveryInstructionSet, PhasePass,
                          testing::ValuesIn(hwy::SupportedAndGeneratedTargets()), name_of_target);
 INSTANTIATE_TEST_SUITE_P(OnEveryInstructionSet, SpectralLoss,
                          testing::ValuesIn(hwy::SupportedAndGeneratedTargets()), name_of_target);

@@ -19,9 +19,9 @@ namespace {
 
 using Json = nlohmann::json;
 
-GtfLossWeights loss_from(const Json& json, const std::string& where) {
+/// @param weights  of what `json` does not name
+GtfLossWeights loss_from(const Json& json, const std::string& where, GtfLossWeights weights) {
   constexpr double kMost = 1000.0;
-  GtfLossWeights weights;
   JsonObjectReader reader(json, where);
   for (const auto& [key, weight] : std::initializer_list<std::pair<const char*, double*>>{
            {"log_magnitude", &weights.log_magnitude},
@@ -31,6 +31,7 @@ GtfLossWeights loss_from(const Json& json, const std::string& where) {
            {"decay", &weights.decay},
            {"reverberation", &weights.reverberation},
            {"phase_difference", &weights.phase_difference},
+           {"dry_voice", &weights.dry_voice},
            {"place", &weights.place}}) {
     if (!reader.has(key)) continue;
     *weight = reader.number(key);
@@ -44,6 +45,7 @@ GtfLossWeights loss_from(const Json& json, const std::string& where) {
 /// What a network's section holds beside its description.
 struct GtfStart {
   GtfLossWeights loss;
+  std::optional<GtfLossWeights> natural_loss;
   std::optional<std::string> init;       ///< a weight file to start from
   std::optional<std::string> estimator;  ///< the weight file of one of reverberation time
 };
@@ -62,15 +64,27 @@ std::optional<std::string> take_path(Json& section, const char* key, const char*
 
 /// Takes `loss`, `init` and `estimator` out of the network's section.
 GtfStart take_start(std::string& section, const std::string& where) {
-  constexpr int kDepth = 2;
+  constexpr int kDepth = 3;  // the section, its loss, that of the natural texture
   GtfStart start;
   Json json = parse_strict_json(section, where, kDepth);
   if (!json.is_object()) return start;
-  if (json.contains("loss")) start.loss = loss_from(json["loss"], fmt::format("{}: 'loss'", where));
+  if (json.contains("loss")) {
+    Json& loss = json["loss"];
+    const std::string of_natural = fmt::format("{}: 'loss': 'natural'", where);
+    std::optional<Json> natural;
+    if (loss.is_object() && loss.contains("natural")) {
+      natural = loss["natural"];
+      loss.erase("natural");
+    }
+    start.loss = loss_from(loss, fmt::format("{}: 'loss'", where), {});
+    if (natural) start.natural_loss = loss_from(*natural, of_natural, start.loss);
+  }
   json.erase("loss");
   start.init = take_path(json, "init", "weights", where);
   start.estimator = take_path(json, "estimator", "an rt60 network's weights", where);
-  if ((start.loss.reverberation > 0) != start.estimator.has_value()) {
+  const bool is_heard =
+      start.loss.reverberation > 0 || (start.natural_loss && start.natural_loss->reverberation > 0);
+  if (is_heard != start.estimator.has_value()) {
     throw InputError(where, "'loss.reverberation' and 'estimator' need each other",
                      "give both or none");
   }
@@ -108,6 +122,7 @@ TrainingTask gtf_task(const TrainConfig& config, std::string_view where,
   GtfLearnerOptions learner_options;
   const GtfStart start = take_start(section, network);
   learner_options.loss = start.loss;
+  learner_options.natural_loss = start.natural_loss;
   if (start.estimator) {
     learner_options.estimator =
         rt60_estimator_weights(read_safetensors(*start.estimator), *start.estimator);
@@ -122,6 +137,13 @@ TrainingTask gtf_task(const TrainConfig& config, std::string_view where,
   usual.window_samples = static_cast<int>(pairs.samples);
   const GtfDescription description =
       gtf_description_from_json(description_with(section, to_json(usual), network), network);
+  if (description.texture != start.natural_loss.has_value()) {
+    throw InputError(network, "'texture' and 'loss.natural' need each other", "give both or none");
+  }
+  if (start.loss.dry_voice > 0 && !description.dry_voice) {
+    throw InputError(network, "'loss.dry_voice' needs a network that tells it",
+                     "set 'dry_voice' to true");
+  }
   TrainingTask task;
   const auto encode = [description](const PairSample& sample) {
     return gtf_example(description, sample);

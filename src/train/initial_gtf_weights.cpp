@@ -103,7 +103,8 @@ std::vector<float> identity_kernels(const D& d) {
 
 bool starts_at_zero(std::string_view name) {
   return name.starts_with("kernel.static.") || name.starts_with("gain.") ||
-         name.starts_with("phase.") || name == "kernel.bias" || name.ends_with(".norm.bias");
+         name.starts_with("dry.") || name.starts_with("phase.") || name == "kernel.bias" ||
+         name.ends_with(".norm.bias");
 }
 
 /// 1 / sqrt(numbers that one output of the layer is made of).

@@ -86,12 +86,32 @@ TEST_F(TaskKinds, TrainsAGeometricNetwork) {
   EXPECT_EQ(weights.description.highpass_cutoff_hz, 80.0);
 }
 
+TEST_F(TaskKinds, TrainsAGeometricNetworkForTwoTextures) {
+  const GtfWeights weights = gtf_weights(trained(config_of(R"({"kind": "gtf", "channels": 8,
+      "layers": 2, "bands": 8, "picture_px": 32, "phase_rounds": 1, "texture": true,
+      "dry_voice": true, "loss": {"dry_voice": 0.1, "natural": {"decay": 0.01}}})")),
+                                         "best");
+  EXPECT_TRUE(weights.description.texture);
+  EXPECT_EQ(weights.description.phase_rounds, 1);
+  EXPECT_TRUE(weights.tensors.contains("dry.weight"));
+}
+
 TEST_F(TaskKinds, NamesWhatIsWrongWithAGeometricNetwork) {
   const auto said = [&](const char* network) { return refusal(config_of(network)); };
   EXPECT_NE(said(R"({"kind": "gtf", "loss": {"levels": 1}})").find("levels"), std::string::npos);
   EXPECT_NE(said(R"({"kind": "gtf", "loss": {"level": -1}})").find("'level': expected 0 to 1000"),
             std::string::npos);
   EXPECT_NE(said(R"({"kind": "gtf", "picture_px": 33})").find("multiple of 32"), std::string::npos);
+  EXPECT_NE(said(R"({"kind": "gtf", "texture": true})").find("'texture' and 'loss.natural' need"),
+            std::string::npos);
+  EXPECT_NE(
+      said(R"({"kind": "gtf", "loss": {"natural": {}}})").find("'texture' and 'loss.natural' need"),
+      std::string::npos);
+  EXPECT_NE(said(R"({"kind": "gtf", "texture": true, "loss": {"natural": {"levels": 1}}})")
+                .find("'loss': 'natural'"),
+            std::string::npos);
+  EXPECT_NE(said(R"({"kind": "gtf", "loss": {"dry_voice": 1}})").find("'loss.dry_voice' needs"),
+            std::string::npos);
 }
 
 TEST_F(TaskKinds, TrainsAGeometricNetworkByAnEstimatorsEar) {

@@ -1,5 +1,7 @@
+#include <algorithm>
 #include <cstddef>
 
+#include <earpoint/core/error.h>
 #include <earpoint/model_testing/random_weights.h>
 
 namespace earpoint {
@@ -30,6 +32,25 @@ GtfWeights random_gtf_weights(const GtfDescription& description) {
   for (const auto& [name, shape] : required_tensors(description)) {
     const double low = name.find("power") != std::string::npos ? 0.5 : -0.2;
     weights.tensors[name] = random_tensor(shape, random, low, low + 0.4);
+  }
+  return weights;
+}
+
+GtfWeights pass_through_gtf_weights(const GtfDescription& description) {
+  EARPOINT_CHECK(!description.delays);
+  GtfWeights weights = random_gtf_weights(description);
+  for (const auto& [name, shape] : required_tensors(description)) {
+    if (is_gtf_table(name)) continue;
+    std::vector<float> values(static_cast<std::size_t>(element_count(shape).value()));
+    if (name == "kernel.bias") {
+      // [out ear][in ear][tap][band]
+      for (int ear = 0; ear < 2; ++ear) {
+        const std::ptrdiff_t row =
+            (std::ptrdiff_t{ear} * 2 + ear) * description.taps() + description.past_frames;
+        std::fill_n(values.begin() + row * description.bands, description.bands, 1.0F);
+      }
+    }
+    weights.tensors[name] = make_tensor<float>(values, shape);
   }
   return weights;
 }

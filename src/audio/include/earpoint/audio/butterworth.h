@@ -25,6 +25,18 @@ struct SecondOrderSection {
                                                                    double sample_rate_hz,
                                                                    int order = 5);
 
+/// Two filters that share the spectrum and whose outputs add up to all of it, the phase turned.
+struct Crossover {
+  std::vector<SecondOrderSection> low;
+  std::vector<SecondOrderSection> high;
+};
+
+/// Linkwitz-Riley crossover of order 8: both are -6 dB at the cutoff and fall by 48 dB an octave;
+/// the sum is an all-pass.
+/// @param cutoff_hz  0 < cutoff_hz < sample_rate_hz / 2
+/// Source: Linkwitz, JAES 24 (1976): a Butterworth filter, here of order 4, twice.
+[[nodiscard]] Crossover linkwitz_riley(double cutoff_hz, double sample_rate_hz);
+
 /// How many samples filter_zero_phase() extends each end by: it needs more than these.
 [[nodiscard]] std::ptrdiff_t zero_phase_extension(std::span<const SecondOrderSection> sections);
 
@@ -35,5 +47,23 @@ struct SecondOrderSection {
 /// Source: Gustafsson, IEEE Trans. SP 44 (1996), compares the ways to start such filters.
 void filter_zero_phase(std::span<const SecondOrderSection> sections, std::span<const double> in,
                        std::span<double> out);
+
+/// The same sections as a causal filter for a live stream, sample by sample, from silence.
+class SectionFilter {
+ public:
+  explicit SectionFilter(std::vector<SecondOrderSection> sections);
+
+  double process(double sample);
+  /// Back to silence.
+  void reset();
+
+ private:
+  struct Running {
+    SecondOrderSection section;
+    double z1 = 0.0;
+    double z2 = 0.0;
+  };
+  std::vector<Running> running_;
+};
 
 }  // namespace earpoint

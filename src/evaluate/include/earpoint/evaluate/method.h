@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -56,7 +57,9 @@ struct MethodEntry {
 /// @param weights  a file that make_synthesizer() knows; it is read here, so that a bad one is
 /// found
 ///                 before any work is done
+/// @param texture  see SynthesizerOptions
 /// @throws InputError as make_synthesizer, or if the network wants another rate
-[[nodiscard]] MethodEntry network_method(const std::string& name, const std::string& weights);
+[[nodiscard]] MethodEntry network_method(const std::string& name, const std::string& weights,
+                                         std::optional<double> texture = {});
 
 }  // namespace earpoint

@@ -57,6 +57,11 @@ class Gtf {
   /// much weaker as the way to it costs the direct sound; the diffuse field stays.
   void aim(const Pose& source_from_target, const std::optional<Vector3>& speaker_m = {});
 
+  /// Which texture is rendered from here on, in a network that has been told it in training: 0 the
+  /// mean of what is possible, with the least error of magnitudes; 1 a natural one, with the depth
+  /// of modulation and the decay of such a sound. 1 from the start.
+  void ask_for_texture(double texture);
+
   /// The sound at the target of a window on its own.
   /// @param source  planar, [2][samples], left ear first, at 16 kHz, samples >= 400
   /// @param output  the same size; must not overlap it
@@ -68,30 +73,42 @@ class Gtf {
   void synthesize(std::span<const float> source, std::span<const Pose> path,
                   std::span<float> output);
 
+  /// The dry voice in a window, as a microphone hears it 1 m before the mouth in free field, on
+  /// time with the direct sound at the source. Of a network that tells it
+  /// (GtfDescription::dry_voice).
+  /// @param source  as synthesize() takes it
+  /// @param voice   [samples]
+  void tell_voice(std::span<const float> source, std::span<float> voice);
+
   /// Finds the speaker by what was looked at and a window of sound, which statistics() then tells
   /// of.
   /// @param source  as synthesize() takes it
   /// @return nothing if the network knows no geometry
   [[nodiscard]] std::optional<GtfSpeaker> locate(std::span<const float> source);
 
-  /// Power that the geometry of the move alone expects of the window that synthesize() made, both
-  /// ears together, over that of the source's: the direct sound falls with distance, the diffuse
-  /// field is the same everywhere. 1 at the source itself, and if the network knows no geometry.
+  /// Power that the geometry of the move alone expects, both ears together, over that of the
+  /// source's: the direct sound falls with distance, the diffuse field is the same everywhere. Of
+  /// the window that synthesize() made, or of a stream's last second, were it all heard at the
+  /// present pose. 1 at the source itself, and if the network knows no geometry.
   [[nodiscard]] double expected_gain() const;
 
   /// What synthesize() or locate() heard in its window.
   [[nodiscard]] const GtfStatistics& statistics() const;
 
   /// Begins a stream at silence.
-  /// @param statistics  held throughout; without them running means of about a second are taken
-  void start(std::optional<GtfStatistics> statistics = {});
+  /// @param statistics    held throughout; without them running means of about a second are taken
+  /// @param phase_rounds  at most those of the description, which are taken if nothing is said.
+  /// Each
+  ///                      one less is 20 ms less late, and the phases of frames agree less
+  void start(std::optional<GtfStatistics> statistics = {}, std::optional<int> phase_rounds = {});
 
   /// The next hop of a stream: source in, and out what lies latency_samples() back.
   /// @param source  planar, [2][hop]
   /// @param output  planar, [2][hop]
   void advance(std::span<const float> source, std::span<float> output);
 
-  /// By how much the output of a stream is later than its input: the frames ahead and the window.
+  /// By how much the output of a stream is later than its input: the frames ahead, those that its
+  /// phase rounds need, and the window.
   [[nodiscard]] std::ptrdiff_t latency_samples() const;
 
   /// Where the speaker was taken to be, in the source's frame; nothing without geometry.

@@ -23,6 +23,10 @@ struct GtfDescription {
   static constexpr int kFrameSamples = 400;
   static constexpr int kHop = 160;
   static constexpr int kBins = kFftSize / 2 + 1;
+  /// Frames to either side that share samples with one.
+  static constexpr int kOverlappingFrames = (kFrameSamples - 1) / kHop;
+  /// Momentum of the phase rounds; 0.99 as in Perraudin, Balazs and Sondergaard, WASPAA 2013.
+  static constexpr float kPhaseMomentum = 0.99F;
   /// Delays between the ears that the summary listens for: -kLags to kLags samples.
   static constexpr int kLags = 16;
   // The tables of the head: its level in bands of the short-time transform, and its delays.
@@ -61,6 +65,14 @@ struct GtfDescription {
   bool geometry = true;
   bool delays = true;  ///< whether the ears' delays are moved to the target's; needs geometry
 
+  /// Rounds of fast Griffin-Lim that make the phases of neighbouring frames agree; each needs two
+  /// frames ahead.
+  int phase_rounds = 0;
+  /// Whether it is told which texture to render: 0 the mean of what is possible, 1 a natural one.
+  bool texture = false;
+  /// Whether it also tells the magnitudes of the dry voice, as a microphone at the mouth hears it.
+  bool dry_voice = false;
+
   int picture_width = 96;   ///< of the picture's feature
   int locator_width = 128;  ///< of the layers that find the speaker
   int summary_width = 32;   ///< of the sound's summary, as conditioning
@@ -72,10 +84,12 @@ struct GtfDescription {
   [[nodiscard]] int taps() const {
     return past_frames + future_frames + 1 + static_cast<int>(tails_s.size());
   }
-  /// Frames that the output of one needs beyond it.
+  /// Frames that filtering one needs beyond it.
   [[nodiscard]] int needed_ahead() const {
     return look_ahead_frames > future_frames ? look_ahead_frames : future_frames;
   }
+  /// Frames that the rounds need beyond those.
+  [[nodiscard]] int phase_ahead() const { return kOverlappingFrames * phase_rounds; }
   /// What the trunk hears in a frame: power of both ears and their cross-spectrum.
   [[nodiscard]] int frame_features() const { return 4 * bands; }
   /// What is known of the whole window: the mean of that, and the correlation over lags.
@@ -86,7 +100,7 @@ struct GtfDescription {
     return picture_features() + (box ? kBoxFeatures : 0) + summary_features();
   }
   [[nodiscard]] int conditioning_inputs() const {
-    return geometry_features() + picture_features() + summary_width;
+    return geometry_features() + picture_features() + summary_width + (texture ? 1 : 0);
   }
 
   friend bool operator==(const GtfDescription&, const GtfDescription&) = default;

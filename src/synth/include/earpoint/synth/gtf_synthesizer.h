@@ -12,7 +12,8 @@ namespace earpoint {
 class GtfSynthesizer : public AcousticSynthesizer {
  public:
   /// @param horizontal_fov_rad  of the source camera
-  GtfSynthesizer(const GtfWeights& weights, double horizontal_fov_rad);
+  /// @param texture  0 the mean, 1 natural; means nothing to a network that knows one
+  GtfSynthesizer(const GtfWeights& weights, double horizontal_fov_rad, double texture = 1.0);
 
   [[nodiscard]] WindowShape window_shape(int source_rate_hz) const override;
   [[nodiscard]] double ambient_cutoff_hz() const override;

@@ -28,13 +28,17 @@ struct GtfLossWeights {
   double decay = 0.0;              ///< of the decay of the response from dry speech, dB
   double reverberation = 0.0;      ///< of reverberation time as an estimator hears it, seconds
   double phase_difference = 0.05;  ///< of the phase between the ears
+  double dry_voice = 0.0;          ///< of magnitudes of the dry voice, where the network tells them
   double place = 0.02;             ///< of the speaker's estimated direction, distance and heading
 
   friend bool operator==(const GtfLossWeights&, const GtfLossWeights&) = default;
 };
 
 struct GtfLearnerOptions {
-  GtfLossWeights loss;
+  GtfLossWeights loss;  ///< of the only texture, or of the mean one
+  /// Of the natural texture, which half of the clips are asked for; needed where the network is
+  /// told a texture.
+  std::optional<GtfLossWeights> natural_loss;
   /// Who hears reverberation times for the loss. Not who measures them: what learns to please one
   /// estimator must convince another.
   std::optional<Rt60EstimatorWeights> estimator;
@@ -65,8 +69,9 @@ class GtfLearner : public Learner {
   [[nodiscard]] const GtfDescription& description() const;
   [[nodiscard]] GtfWeights weights() const;
 
+  /// @param texture  0 the mean, 1 natural; means nothing to a network with one texture
   /// @return the sound at the targets, shape of batch.source
-  [[nodiscard]] std::vector<float> predict(const TrainingBatch& batch);
+  [[nodiscard]] std::vector<float> predict(const TrainingBatch& batch, double texture = 1.0);
   /// @return where the speakers are taken to be, [clips][3]; empty without geometry
   [[nodiscard]] std::vector<float> locate(const TrainingBatch& batch);
 
@@ -78,7 +83,7 @@ class GtfLearner : public Learner {
   void apply_gradients(double learning_rate) override;
   [[nodiscard]] std::int64_t steps() const override;
 
-  /// The metric Mag of each clip.
+  /// The metric Mag of each clip, of the natural texture where there are two.
   [[nodiscard]] std::vector<double> errors(const TrainingBatch& batch) override;
   [[nodiscard]] std::string_view error_name() const override { return "mag"; }
 

@@ -20,4 +20,9 @@ namespace earpoint {
 /// 0.5 to 0.9.
 [[nodiscard]] GtfWeights random_gtf_weights(const GtfDescription& description);
 
+/// The same, but with what learns at 0 and kernels that take the present frame of each ear: what it
+/// hears comes out again, whatever the pose, within the trained range.
+/// @param description  without delays, which would turn phases
+[[nodiscard]] GtfWeights pass_through_gtf_weights(const GtfDescription& description);
+
 }  // namespace earpoint

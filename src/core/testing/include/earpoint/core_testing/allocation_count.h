@@ -1,6 +1,6 @@
 #pragma once
 
-namespace earpoint::infer {
+namespace earpoint {
 
 /// Counts what all threads of the test program allocate while it lives: every call of malloc and
 /// its kin, and so of operator new.
@@ -14,4 +14,4 @@ class AllocationCount {
   [[nodiscard]] long count() const;
 };
 
-}  // namespace earpoint::infer
+}  // namespace earpoint

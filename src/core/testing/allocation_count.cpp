@@ -1,4 +1,4 @@
-#include "allocation_count.h"
+#include <earpoint/core_testing/allocation_count.h>
 
 #include <atomic>
 #include <cerrno>
@@ -21,7 +21,7 @@ void* __libc_memalign(std::size_t alignment, std::size_t size);
 #endif
 // NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming)
 
-namespace earpoint::infer {
+namespace earpoint {
 namespace {
 
 std::atomic<bool> counting{false};
@@ -82,4 +82,4 @@ int posix_memalign(void** memory, std::size_t alignment, std::size_t size) {
 }  // extern "C"
 #endif
 
-}  // namespace earpoint::infer
+}  // namespace earpoint
