@@ -14,7 +14,7 @@ std::optional<std::filesystem::path> environment_folder(const char* name) {
 }  // namespace
 
 std::optional<std::filesystem::path> data_folder() {
-  if (const auto own = environment_folder("EARPOINT_DATA_DIR")) return own;
+  if (auto own = environment_folder("EARPOINT_DATA_DIR")) return own;
   if (const auto data = environment_folder("XDG_DATA_HOME")) return *data / "earpoint";
   if (const auto home = environment_folder("HOME")) return *home / ".local/share/earpoint";
   return std::nullopt;

@@ -59,12 +59,16 @@ TEST(PeoplePictures, ReadsListsAndViewsOfConversationsOfASplit) {
              R"({"format":"earpoint-people-1","pictures":[{"file":"a.jpg","people":[]}]})");
   fs::create_directories(data / "other/home-0001/0");
   write_file(data / "other/home-0001/0/clip.json",
-             R"([{"viewpoints":[{"location":[0,1.5,0],"rotation":0,"rir":{},
-                  "image":"train/home-0001/0/view_0.png",
-                  "bboxes":{"0":[0,0,0,0],"1":[64,127,0,63]}}],"speakers":[]}])");
+             R"([{"viewpoints":[
+                  {"location":[0,1.5,0],"rotation":0,"rir":{"0":"a.wav"},
+                   "image":"train/home-0001/0/view_0.png",
+                   "bboxes":{"0":[0,0,0,0],"1":[64,127,0,63]}},
+                  {"location":[1,1.5,0],"rotation":0,"rir":{"0":"b.wav"},
+                   "image":"train/home-0001/0/view_1.png","bboxes":{}}],
+                  "speakers":[{"id":0,"speech":null,"location":[1,1.5,1]}]}])");
   fs::create_directory_symlink(data / "other", data / "train/joined");
   const auto pictures = read_people_pictures(data, "train");
-  ASSERT_EQ(pictures.size(), 2U);
+  ASSERT_EQ(pictures.size(), 3U);
   EXPECT_EQ(pictures[0].file, data / "train/home-0000/a.jpg");
   EXPECT_EQ(pictures[1].file, data / "train/joined/home-0001/0/view_0.png");
   ASSERT_EQ(pictures[1].people.size(), 1U);

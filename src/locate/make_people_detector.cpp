@@ -46,7 +46,7 @@ std::unique_ptr<PeopleDetector> make_people_detector(const std::optional<fs::pat
     const auto shipped = shipped_model_path(kShipped);
     if (!shipped) {
       throw InputError(std::string(kShipped), "was not found among the shipped models",
-                       "give --detector FILE");
+                       "give --detector nanodet (./dev assets --people) or --detector FILE");
     }
     return own_network(*shipped, threads);
   }

@@ -166,7 +166,11 @@ class TargetMaps {
       std::ranges::transform(row, truth_.begin() + static_cast<std::ptrdiff_t>(5 * people_++),
                              [](double value) { return static_cast<float>(value); });
     }
-    counts ? add_bell(box) : leave_out(box);
+    if (counts) {
+      add_bell(box);
+    } else {
+      leave_out(box);
+    }
   }
 
   [[nodiscard]] std::map<std::string, std::vector<float>> take() && {

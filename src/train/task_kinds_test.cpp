@@ -7,13 +7,17 @@
 #include <unistd.h>
 
 #include <earpoint/core/error.h>
+#include <earpoint/core/file.h>
+#include <earpoint/dataset/people_pictures.h>
 #include <earpoint/dataset_testing/tiny_dataset.h>
 #include <earpoint/model/gtf.h>
+#include <earpoint/model/people.h>
 #include <earpoint/model/vam.h>
 #include <earpoint/model/weights.h>
 #include <earpoint/train/initial_weights.h>
 #include <earpoint/train/trainer.h>
 #include <earpoint/train/training_task.h>
+#include <earpoint/video/image_file.h>
 
 namespace earpoint {
 namespace {
@@ -163,6 +167,25 @@ TEST_F(TaskKinds, TrainsAnEstimatorOfReverberationTime) {
       rt60_estimator_weights(trained(config_of(kRt60, R"({"validation_seconds": 3})")), "best");
   EXPECT_EQ(weights.description.channels, 2);
   EXPECT_EQ(weights.description.input_rms, 1.0);
+}
+
+TEST_F(TaskKinds, TrainsANetworkThatFindsPeople) {
+  for (const char* split : {"train", "val"}) {
+    const fs::path home = folder_ / "data" / split / "home-0000";
+    fs::create_directories(home);
+    write_image(home / "a.png", Image(80, 48, 3, 100));
+    const Box box{.x_min = 0.2, .y_min = 0.1, .x_max = 0.5, .y_max = 0.9};
+    const std::vector<PeoplePicture> pictures{{home / "a.png", {{box, 1.0}}}};
+    write_file(home / kPeoplePictureList, people_picture_list(pictures));
+  }
+  const std::string network = R"({"kind": "people", "longest_px": 64, "channels": 2})";
+  const PeopleWeights weights = people_weights(
+      trained(config_of(network, R"({"view_width_px": 64, "view_height_px": 32})")), "best");
+  EXPECT_EQ(weights.description.channels, 2);
+  EXPECT_EQ(weights.description.longest_px, 64);
+  EXPECT_NE(refusal(config_of(network, R"({"view_width_px": 60})"))
+                .find("'view_width_px': expected a multiple of 32"),
+            std::string::npos);
 }
 
 TEST_F(TaskKinds, TrainsVisualAcousticMatching) {
