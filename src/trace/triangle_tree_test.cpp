@@ -71,7 +71,7 @@ TEST_F(TriangleTreeTest, PacketsFindWhatSingleRaysFind) {
     if (lane == 5) continue;
     const auto single = tree_.closest(origins[lane], directions[lane], 100.0, kAllLayers);
     ASSERT_TRUE(packet.hit(lane) && single.has_value());
-    EXPECT_EQ(tree_.triangle(packet, lane), single->triangle);
+    EXPECT_EQ(packet.triangles[lane], single->triangle);
     EXPECT_NEAR(packet.rays.ray.tfar[lane], single->distance_m, 1e-5F);
   }
 }
