@@ -2,8 +2,6 @@
 #include <cctype>
 #include <string>
 
-#include <fmt/format.h>
-
 #include <earpoint/audio/sound_file.h>
 #include <earpoint/core/error.h>
 #include <earpoint/synth/sound_sink.h>
@@ -14,8 +12,9 @@ namespace {
 
 class SoundFileSink : public SoundSink {
  public:
-  SoundFileSink(const std::filesystem::path& output, int sample_rate_hz, SampleFormat format)
-      : writer_(output, 2, sample_rate_hz, format), sample_rate_hz_(sample_rate_hz) {}
+  SoundFileSink(const std::filesystem::path& output, int sample_rate_hz, SampleFormat format,
+                std::ptrdiff_t samples)
+      : writer_(output, 2, sample_rate_hz, format, samples), sample_rate_hz_(sample_rate_hz) {}
   void write(const Waveform& block) override { writer_.write(block); }
   void commit() override { writer_.close(); }
   [[nodiscard]] int sample_rate_hz() const override { return sample_rate_hz_; }
@@ -39,18 +38,6 @@ class MovieSink : public SoundSink {
   int sample_rate_hz_;
 };
 
-/// Said before an hour of rendering, not after.
-void check_fits_wav(const std::filesystem::path& output, std::ptrdiff_t samples) {
-  constexpr double kBytes = 2 * sizeof(float);
-  constexpr double kLargest = 4294967295.0 - 4096.0;  // as SoundWriter
-  const double bytes = kBytes * static_cast<double>(samples);
-  if (bytes <= kLargest) return;
-  throw InputError(
-      output.string(),
-      fmt::format("would be {:.1f} GB, and a WAV file holds at most 4 GB", bytes / 1e9),
-      "use the extension .w64 or .flac");
-}
-
 }  // namespace
 
 std::unique_ptr<SoundSink> open_sound_sink(const std::filesystem::path& output, int sample_rate_hz,
@@ -67,12 +54,11 @@ std::unique_ptr<SoundSink> open_sound_sink(const std::filesystem::path& output, 
     return std::make_unique<MovieSink>(output, sample_rate_hz, movie);
   }
   if (extension == ".wav" || extension == ".w64" || output == "-") {
-    if (extension != ".w64") check_fits_wav(output, samples);
     // An earpoint near the mouth can exceed full scale; float keeps that.
-    return std::make_unique<SoundFileSink>(output, sample_rate_hz, SampleFormat::float32);
+    return std::make_unique<SoundFileSink>(output, sample_rate_hz, SampleFormat::float32, samples);
   }
   if (extension == ".flac" || extension == ".ogg" || extension == ".mp3") {
-    return std::make_unique<SoundFileSink>(output, sample_rate_hz, SampleFormat::pcm24);
+    return std::make_unique<SoundFileSink>(output, sample_rate_hz, SampleFormat::pcm24, samples);
   }
   throw InputError(output.string(), "cannot write '" + extension + "' files",
                    "use .wav, .flac, .ogg, .mp3, .w64, .mp4, .mov or .mkv");
