@@ -76,6 +76,25 @@ TEST_F(TriangleTreeTest, PacketsFindWhatSingleRaysFind) {
   }
 }
 
+TEST_F(TriangleTreeTest, OfWallsThatLieOnEachOtherTheLastOneIsMet) {
+  // The box twice: the copies' triangles come after the originals' and coincide with them.
+  Mesh doubled = scene_.mesh;
+  const std::size_t triangles = doubled.triangles.size();
+  for (std::size_t i = 0; i < triangles; ++i) doubled.triangles.push_back(doubled.triangles[i]);
+  std::vector<LayerMask> layers(triangles, 1);
+  layers.resize(2 * triangles, 2);
+  const TriangleTree tree(doubled, layers);
+  for (int i = 0; i < 100; ++i) {
+    const Vector3 origin = random_point();
+    const Vector3 direction = random_direction();
+    const auto of_both = tree.closest(origin, direction, 100.0, 3);
+    const auto of_originals = tree.closest(origin, direction, 100.0, 1);
+    ASSERT_TRUE(of_both && of_originals);
+    EXPECT_GE(of_both->triangle, triangles);
+    EXPECT_EQ(of_originals->triangle, of_both->triangle - triangles);
+  }
+}
+
 TEST_F(TriangleTreeTest, RaysSeeOnlyTheirLayers) {
   const Vector3 middle{3, 2.5, 1.5};
   EXPECT_TRUE(tree_.closest(middle, {0, 0, 1}, 10.0, 2U).has_value());
