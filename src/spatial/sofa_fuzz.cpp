@@ -4,6 +4,7 @@
 
 #include <fuzz_file.h>
 #include <pthread.h>
+#include <sys/time.h>
 
 #include <earpoint/core/error.h>
 #include <earpoint/spatial/sofa_file.h>
@@ -14,10 +15,14 @@ extern "C" [[gnu::weak]] void __sanitizer_set_death_callback(void (*callback)())
 
 namespace {
 
-/// Keeps libFuzzer in the child from taking a crash there, which is foreseen, for a finding.
-void forget_the_fuzzer_in_children() {
+/// Keeps libFuzzer in the child from taking a crash there, which is foreseen, for a finding; and
+/// ends a child that loops after a fifth of a second of work, instead of the 10 s that a user
+/// waits.
+void prepare_children() {
   pthread_atfork(nullptr, nullptr, [] {
     if (__sanitizer_set_death_callback != nullptr) __sanitizer_set_death_callback(nullptr);
+    const itimerval once{.it_interval = {}, .it_value = {.tv_sec = 0, .tv_usec = 200'000}};
+    setitimer(ITIMER_PROF, &once, nullptr);
   });
 }
 
@@ -27,7 +32,7 @@ void forget_the_fuzzer_in_children() {
 /// its own process, or read, and then whole and finite.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace earpoint;  // NOLINT(google-build-using-namespace): one function
-  [[maybe_unused]] static const bool forgets = (forget_the_fuzzer_in_children(), true);
+  [[maybe_unused]] static const bool prepared = (prepare_children(), true);
   const FuzzFile file(data, size);
   try {
     const SofaFile sofa = read_sofa(file.path());
