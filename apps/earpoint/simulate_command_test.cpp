@@ -1,5 +1,6 @@
 #include "run_program.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <csignal>
@@ -114,6 +115,24 @@ TEST_F(SimulateCommandTest, KilledAtAnyMomentItGoesOnToTheSameBytes) {
   const ProgramOutcome outcome = run_earpoint(arguments("killed"));
   ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
   EXPECT_EQ(contents_of("killed"), expected);
+}
+
+// The C library chooses its functions by the processor; ./dev processors emulates the rest of
+// another.
+TEST_F(SimulateCommandTest, TheFunctionsOfOlderProcessorsGiveTheSameBytes) {
+  const auto one = [&](const std::string& out) {
+    std::vector<std::string> words = arguments(out);
+    std::ranges::replace(words, "2", "1");  // of conversations
+    words.insert(words.end(), {"--viewpoints", "2"});
+    return words;
+  };
+  ASSERT_EQ(run_earpoint(one("this")).exit_code, 0);
+  const std::string older = "GLIBC_TUNABLES=glibc.cpu.hwcaps=-AVX512F,-AVX2,-FMA,-FMA4,-AVX";
+  ASSERT_EQ(run_earpoint(one("older"), {older}).exit_code, 0);
+  const auto expected = contents_of("this");
+  EXPECT_TRUE(expected.contains("test/home-0000/0/view_1.png"));
+  EXPECT_TRUE(expected.contains("test/home-0000/0/rir_1_1.wav"));
+  EXPECT_EQ(contents_of("older"), expected);
 }
 
 TEST_F(SimulateCommandTest, AScanOfOnesOwnIsSimulatedAndSummedUp) {

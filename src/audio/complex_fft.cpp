@@ -319,6 +319,7 @@ void ComplexFft<T>::plan_passes() {
 template <typename T>
 void ComplexFft<T>::forward(T* real, T* imaginary) {
   if (chirp_) return chirp_->forward(real, imaginary);
+  if (passes_.empty()) return;  // of one number, which is its own spectrum
   std::pair<T*, T*> from{real, imaginary};
   std::pair<T*, T*> to{scratch_.data(), scratch_.data() + size_ + kGap<T>};
   for (const Pass& pass : passes_) {

@@ -252,6 +252,44 @@ TEST_F(SoundFile, LengthsThatRecordersLeaveOpenAreRead) {
   }
 }
 
+TEST_F(SoundFile, AWavFileThatIsToHoldMoreThanFourGigabytesIsRf64) {
+  const Waveform wave = noise(2, 5000, 16000);
+  const fs::path path = folder_ / "x.wav";
+  for (const std::int64_t expected : {std::int64_t{0}, std::int64_t{500'000'000}}) {
+    SoundWriter writer(path, 2, 16000, SampleFormat::float32, expected);
+    writer.write(wave);
+    writer.close();
+    EXPECT_EQ(read_text_file(path).substr(0, 4), "RIFF") << expected;
+  }
+  SoundWriter writer(path, 2, 16000, SampleFormat::float32, 600'000'000);  // of 8 bytes
+  writer.write(wave);
+  writer.close();
+  EXPECT_EQ(read_text_file(path).substr(0, 4), "RF64");
+  EXPECT_EQ(largest_difference(wave, read_sound(path)), 0.0);
+}
+
+TEST_F(SoundFile, Rf64BeyondFourGigabytesIsReadWithItsWholeLength) {
+  const Waveform wave = noise(2, 5000, 16000);
+  const fs::path path = folder_ / "x.wav";
+  SoundWriter writer(path, 2, 16000, SampleFormat::float32, 600'000'000);
+  writer.write(wave);
+  writer.close();
+  // The lengths of the form and of its samples (EBU Tech 3306), and a hole for what comes later.
+  std::string bytes = read_text_file(path);
+  ASSERT_EQ(bytes.substr(12, 4), "ds64");
+  const std::size_t data = bytes.find("data") + 8;
+  const std::uint64_t samples = 600'000'000;
+  const std::uint64_t length = samples * 8;
+  const std::uint64_t whole = data + length - 8;
+  std::memcpy(bytes.data() + 20, &whole, 8);
+  std::memcpy(bytes.data() + 28, &length, 8);
+  put(path, bytes);
+  fs::resize_file(path, data + length);
+  SoundReader reader(path);
+  EXPECT_EQ(reader.info().frames, static_cast<std::int64_t>(samples));
+  EXPECT_EQ(largest_difference(wave, reader.read(5000)), 0.0);
+}
+
 TEST_F(SoundFile, CorruptFlacIsFoundByItsChecksums) {
   write_sound(folder_ / "x.flac", noise(1, 50000, 16000), SampleFormat::pcm16);
   std::string bytes = read_text_file(folder_ / "x.flac");

@@ -26,6 +26,8 @@ constexpr std::ptrdiff_t kBlockFrames = 4096;
 constexpr double kVorbisQuality = 0.6;
 /// Of 0 to 1, the best first: LAME's V2, about as many bits.
 constexpr double kMp3Level = 0.2;
+/// Of samples: lengths in a plain WAV file have 32 bits, and the header needs some of the 4 GB.
+constexpr std::int64_t kMostWavBytes = 0xFFFFFFFFLL - 4096;
 
 std::string lower_extension(const fs::path& path) {
   std::string extension = path.extension().string();
@@ -43,6 +45,10 @@ int subtype_of(SampleFormat format) {
       return SF_FORMAT_FLOAT;
   }
   return 0;
+}
+
+int bytes_of(SampleFormat format) {
+  return format == SampleFormat::pcm16 ? 2 : format == SampleFormat::pcm24 ? 3 : 4;
 }
 
 /// @return 0 for float samples
@@ -173,12 +179,23 @@ struct SoundWriter::State {
 };
 
 SoundWriter::SoundWriter(const fs::path& path, int channels, int sample_rate_hz,
-                         SampleFormat format) {
-  EARPOINT_CHECK(channels > 0 && sample_rate_hz > 0);
+                         SampleFormat format, std::int64_t expected_samples) {
+  EARPOINT_CHECK(channels > 0 && sample_rate_hz > 0 && expected_samples >= 0);
   SF_INFO info{};
   info.channels = channels;
   info.samplerate = sample_rate_hz;
   info.format = format_of(path, format);
+  std::int64_t most_frames = INT64_MAX;
+  if ((info.format & SF_FORMAT_TYPEMASK) == SF_FORMAT_WAV) {
+    // RF64 (EBU Tech 3306) is WAV with lengths of 64 bits; what does not need them stays plain.
+    const std::int64_t most_wav_frames =
+        kMostWavBytes / (bytes_of(format) * std::int64_t{channels});
+    if (expected_samples > most_wav_frames) {
+      info.format = SF_FORMAT_RF64 | subtype_of(format);
+    } else {
+      most_frames = most_wav_frames;
+    }
+  }
   if (sf_format_check(&info) == 0) {
     throw InputError(path.string(),
                      fmt::format("{} channels at {} Hz do not fit into a {} file", channels,
@@ -193,9 +210,7 @@ SoundWriter::SoundWriter(const fs::path& path, int channels, int sample_rate_hz,
   const bool vorbis = subtype == SF_FORMAT_VORBIS;
   const bool mp3 = subtype == SF_FORMAT_MPEG_LAYER_III;
   if (!vorbis && !mp3) s.integer_bits = integer_bits_of(format);
-  const bool wav = (info.format & SF_FORMAT_TYPEMASK) == SF_FORMAT_WAV;
-  const int bytes = format == SampleFormat::pcm16 ? 2 : format == SampleFormat::pcm24 ? 3 : 4;
-  s.frames_left = wav ? (0xFFFFFFFFLL - 4096) / (std::int64_t{bytes} * channels) : INT64_MAX;
+  s.frames_left = most_frames;
 
   s.sink.descriptor =
       ::open(s.target.temporary_path().c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
@@ -244,7 +259,8 @@ void SoundWriter::close() {
 }
 
 void write_sound(const fs::path& path, const Waveform& waveform, SampleFormat format) {
-  SoundWriter writer(path, waveform.channels(), waveform.sample_rate_hz(), format);
+  SoundWriter writer(path, waveform.channels(), waveform.sample_rate_hz(), format,
+                     waveform.samples());
   writer.write(waveform);
   writer.close();
 }

@@ -2,6 +2,8 @@
 
 #include "sampling.h"
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include <earpoint/core/error.h>
@@ -11,6 +13,8 @@ namespace earpoint {
 namespace {
 
 constexpr unsigned kNothing = RTC_INVALID_GEOMETRY_ID;
+
+Vector3 wide(const Float3& a) { return {a.x, a.y, a.z}; }
 
 }  // namespace
 
@@ -68,16 +72,24 @@ void RayPacket::set(int lane, const Float3& start, const Float3& direction, floa
 RayTracer::RayTracer(const Surfaces& surfaces) : positions_(surfaces.positions()) {
   // Embree reads 16 bytes from the last vertex on.
   positions_.emplace_back();
+  corners_.reserve(surfaces.triangles());
   for (std::uint32_t i = 0; i < surfaces.triangles(); ++i) {
+    corners_.push_back(surfaces.corners(i));
     const float opacity = surfaces.material(i).opacity;
     if (opacity >= 1.0F) {
       solid_.triangles.push_back(i);
+      is_solid_.push_back(1);
     } else {
+      is_solid_.push_back(0);
       see_through_.triangles.push_back(i);
       see_through_.opacity.push_back(opacity);
       see_through_.material.push_back(surfaces.material_index(i));
     }
   }
+  std::vector<std::array<float, 3>> positions;
+  positions.reserve(surfaces.positions().size());
+  for (const Float3& p : surfaces.positions()) positions.push_back({p.x, p.y, p.z});
+  coincident_ = CoincidentFaces(positions, corners_);
   device_ = rtcNewDevice(embree_config());
   EARPOINT_CHECK(device_ != nullptr);
   scene_ = rtcNewScene(device_);
@@ -140,6 +152,37 @@ void RayTracer::trace(RayPacket& packet, Rays rays, SeeThrough see_through, std:
   context.see_through = see_through;
   context.per_pixel = per_pixel;
   rtcIntersect16(packet.valid_.data(), scene_, &context.embree, &packet.rays_);
+}
+
+/// Which triangle the ray meets, and where in it, by arithmetic that is the same on every
+/// processor: Embree divides by approximate reciprocals, whose last bits differ between makers.
+/// Source: Moeller and Trumbore, Journal of Graphics Tools 2 (1997).
+void RayTracer::locate(const RTCRay16& ray, int lane, Hit& hit) const {
+  const std::array<float, 3> origin = {ray.org_x[lane], ray.org_y[lane], ray.org_z[lane]};
+  const std::array<float, 3> direction = {ray.dir_x[lane], ray.dir_y[lane], ray.dir_z[lane]};
+  // Whether the ray passes a see-through triangle is not asked again: a solid one goes before it.
+  hit.triangle = coincident_.on_top(hit.triangle, origin, direction,
+                                    [&](std::uint32_t other) { return is_solid_[other] != 0; });
+  const auto [a, b, c] = corners_[hit.triangle];
+  const Vector3 corner = wide(positions_[a]);
+  const Vector3 along_u = wide(positions_[b]) - corner;
+  const Vector3 along_v = wide(positions_[c]) - corner;
+  const Vector3 from_corner = Vector3{origin[0], origin[1], origin[2]} - corner;
+  const Vector3 along_ray{direction[0], direction[1], direction[2]};
+  const Vector3 across = cross(along_ray, along_v);
+  const double slope = dot(along_u, across);
+  // A ray through an edge meets one of its triangles, if by rounding just beside it; one along the
+  // plane meets the triangle anywhere.
+  const auto share = [&](double numerator, double most) {
+    const double part = numerator / slope;
+    return std::isfinite(part) ? std::clamp(part, 0.0, most) : 0.0;
+  };
+  const double u = share(dot(from_corner, across), 1.0);
+  const double v = share(dot(along_ray, cross(from_corner, along_u)), 1.0 - u);
+  const double along = dot(u * along_u + v * along_v - from_corner, along_ray);
+  hit.u = static_cast<float>(u);
+  hit.v = static_cast<float>(v);
+  hit.distance_m = static_cast<float>(std::max(0.0, along / dot(along_ray, along_ray)));
 }
 
 std::array<bool, RayPacket::kRays> RayTracer::reaches_end(RayPacket& packet,

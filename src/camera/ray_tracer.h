@@ -9,6 +9,8 @@
 
 #include <embree3/rtcore.h>
 
+#include <earpoint/scene/coincident_faces.h>
+
 namespace earpoint {
 
 /// What a ray meets first.
@@ -72,10 +74,9 @@ class RayTracer {
     const unsigned geometry = found.geomID[lane];
     if (packet.valid_[lane] == 0 || geometry == RTC_INVALID_GEOMETRY_ID) return false;
     const Geometry& from = geometry == 0 ? solid_ : see_through_;
-    hit.distance_m = packet.rays_.ray.tfar[lane];
-    hit.triangle = from.triangles[found.primID[lane]];
-    hit.u = found.u[lane];
-    hit.v = found.v[lane];
+    hit = {packet.rays_.ray.tfar[lane], from.triangles[found.primID[lane]], found.u[lane],
+           found.v[lane]};
+    locate(packet.rays_.ray, lane, hit);
     return true;
   }
 
@@ -93,11 +94,15 @@ class RayTracer {
   struct Context;
 
   void add_geometry(const Surfaces& surfaces, Geometry& geometry);
+  void locate(const RTCRay16& ray, int lane, Hit& hit) const;
   static void filter(const RTCFilterFunctionNArguments* arguments);
 
   RTCDevice device_ = nullptr;
   RTCScene scene_ = nullptr;
   std::vector<Float3> positions_;  // padded for Embree
+  std::vector<std::array<std::uint32_t, 3>> corners_;
+  CoincidentFaces coincident_;
+  std::vector<std::uint8_t> is_solid_;  // [triangles]
   Geometry solid_;
   Geometry see_through_;
 };

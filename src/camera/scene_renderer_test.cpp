@@ -52,6 +52,20 @@ TEST(SceneRenderer, ThingsOnTheLeftAppearOnTheLeft) {
   EXPECT_GT(red_on_left, on_left * 9 / 10);
 }
 
+TEST(SceneRenderer, OfSurfacesThatLieOnEachOtherTheLastOneIsSeen) {
+  // 2 m of the 8 m that are seen at a distance of 4 m.
+  const auto add_poster = [](Scene& scene) {
+    return add_rectangle(scene, "poster", {4, -1, -1}, {0, 2, 0}, {0, 0, 2}, kRed);
+  };
+  Scene above = wall_in_front();
+  const int poster = add_poster(above);
+  EXPECT_EQ(count(SceneRenderer(above).render({}, {}, 1), poster), 64 * 64);
+  Scene below;
+  const int hidden = add_poster(below);
+  add_rectangle(below, "wall", {4, -20, -20}, {0, 40, 0}, {0, 0, 40}, kGrey);
+  EXPECT_EQ(count(SceneRenderer(below).render({}, {}, 1), hidden), 0);
+}
+
 TEST(SceneRenderer, ThingsAboveAppearAbove) {
   Scene scene = wall_in_front();
   const int box = add_box(scene, "box", InstanceKind::furniture, {3, -1, 1}, {3.5, 1, 2}, kRed);

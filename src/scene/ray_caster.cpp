@@ -59,7 +59,7 @@ std::optional<double> RayCaster::distance_m(const Vector3& origin, const Vector3
   rtcIntersect1(embree_->scene, &context, &hit);
   if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
   return embree_->planes.distance(hit.hit.primID, {hit.ray.org_x, hit.ray.org_y, hit.ray.org_z},
-                                  {hit.ray.dir_x, hit.ray.dir_y, hit.ray.dir_z}, hit.ray.tfar);
+                                  {hit.ray.dir_x, hit.ray.dir_y, hit.ray.dir_z});
 }
 
 }  // namespace earpoint

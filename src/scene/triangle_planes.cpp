@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include <earpoint/scene/triangle_planes.h>
 
 namespace earpoint {
@@ -8,8 +10,16 @@ TrianglePlanes::TrianglePlanes(const Mesh& mesh) {
     const Vector3 scaled = scaled_normal(mesh, i);
     const double length = norm(scaled);
     const Vector3 normal = length > 0.0 ? scaled / length : Vector3{};
-    planes_.push_back(
-        {{normal.x, normal.y, normal.z}, dot(normal, vertex(mesh, mesh.triangles[i][0]))});
+    const auto& [a, b, c] = mesh.triangles[i];
+    const Vector3 middle = (vertex(mesh, a) + vertex(mesh, b) + vertex(mesh, c)) / 3.0;
+    double radius_m = 0.0;
+    for (const std::uint32_t corner : {a, b, c}) {
+      radius_m = std::max(radius_m, norm(vertex(mesh, corner) - middle));
+    }
+    planes_.push_back({{normal.x, normal.y, normal.z},
+                       dot(normal, vertex(mesh, a)),
+                       {middle.x, middle.y, middle.z},
+                       radius_m});
   }
 }
 

@@ -1,6 +1,7 @@
 #include "sofa_contents.h"
 
 #include <cerrno>
+#include <csignal>
 #include <cstring>
 #include <system_error>
 
@@ -106,25 +107,12 @@ void write_contents(const MYSOFA_HRTF& sofa, Writer& writer) {
   }
 }
 
-SofaContents parse_contents(std::span<const char> bytes, std::string_view where) {
-  Parser parser(bytes, where);
-  SofaContents contents;
-  contents.measurements = parser.number();
-  contents.receivers = parser.number();
-  contents.taps = parser.number();
-  contents.convention = parser.text();
-  contents.data_type = parser.text();
-  for (std::size_t i = 0; i < variables_of(MYSOFA_HRTF{}).size(); ++i) {
-    SofaVariable& variable = contents.variables[parser.text()];
-    variable.values = parser.floats();
-    variable.type = parser.text();
-    variable.units = parser.text();
-  }
-  return contents;
-}
-
 // The child's whole life.
 [[noreturn]] void run_child(std::span<const std::byte> bytes, int to_parent) {
+  // Whatever the parent does about a crash of its own is not to be done about this one.
+  for (const int signal : {SIGABRT, SIGALRM, SIGBUS, SIGFPE, SIGILL, SIGSEGV}) {
+    std::signal(signal, SIG_DFL);
+  }
   alarm(kTimeout_s);
   // What the C library says on its way down is not for the user.
   const int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
@@ -157,6 +145,23 @@ std::vector<char> read_to_end(int from_child) {
 
 }  // namespace
 
+SofaContents parse_sofa_message(std::span<const char> message, std::string_view where) {
+  Parser parser(message, where);
+  SofaContents contents;
+  contents.measurements = parser.number();
+  contents.receivers = parser.number();
+  contents.taps = parser.number();
+  contents.convention = parser.text();
+  contents.data_type = parser.text();
+  for (std::size_t i = 0; i < variables_of(MYSOFA_HRTF{}).size(); ++i) {
+    SofaVariable& variable = contents.variables[parser.text()];
+    variable.values = parser.floats();
+    variable.type = parser.text();
+    variable.units = parser.text();
+  }
+  return contents;
+}
+
 SofaContents load_sofa_contents(std::span<const std::byte> bytes, std::string_view where) {
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0) {
@@ -180,7 +185,7 @@ SofaContents load_sofa_contents(std::span<const std::byte> bytes, std::string_vi
     throw InputError(where, "the SOFA file is damaged, or of a kind that libmysofa cannot read",
                      "give another set of head-related impulse responses");
   }
-  return parse_contents(received, where);
+  return parse_sofa_message(received, where);
 }
 
 }  // namespace earpoint

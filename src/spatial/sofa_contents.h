@@ -2,11 +2,14 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <map>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include <earpoint/spatial/sofa_file.h>
 
 namespace earpoint {
 
@@ -35,5 +38,15 @@ struct SofaContents {
 /// @param where  the file, for messages
 /// @throws InputError if libmysofa refuses the file, or dies or takes over 10 s on it
 SofaContents load_sofa_contents(std::span<const std::byte> bytes, std::string_view where);
+
+/// Reads what the child process sends: lengths as uint64, then bytes, in the order of the members
+/// above. A child that a damaged file has confused may send anything.
+/// @throws InputError unless the message is whole
+SofaContents parse_sofa_message(std::span<const char> message, std::string_view where);
+
+/// What read_sofa() makes of a file's contents.
+/// @param path  the file, for messages
+/// @throws InputError as read_sofa()
+SofaFile sofa_file_from_contents(const std::filesystem::path& path, const SofaContents& contents);
 
 }  // namespace earpoint

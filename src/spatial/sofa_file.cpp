@@ -256,10 +256,14 @@ void check_signature(const std::filesystem::path& path, std::span<const std::byt
 
 }  // namespace
 
+SofaFile sofa_file_from_contents(const std::filesystem::path& path, const SofaContents& contents) {
+  return Reader(path, contents).read();
+}
+
 SofaFile read_sofa(const std::filesystem::path& path) {
   const std::vector<std::byte> bytes = read_file(path);
   check_signature(path, bytes);
-  return Reader(path, load_sofa_contents(bytes, path.string())).read();
+  return sofa_file_from_contents(path, load_sofa_contents(bytes, path.string()));
 }
 
 std::filesystem::path default_hrtf_path() {

@@ -2,8 +2,6 @@
 #include <cctype>
 #include <string>
 
-#include <fmt/format.h>
-
 #include <earpoint/audio/sound_file.h>
 #include <earpoint/core/error.h>
 #include <earpoint/synth/sound_sink.h>
@@ -15,8 +13,8 @@ namespace {
 class SoundFileSink : public SoundSink {
  public:
   SoundFileSink(const std::filesystem::path& output, int channels, int sample_rate_hz,
-                SampleFormat format)
-      : writer_(output, channels, sample_rate_hz, format),
+                SampleFormat format, std::ptrdiff_t samples)
+      : writer_(output, channels, sample_rate_hz, format, samples),
         channels_(channels),
         sample_rate_hz_(sample_rate_hz) {}
   void write(const Waveform& block) override {
@@ -51,17 +49,6 @@ class MovieSink : public SoundSink {
   int sample_rate_hz_;
 };
 
-/// Said before an hour of rendering, not after.
-void check_fits_wav(const std::filesystem::path& output, std::ptrdiff_t samples, int channels) {
-  constexpr double kLargest = 4294967295.0 - 4096.0;  // as SoundWriter
-  const double bytes = sizeof(float) * static_cast<double>(channels) * static_cast<double>(samples);
-  if (bytes <= kLargest) return;
-  throw InputError(
-      output.string(),
-      fmt::format("would be {:.1f} GB, and a WAV file holds at most 4 GB", bytes / 1e9),
-      "use the extension .w64 or .flac");
-}
-
 }  // namespace
 
 std::unique_ptr<SoundSink> open_sound_sink(const std::filesystem::path& output, int sample_rate_hz,
@@ -78,12 +65,13 @@ std::unique_ptr<SoundSink> open_sound_sink(const std::filesystem::path& output, 
     return std::make_unique<MovieSink>(output, sample_rate_hz, movie);
   }
   if (extension == ".wav" || extension == ".w64" || output == "-") {
-    if (extension != ".w64") check_fits_wav(output, samples, channels);
     // An earpoint near the mouth can exceed full scale; float keeps that.
-    return std::make_unique<SoundFileSink>(output, channels, sample_rate_hz, SampleFormat::float32);
+    return std::make_unique<SoundFileSink>(output, channels, sample_rate_hz, SampleFormat::float32,
+                                           samples);
   }
   if (extension == ".flac" || extension == ".ogg" || extension == ".mp3") {
-    return std::make_unique<SoundFileSink>(output, channels, sample_rate_hz, SampleFormat::pcm24);
+    return std::make_unique<SoundFileSink>(output, channels, sample_rate_hz, SampleFormat::pcm24,
+                                           samples);
   }
   throw InputError(output.string(), "cannot write '" + extension + "' files",
                    "use .wav, .flac, .ogg, .mp3, .w64, .mp4, .mov or .mkv");

@@ -191,7 +191,7 @@ void Walk::advance(int index) {
   listen_along(lane, distance_m);
   if (!tally_.alive.empty()) note_alive(lane, distance_m);
   lane.travelled_m += distance_m;
-  const BounceFacet& facet = scene_.facet(scene_.rays().triangle(packet_, index));
+  const BounceFacet& facet = scene_.facet(packet_.triangles[index]);
   facets_[index] = &facet;
   const float side = dot(lane.direction, facet.normal) < 0.0F ? 1.0F : -1.0F;
   for (int axis = 0; axis < 3; ++axis) {

@@ -155,7 +155,7 @@ Hits first_hits(const SceneGeometry& scene, const Vector3& listener,
   for (std::size_t i = 0; i < images.size(); ++i) {
     const int lane = static_cast<int>(i);
     if (!packet.hit(lane)) continue;
-    hits[i] = TriangleHit{packet.rays.ray.tfar[lane], scene.rays().triangle(packet, lane)};
+    hits[i] = TriangleHit{packet.rays.ray.tfar[lane], packet.triangles[lane]};
   }
   return hits;
 }

@@ -54,7 +54,10 @@ void SoundRayPacket::set(int lane, const std::array<float, 3>& origin,
   rays.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
 }
 
-TriangleTree::TriangleTree(const Mesh& mesh, std::span<const LayerMask> layers) : planes_(mesh) {
+TriangleTree::TriangleTree(const Mesh& mesh, std::span<const LayerMask> layers)
+    : planes_(mesh),
+      coincident_(mesh.positions, mesh.triangles),
+      layers_(layers.begin(), layers.end()) {
   EARPOINT_CHECK(layers.size() == mesh.triangles.size());
   original_.resize(mesh.triangles.size());
   std::iota(original_.begin(), original_.end(), 0U);
@@ -118,10 +121,16 @@ std::optional<TriangleHit> TriangleTree::closest(const Vector3& origin, const Ve
   rtcInitIntersectContext(&context);
   rtcIntersect1(scene_.get(), &context, &ray);
   if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
-  const std::uint32_t triangle = original_[first_[ray.hit.geomID] + ray.hit.primID];
-  return TriangleHit{planes_.distance(triangle, {ray.ray.org_x, ray.ray.org_y, ray.ray.org_z},
-                                      {ray.ray.dir_x, ray.ray.dir_y, ray.ray.dir_z}, ray.ray.tfar),
-                     triangle};
+  return exact_hit(original_[first_[ray.hit.geomID] + ray.hit.primID],
+                   {ray.ray.org_x, ray.ray.org_y, ray.ray.org_z},
+                   {ray.ray.dir_x, ray.ray.dir_y, ray.ray.dir_z}, mask);
+}
+
+TriangleHit TriangleTree::exact_hit(std::uint32_t found, const std::array<float, 3>& origin,
+                                    const std::array<float, 3>& direction, LayerMask mask) const {
+  const auto is_seen = [&](std::uint32_t triangle) { return (layers_[triangle] & mask) != 0; };
+  const std::uint32_t triangle = coincident_.on_top(found, origin, direction, is_seen);
+  return {planes_.distance(triangle, origin, direction), triangle};
 }
 
 bool TriangleTree::occluded(const Vector3& from, const Vector3& to, LayerMask mask) const {
@@ -140,8 +149,12 @@ void TriangleTree::closest(SoundRayPacket& packet) const {
   RTCRay16& ray = packet.rays.ray;
   for (int i = 0; i < kPacketSize; ++i) {
     if (packet.valid[i] == 0 || !packet.hit(i)) continue;
-    ray.tfar[i] = planes_.distance(triangle(packet, i), {ray.org_x[i], ray.org_y[i], ray.org_z[i]},
-                                   {ray.dir_x[i], ray.dir_y[i], ray.dir_z[i]}, ray.tfar[i]);
+    const TriangleHit hit =
+        exact_hit(original_[first_[packet.rays.hit.geomID[i]] + packet.rays.hit.primID[i]],
+                  {ray.org_x[i], ray.org_y[i], ray.org_z[i]},
+                  {ray.dir_x[i], ray.dir_y[i], ray.dir_z[i]}, ray.mask[i]);
+    packet.triangles[i] = hit.triangle;
+    ray.tfar[i] = hit.distance_m;
   }
 }
 

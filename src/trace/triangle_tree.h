@@ -10,6 +10,7 @@
 #include <embree3/rtcore.h>
 
 #include <earpoint/core/vector3.h>
+#include <earpoint/scene/coincident_faces.h>
 #include <earpoint/scene/mesh.h>
 #include <earpoint/scene/triangle_planes.h>
 
@@ -40,6 +41,7 @@ constexpr int kPacketSize = 16;
 struct SoundRayPacket {
   alignas(64) int valid[kPacketSize] = {};  ///< -1 valid, 0 not
   RTCRayHit16 rays{};
+  std::array<std::uint32_t, kPacketSize> triangles{};  ///< of the mesh, for the lanes that hit
 
   void set(int lane, const std::array<float, 3>& origin, const std::array<float, 3>& direction,
            float far_m, LayerMask mask);
@@ -49,9 +51,9 @@ struct SoundRayPacket {
 };
 
 /// Rays against triangles: a thin layer over Embree in robust mode. Watertight: a ray does not slip
-/// through an edge that two triangles share. Distances are those to the triangles' planes, the same
-/// on every processor; which triangle a ray meets may differ where it passes within rounding of an
-/// edge. Const calls may be made from many threads at once.
+/// through an edge that two triangles share. Distances are those to the triangles' planes, and of
+/// triangles that lie on each other one counts, the same on every processor with the instructions
+/// of embree_config(). Const calls may be made from many threads at once.
 class TriangleTree {
  public:
   /// @param layers  [triangles], one bit per triangle
@@ -71,11 +73,6 @@ class TriangleTree {
   /// @return by lane (bit), whether the valid rays hit something
   [[nodiscard]] std::uint32_t occluded(SoundRayPacket& packet) const;
 
-  /// @return the mesh's triangle that a packet's lane has hit
-  [[nodiscard]] std::uint32_t triangle(const SoundRayPacket& packet, int lane) const {
-    return original_[first_[packet.rays.hit.geomID[lane]] + packet.rays.hit.primID[lane]];
-  }
-
  private:
   struct Release {
     void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
@@ -88,8 +85,12 @@ class TriangleTree {
 
   void attach(RTCBuffer positions, const Mesh& mesh, std::size_t begin, std::size_t end,
               LayerMask layer);
+  [[nodiscard]] TriangleHit exact_hit(std::uint32_t found, const std::array<float, 3>& origin,
+                                      const std::array<float, 3>& direction, LayerMask mask) const;
 
   TrianglePlanes planes_;
+  CoincidentFaces coincident_;
+  std::vector<LayerMask> layers_;  // [triangles]
   Owned<RTCDevice> device_;
   Owned<RTCScene> scene_;
   std::vector<std::uint32_t> original_;  // triangles sorted by layer -> the mesh's

@@ -71,8 +71,27 @@ TEST_F(TriangleTreeTest, PacketsFindWhatSingleRaysFind) {
     if (lane == 5) continue;
     const auto single = tree_.closest(origins[lane], directions[lane], 100.0, kAllLayers);
     ASSERT_TRUE(packet.hit(lane) && single.has_value());
-    EXPECT_EQ(tree_.triangle(packet, lane), single->triangle);
+    EXPECT_EQ(packet.triangles[lane], single->triangle);
     EXPECT_NEAR(packet.rays.ray.tfar[lane], single->distance_m, 1e-5F);
+  }
+}
+
+TEST_F(TriangleTreeTest, OfWallsThatLieOnEachOtherTheLastOneIsMet) {
+  // The box twice: the copies' triangles come after the originals' and coincide with them.
+  Mesh doubled = scene_.mesh;
+  const std::size_t triangles = doubled.triangles.size();
+  for (std::size_t i = 0; i < triangles; ++i) doubled.triangles.push_back(doubled.triangles[i]);
+  std::vector<LayerMask> layers(triangles, 1);
+  layers.resize(2 * triangles, 2);
+  const TriangleTree tree(doubled, layers);
+  for (int i = 0; i < 100; ++i) {
+    const Vector3 origin = random_point();
+    const Vector3 direction = random_direction();
+    const auto of_both = tree.closest(origin, direction, 100.0, 3);
+    const auto of_originals = tree.closest(origin, direction, 100.0, 1);
+    ASSERT_TRUE(of_both && of_originals);
+    EXPECT_GE(of_both->triangle, triangles);
+    EXPECT_EQ(of_originals->triangle, of_both->triangle - triangles);
   }
 }
 

@@ -1,4 +1,4 @@
-#include "container.h"
+#include "stream_decoder.h"
 
 #include <algorithm>
 #include <cmath>

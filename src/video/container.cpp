@@ -15,7 +15,6 @@
 #include <unistd.h>
 
 #include <earpoint/core/error.h>
-#include <earpoint/core/parallel.h>
 #include <earpoint/core/wav_data.h>
 
 extern "C" {
@@ -300,7 +299,7 @@ void InputContainer::select(int index) {
   selected_ = index;
   // Where times may jump, the other streams are watched: a jump is as long in all of them.
   if (may_jump()) {
-    clocks_.assign(format_->nb_streams, {});
+    clocks_ = {};
     return;
   }
   for (unsigned i = 0; i < format_->nb_streams; ++i) {
@@ -313,40 +312,14 @@ bool InputContainer::may_jump() const {
   return av_match_list(format_->iformat->name, "mpegts,mpeg", ',') != 0;
 }
 
-/// Lets a packet follow the one before it where the container's clock was set anew.
-void InputContainer::close_jump(AVPacket& packet) {
-  constexpr double kForward_s = 10.0;  // a pause of the recording may be that long
-  constexpr double kBackward_s = 0.5;  // times of decoding do not go back at all
+void InputContainer::join_clocks(AVPacket& packet) {
   const AVStream& source = stream(packet.stream_index);
-  const double tick_s = av_q2d(source.time_base);
-  const std::int64_t stamp = packet.dts != AV_NOPTS_VALUE ? packet.dts : packet.pts;
   const StreamKind kind = kind_of(source);
-  if (stamp == AV_NOPTS_VALUE || (kind != StreamKind::video && kind != StreamKind::audio)) return;
-  if (clocks_.size() <= static_cast<std::size_t>(packet.stream_index)) {
-    clocks_.resize(static_cast<std::size_t>(packet.stream_index) + 1);  // begins in mid-file
-  }
-  StreamClock& clock = clocks_[packet.stream_index];
-  const double start_s = static_cast<double>(stamp) * tick_s;
-  const double jump_s = clock.end_s ? start_s + clock.offset_s - *clock.end_s : 0.0;
-  if (jump_s > kForward_s || jump_s < -kBackward_s) {
-    // The stream that comes to a jump first tells its length; the others stay in time with it.
-    const bool is_known =
-        clock.jumps < jumps_s_.size() && std::abs(jumps_s_[clock.jumps] - jump_s) < kForward_s;
-    if (!is_known) {
-      warn(fmt::format("its clock is set anew after {:.3f} s; what follows is joined there",
-                       *clock.end_s - origin_s_));
-      jumps_s_.resize(clock.jumps);
-      jumps_s_.push_back(jump_s);
-    }
-    clock.offset_s -= jumps_s_[clock.jumps++];
-    clock.since_jump = 0;
-  } else {
-    ++clock.since_jump;
-  }
-  const std::int64_t shift = std::llround(clock.offset_s / tick_s);
-  if (packet.dts != AV_NOPTS_VALUE) packet.dts += shift;
-  if (packet.pts != AV_NOPTS_VALUE) packet.pts += shift;
-  clock.end_s = start_s + clock.offset_s + static_cast<double>(packet.duration) * tick_s;
+  if (kind != StreamKind::video && kind != StreamKind::audio) return;
+  const std::optional<double> joint_s = clocks_.join(packet, av_q2d(source.time_base));
+  if (!joint_s) return;
+  warn(fmt::format("its clock is set anew after {:.3f} s; what follows is joined there",
+                   *joint_s - origin_s_));
 }
 
 void InputContainer::throw_damaged(int error) const {
@@ -372,7 +345,7 @@ bool InputContainer::read(AVPacket& packet) {
       check_whole(error);
       return false;
     }
-    if (may_jump()) close_jump(packet);
+    if (may_jump()) join_clocks(packet);
     if (packet.stream_index == selected_) break;
     av_packet_unref(&packet);
   }
@@ -385,7 +358,7 @@ bool InputContainer::read(AVPacket& packet) {
 void InputContainer::check_packet(AVPacket& packet) {
   // Where two transport streams are joined, whole packets on either side count as damaged.
   constexpr int kNearJumpPackets = 4;
-  const bool is_near_jump = may_jump() && clocks_[selected_].since_jump < kNearJumpPackets;
+  const bool is_near_jump = may_jump() && clocks_.since_jump(selected_) < kNearJumpPackets;
   if (is_near_jump) suspect_.reset();
   // The last block of a file without a length is as long as it happens to be.
   if ((packet.flags & AV_PKT_FLAG_CORRUPT) && !has_no_length_ && !is_near_jump) {
@@ -414,70 +387,6 @@ double measured_end_s(const fs::path& path, int stream) {
     av_packet_unref(packet.get());
   }
   return end_s;
-}
-
-StreamDecoder::StreamDecoder(InputContainer& container, int stream)
-    : container_(container), stream_(stream), packet_(make_packet()) {
-  const AVStream& source = container.stream(stream);
-  const std::string where = container.where(stream);
-  const AVCodec* codec = avcodec_find_decoder(source.codecpar->codec_id);
-  if (codec == nullptr) {
-    throw InputError(where, fmt::format("no decoder for its codec, {}",
-                                        avcodec_get_name(source.codecpar->codec_id)));
-  }
-  codec_ = make_codec_context(codec);
-  check(avcodec_parameters_to_context(codec_.get(), source.codecpar), where, "cannot be decoded");
-  codec_->pkt_timebase = source.time_base;
-  codec_->max_pixels = kMaxPixels;
-  // More threads than this only hold more frames in memory.
-  constexpr int kMaxThreads = 4;
-  codec_->thread_count = source.codecpar->codec_type == AVMEDIA_TYPE_VIDEO
-                             ? std::min(available_cores(), kMaxThreads)
-                             : 1;
-  listen_to_log();
-  check(avcodec_open2(codec_.get(), codec, nullptr), where, "cannot be decoded");
-  container.select(stream);
-}
-
-void StreamDecoder::throw_damaged(int error, std::optional<double> time_s) const {
-  throw InputError(container_.where(stream_, time_s), "is damaged (" + reason(error) + ")",
-                   kDamagedMend);
-}
-
-void StreamDecoder::feed() {
-  av_packet_unref(packet_.get());
-  const bool has_packet = container_.read(*packet_);
-  if (has_packet) packet_time_s_ = container_.time_s(stream_, packet_->pts);
-  is_draining_ = !has_packet;
-  listen_to_log();
-  const int error = avcodec_send_packet(codec_.get(), has_packet ? packet_.get() : nullptr);
-  if (error < 0 && error != AVERROR_EOF) throw_damaged(error, packet_time_s_);
-}
-
-bool StreamDecoder::next(AVFrame& frame) {
-  for (;;) {
-    listen_to_log();
-    const int error = avcodec_receive_frame(codec_.get(), &frame);
-    if (error == 0) break;
-    if (error == AVERROR_EOF) return false;
-    if (error != AVERROR(EAGAIN)) throw_damaged(error, packet_time_s_);
-    if (is_draining_) return false;
-    feed();
-  }
-  // Decoders patch over errors. A missing reference alone is no error: a recording may begin so.
-  constexpr int kPatched = FF_DECODE_ERROR_INVALID_BITSTREAM | FF_DECODE_ERROR_DECODE_SLICES |
-                           FF_DECODE_ERROR_CONCEALMENT_ACTIVE;
-  if ((frame.decode_error_flags & kPatched) || (frame.flags & AV_FRAME_FLAG_CORRUPT)) {
-    throw_damaged(AVERROR_INVALIDDATA, container_.time_s(stream_, frame.best_effort_timestamp));
-  }
-  return true;
-}
-
-bool StreamDecoder::seek(std::int64_t timestamp) {
-  if (!container_.seek(stream_, timestamp)) return false;
-  avcodec_flush_buffers(codec_.get());
-  is_draining_ = false;
-  return true;
 }
 
 }  // namespace earpoint::ffmpeg

@@ -1,9 +1,10 @@
 #pragma once
 
-// An opened movie or sound file and a decoder for one of its streams. Private to the module.
+// An opened movie or sound file, packet by packet. Private to the module.
 
 #include "ffmpeg.h"
 #include "frame_image.h"
+#include "stream_clocks.h"
 
 #include <cstdint>
 #include <cstdio>
@@ -70,18 +71,10 @@ class InputContainer {
   bool seek(int stream, std::int64_t timestamp);
 
  private:
-  /// Where a stream is in time.
-  struct StreamClock {
-    std::optional<double> end_s;  // of the packet before
-    double offset_s = 0.0;        // closes the jumps so far
-    std::size_t jumps = 0;
-    int since_jump = 1000;  // packets
-  };
-
   void open();
   void find_origin();
   [[nodiscard]] bool may_jump() const;
-  void close_jump(AVPacket& packet);
+  void join_clocks(AVPacket& packet);
   void check_packet(AVPacket& packet);
   void check_whole(int error);
   [[noreturn]] void throw_damaged(int error) const;
@@ -93,10 +86,9 @@ class InputContainer {
   std::unique_ptr<AVFormatContext, InputFormatDeleter> format_;
   double origin_s_ = 0.0;
   int selected_ = -1;
-  std::optional<int> suspect_;       // packets until one is damaged, unless time jumps before
-  bool has_no_length_ = false;       // written to a pipe: its header leaves the length open
-  std::vector<StreamClock> clocks_;  // of containers whose times may jump
-  std::vector<double> jumps_s_;      // found so far, the same for all streams
+  std::optional<int> suspect_;  // packets until one is damaged, unless time jumps before
+  bool has_no_length_ = false;  // written to a pipe: its header leaves the length open
+  StreamClocks clocks_;         // of containers whose times may jump
   std::vector<std::string> warnings_;
   std::optional<double> last_time_s_;  // of the packet read last, for messages
 };
@@ -105,29 +97,5 @@ class InputContainer {
 /// state a duration.
 /// @throws InputError as InputContainer
 double measured_end_s(const std::filesystem::path& path, int stream);
-
-/// Decodes one stream of a container, frame by frame in order of presentation.
-class StreamDecoder {
- public:
-  /// @throws InputError if there is no decoder for it
-  StreamDecoder(InputContainer& container, int stream);
-
-  /// @return false at the end
-  /// @throws InputError naming stream and time if the data are damaged
-  bool next(AVFrame& frame);
-  /// As InputContainer::seek; the next frame is the first that can be decoded from there.
-  bool seek(std::int64_t timestamp);
-
- private:
-  void feed();
-  [[noreturn]] void throw_damaged(int error, std::optional<double> time_s) const;
-
-  InputContainer& container_;
-  int stream_;
-  CodecContextPtr codec_;
-  PacketPtr packet_;
-  bool is_draining_ = false;
-  std::optional<double> packet_time_s_;
-};
 
 }  // namespace earpoint::ffmpeg

@@ -2,9 +2,9 @@
 
 // The frames of a movie's picture, each with its time. Private to the module.
 
-#include "container.h"
 #include "ffmpeg.h"
 #include "frame_image.h"
+#include "stream_decoder.h"
 
 #include <cstdint>
 #include <filesystem>

@@ -53,23 +53,26 @@ class SoundReader {
 enum class SampleFormat { pcm16, pcm24, float32 };
 
 /// Writes a sound file block by block, aside and renamed when whole: without close() nothing is
-/// left. The format follows the extension: .wav, .w64, .flac, .ogg or .mp3. Equal samples give
-/// equal bytes, except for OGG, whose streams carry a random serial number.
+/// left. The format follows the extension: .wav (RF64 if it is to hold over 4 GB), .w64, .flac,
+/// .ogg or .mp3. Equal samples give equal bytes, except for OGG, whose streams carry a random
+/// serial number.
 class SoundWriter {
  public:
   /// @param channels        > 0
   /// @param sample_rate_hz  > 0
+  /// @param expected_samples  about how many will be written, per channel; 0 if that is not known
   /// @throws InputError for an unknown extension, a sample format that the file format cannot hold,
   ///         or a place that cannot be written
   SoundWriter(const std::filesystem::path& path, int channels, int sample_rate_hz,
-              SampleFormat format = SampleFormat::pcm24);
+              SampleFormat format = SampleFormat::pcm24, std::int64_t expected_samples = 0);
   ~SoundWriter();
   SoundWriter(SoundWriter&&) noexcept;
   SoundWriter& operator=(SoundWriter&&) noexcept;
 
   /// @param block  channels and rate as given to the constructor, all samples finite. The integer
   ///               formats round to the nearest step and clamp to [-1, 1).
-  /// @throws InputError if it cannot be written, e.g. on a full disk or beyond the 4 GB of a .wav
+  /// @throws InputError if it cannot be written, e.g. on a full disk, or beyond the 4 GB of a .wav
+  ///         that was not expected to hold more
   void write(const Waveform& block);
 
   /// How many samples the integer formats have clamped so far.
