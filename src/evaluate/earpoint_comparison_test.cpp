@@ -107,7 +107,7 @@ TEST_F(EarpointComparisonTest, PagePlaysFilesThatLieBesideIt) {
     ++players;
   }
   EXPECT_EQ(players, 4);  // the clip, the truth, two methods
-  EXPECT_TRUE(fs::is_regular_file(folder_ / "out" / "overview.png"));
+  EXPECT_TRUE(fs::is_regular_file(folder_ / "out" / "overview.jpg"));
   EXPECT_EQ(page.find("http"), std::string::npos);
 }
 

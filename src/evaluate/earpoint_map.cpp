@@ -80,11 +80,12 @@ Image stacked(const Image& above, const Image& below) {
   return canvas;
 }
 
+/// Their upper edges level.
 Image side_by_side(const Image& left, const Image& right) {
   Image canvas =
       filled_image(left.width() + right.width(), std::max(left.height(), right.height()), kWhite);
   paste(canvas, left, 0, 0);
-  paste(canvas, right, left.width(), (canvas.height() - right.height()) / 2);
+  paste(canvas, right, left.width(), 0);
   return canvas;
 }
 

@@ -4,6 +4,9 @@
 #include "report_sounds.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -33,6 +36,7 @@ std::string dot(std::string_view color) {
 /// What people call a method.
 std::string told(const std::string& method) {
   if (method == "input") return "input: a copy of the camera's sound";
+  if (method == "gtf") return "gtf: told nothing of the speaker";
   if (method == "dsp") return "dsp: head filters, told where the speaker is";
   return method;
 }
@@ -80,26 +84,31 @@ std::string table(const EarpointComparison& comparison) {
   return html + "</table>\n";
 }
 
+/// "+4.4 dB"; what rounds to zero has no minus.
+std::string signed_db(double db) {
+  return fmt::format("{:+.1f} dB", std::abs(db) < 0.05 ? 0.0 : db);
+}
+
 std::string player_row(std::string_view color, const std::string& name, const fs::path& sound,
                        const EarLevels& levels) {
-  return fmt::format("<tr><td>{}{}</td><td>{}</td><td>{:+.1f} dB</td><td>{:+.1f} dB</td></tr>\n",
-                     dot(color), escaped(name), audio_tag(sound.filename().string()),
-                     levels.level_db, levels.left_right_db);
+  return fmt::format(
+      "<div class=\"sound\"><span class=\"name\">{}{}</span>{}<span class=\"soft\">level {}, "
+      "left&minus;right {}</span></div>\n",
+      dot(color), escaped(name), audio_tag(sound.filename().string()), signed_db(levels.level_db),
+      signed_db(levels.left_right_db));
 }
 
 /// The truth first, then the methods, the last one foremost.
 std::string players(const EarpointComparison& comparison, std::size_t earpoint,
                     const fs::path& truth) {
   const EarpointResult& result = comparison.earpoints[earpoint];
-  std::string html =
-      "<table>\n<tr><th>sound</th><th></th><th>level</th><th>left&minus;right</th></tr>\n";
-  html += player_row(kTruthColor, "truth: what is heard there", truth, result.truth);
+  std::string html = player_row(kTruthColor, "truth: what is heard there", truth, result.truth);
   for (std::size_t m = comparison.methods.size(); m-- > 0;) {
     const std::string& name = comparison.methods[m].name;
     html += player_row(color_of(m, name), told(name), result.renderings[m].sound,
                        result.renderings[m].levels);
   }
-  return html + "</table>\n";
+  return html;
 }
 
 NamedSound small_sound(const std::string& name, const fs::path& path) {
@@ -129,12 +138,13 @@ std::string card(const EarpointComparison& comparison, std::size_t earpoint,
   const Vector3& at = known.source_from_target.position_m;
   return fmt::format(
       "<div class=\"card\">\n<div class=\"clip-head\"><span class=\"tag\">{}</span>"
-      "<h3>{}</h3><span class=\"soft\">{:.1f} m ahead, {:.1f} m to the {}, turned {:.0f} "
-      "degrees to the {}</span></div>\n"
+      "<h3>{}</h3><span class=\"soft\">{:.1f} m {} the camera, {:.1f} m to its {}, turned "
+      "{:.0f} degrees to the {}</span></div>\n"
       "<div class=\"heard\">\n<div class=\"map\">{}<div class=\"caption\">from above; rings "
-      "are 1 m apart</div></div>\n<div class=\"scroll\">{}</div>\n</div>\n{}</div>\n",
-      earpoint + 1, escaped(known.name), at.x, std::abs(at.y), at.y < 0.0 ? "right" : "left",
-      std::abs(known.yaw_deg), known.yaw_deg < 0.0 ? "right" : "left",
+      "are 1 m apart</div></div>\n<div>{}</div>\n</div>\n{}</div>\n",
+      earpoint + 1, escaped(known.name), std::abs(at.x), at.x < 0.0 ? "behind" : "ahead of",
+      std::abs(at.y), at.y < 0.0 ? "right" : "left", std::abs(known.yaw_deg),
+      known.yaw_deg < 0.0 ? "right" : "left",
       map_svg(known.source_from_target, comparison.clip.speaker_m),
       players(comparison, earpoint, truth), plots(comparison, earpoint, truth));
 }
@@ -162,7 +172,7 @@ std::string what_the_camera_has(const EarpointComparison& comparison) {
 }  // namespace
 
 void write_earpoint_page(const EarpointComparison& comparison, const fs::path& folder) {
-  write_image(folder / "overview.png", overview(comparison));
+  write_image(folder / "overview.jpg", overview(comparison));
   std::string body = fmt::format(
       "<h1>One moment, heard from elsewhere</h1>\n<p>From one camera's picture and its two ears, "
       "Earpoint renders what was heard in other places. Listen with headphones.</p>\n{}",

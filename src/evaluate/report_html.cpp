@@ -61,9 +61,11 @@ audio { width: 176px; height: 32px; display: block; }
 .wide { width: 100%; height: auto; display: block; border-radius: 6px; }
 .heard { display: grid; grid-template-columns: 256px minmax(0, 1fr); gap: 20px;
          align-items: start; }
-.heard th, .heard td { vertical-align: middle; }
-.heard audio, .scene audio { width: 260px; }
-.scroll { overflow-x: auto; }
+.sound { display: flex; flex-wrap: wrap; align-items: center; gap: 4px 16px; padding: 9px 0;
+         border-bottom: 1px solid var(--line); }
+.sound:last-child { border-bottom: none; }
+.sound .name { flex: 1 1 260px; }
+.sound audio, .scene audio { width: 240px; }
 th.group { text-align: center; }
 details { margin: 12px 0; }
 summary { cursor: pointer; color: var(--accent); }

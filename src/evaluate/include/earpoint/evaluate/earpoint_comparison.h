@@ -68,7 +68,7 @@ struct ComparisonOptions {
 [[nodiscard]] std::string json_of(const EarpointComparison& comparison);
 
 /// Writes FOLDER/index.html, a page with players, the clip's picture, a map, and waveforms and
-/// spectrograms of each earpoint, and FOLDER/overview.png with the most of it in one picture. The
+/// spectrograms of each earpoint, and FOLDER/overview.jpg with the most of it in one picture. The
 /// page plays the files beside it.
 /// @param folder  the one that compare_earpoints() has filled
 void write_earpoint_page(const EarpointComparison& comparison, const std::filesystem::path& folder);
