@@ -134,20 +134,6 @@ evaluate_beyond() {
     models/gtf.safetensors out/generalisation >out/bench/generalisation_heads.json
 }
 
-# The earpoints of the demo, one line of JSON each.
-measure_demo() {
-  local earpoint=$1 name method
-  for name in near far-side turned; do
-    for method in gtf dsp input; do
-      "$earpoint" metrics "examples/truth-$name.flac" "out/demo/$name-$method.flac" --json |
-        python3 -c 'import json, sys
-numbers = json.load(sys.stdin)
-numbers.update(earpoint=sys.argv[1], method=sys.argv[2])
-print(json.dumps(numbers))' "$name" "$method"
-    done
-  done
-}
-
 # Physics and cost of the simulator.
 measure_simulator() {
   local earpoint=$1
@@ -225,8 +211,8 @@ results() {
     python3 bench/oracle_errors.py "$earpoint" "$EARPOINT_ORACLE_DIR" >out/bench/oracle_errors.md
   fi
   demo
-  measure_demo "$earpoint" >out/bench/demo.jsonl
-  cp out/demo/ears-gtf.png docs/images/demo.png
+  "$earpoint" evaluate --earpoints examples/earpoints.json --quiet --json >out/bench/demo.json
+  cp out/demo/overview.jpg docs/images/demo.jpg
   measure_simulator "$earpoint"
   measure_kills "$earpoint"
   simulate_data "$earpoint"

@@ -4,7 +4,7 @@
 usage: bench/write_results.py MEASURED RESULTS.md [--measured-only]
 
 MEASURED holds vigas.md, gtf_bench.json, training.json, training_gtf.json, oracle_errors.md, render_speed.jsonl,
-render_memory.jsonl, demo.jsonl, trace_gates.md, learning_curves-single.md, learning_curves-novel.md,
+render_memory.jsonl, demo.json, trace_gates.md, learning_curves-single.md, learning_curves-novel.md,
 rt60_error.json, active_speaker.json, people_detection.jsonl, home_reverberation.jsonl, compare_tracers.json, kills.json,
 change_of_results.md,
 camera_bench.jsonl, simulate_cost.jsonl, evaluate-single.json, evaluate-novel.json, ablations-single.json, ablations-novel.json, generalisation.json,
@@ -162,11 +162,15 @@ def detection_table(text):
 
 
 def demo_table(text):
-    rows = ["| earpoint | method | Mag | LRE (dB) | STFT distance | L2 |", "|---|---|---|---|---|---|"]
-    for line in text.splitlines():
-        run = json.loads(line)
-        rows.append(f"| {run['earpoint']} | {run['method']} | {run['mag']:.4f} | {run['lre_db']:.2f} | "
-                    f"{run['stft_distance']:.0f} | {run['l2']:.5f} |")
+    rows = ["| earpoint | truly: level, left-right (dB) | method | level error (dB) | LRE (dB) | Mag | RTE (s) |",
+            "|---|---|---|---|---|---|---|"]
+    for earpoint in json.loads(text)["earpoints"]:
+        truth = earpoint["truth"]
+        for run in earpoint["methods"]:
+            errors = run["errors"]
+            rows.append(f"| {earpoint['name']} | {truth['level_db']:+.1f}, {truth['left_right_db']:+.1f} | "
+                        f"{run['method']} | {errors['level_db']:.1f} | {errors['lre_db']:.1f} | "
+                        f"{errors['mag']:.3f} | {errors['rte_s']:.3f} |")
     return "\n".join(rows)
 
 
@@ -367,9 +371,10 @@ SECTIONS = [
     ("Memory: a ten-minute clip", "render_memory.jsonl", memory_table,
      "`bench/render_memory.py`: the bundled clip looped, rendered to an mp4 for one earpoint. "
      "The limit is 600 MB."),
-    ("The bundled clip: three earpoints", "demo.jsonl", demo_table,
-     "Against the true sound at the demo's earpoints, at 16 kHz. One clip in one room: an example, "
-     "no comparison of methods."),
+    ("The bundled clip: four earpoints", "demo.json", demo_table,
+     "`earpoint evaluate --earpoints examples/earpoints.json`: against the true sound, at 16 kHz. dsp is told "
+     "where the speaker is, gtf nothing. Level is relative to the clip's. One clip in one home: an example, no "
+     "comparison of methods."),
     ("The path tracer against physics", "trace_gates.md", None,
      "`trace_gates`: measured on the final impulse responses."),
     ("Speed: tracing a furnished home", "trace_bench.json", trace_table,

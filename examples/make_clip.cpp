@@ -1,10 +1,14 @@
-// Makes the clip that the demo and the README use: a recorded voice in a living room, seen by a
-// camera with two ears. Everything but the voice is made here: the room, its picture, its sound.
+// Makes the clip that the demo and the README use: a recorded voice in a furnished home, seen by a
+// camera with two ears, and what is heard of it in other places. Everything but the voice is made
+// here: the home, its picture, its sound.
 //
 // usage: earpoint_make_clip VOICE.wav FOLDER
 //
-// Writes FOLDER/clip.mp4 (what the camera saw and heard) and FOLDER/truth-*.flac (what the same
-// moment sounds like at the demo's earpoints).
+// Writes FOLDER/clip.mp4 (what the camera saw and heard), FOLDER/truth-*.flac (what the same moment
+// sounds like at the earpoints), FOLDER/map.jpg (the home from above) and FOLDER/earpoints.json,
+// which describes them.
+
+#include "demo_home.h"
 
 #include <algorithm>
 #include <array>
@@ -14,18 +18,18 @@
 #include <filesystem>
 #include <string>
 
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
 #include <earpoint/audio/convolution.h>
 #include <earpoint/audio/resample.h>
 #include <earpoint/audio/sound_file.h>
-#include <earpoint/camera/scene_renderer.h>
 #include <earpoint/core/error.h>
-#include <earpoint/core/parallel.h>
-#include <earpoint/scene/material_table.h>
-#include <earpoint/scene/scene_builder.h>
-#include <earpoint/scene/texture.h>
-#include <earpoint/spatial/arrival_renderer.h>
+#include <earpoint/core/file.h>
 #include <earpoint/spatial/hrtf.h>
-#include <earpoint/spatial/shoebox.h>
+#include <earpoint/trace/response_renderer.h>
+#include <earpoint/trace/tracer.h>
+#include <earpoint/video/image_file.h>
 #include <earpoint/video/movie_writer.h>
 
 namespace earpoint {
@@ -34,196 +38,135 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kRate_hz = 48000;
-constexpr double kStart_s = 0.9;  // the recording begins with silence
-constexpr double kLength_s = 6.0;
-constexpr double kResponse_s = 0.7;
-constexpr double kPeak = 0.4;
+constexpr double kVoice_s = 5.6;  // two sentences of the recording
+constexpr double kBefore_s = 0.2;
+constexpr double kLength_s = 6.5;  // the rest is the room's decay
+constexpr double kResponse_s = 1.0;
+constexpr int kRays = 20000;
+constexpr double kPeak = 0.5;  // of the loudest earpoint
 constexpr double kFrameRate_hz = 25.0;
-constexpr int kWidth = 640;
-constexpr int kHeight = 360;
-constexpr double kFov_rad = radians_from_degrees(90.0);
+constexpr std::uint64_t kSeed = 1;
 
-const Vector3 kRoom_m{5.6, 4.4, 2.6};
-const Vector3 kMouth_m{3.3, 2.7, 1.5};
-const Pose kWorldFromCamera{{1.1, 2.2, 1.5}, {}};
-
-struct Earpoint {
-  const char* name;
-  Pose source_from_target;
-};
-
-/// The demo's three earpoints, in the camera's frame.
-std::array<Earpoint, 3> earpoints() {
-  return {{{"near", {{1.4, 0.3, 0.0}, {}}},
-           {"far-side",
-            {{3.6, -1.2, 0.0}, quaternion_from_euler({.yaw_rad = radians_from_degrees(120.0)})}},
-           {"turned", {{0.0, 0.0, 0.0}, quaternion_from_euler({.yaw_rad = kPi / 2})}}}};
-}
-
-Surface textured(SceneBuilder& builder, const std::string& key, const char* material,
-                 TexturePattern pattern, const ScreenColour& colour) {
-  Material surface;
-  surface.acoustic = standard_material(material);
-  surface.look.base_colour = {1.0F, 1.0F, 1.0F};
-  surface.look.texture = builder.add_texture(make_texture(pattern, colour, 7));
-  return builder.add_surface(key, surface, texture_span_m(pattern));
-}
-
-Surface plain(SceneBuilder& builder, const std::string& key, const ScreenColour& colour) {
-  Material surface;
-  surface.acoustic = standard_material("upholstery_fabric");
-  surface.look.base_colour = linear_colour(colour);
-  return builder.add_surface(key, surface);
-}
-
-void add_shell(SceneBuilder& builder) {
-  builder.begin_instance("room", InstanceKind::structure);
-  const Vector3& r = kRoom_m;
-  const Surface wall =
-      textured(builder, "wall", "plaster", TexturePattern::plaster, {0.86F, 0.83F, 0.76F});
-  const Surface ceiling =
-      textured(builder, "ceiling", "plaster", TexturePattern::plaster, {0.95F, 0.95F, 0.93F});
-  const Surface floor =
-      textured(builder, "floor", "wood_floor", TexturePattern::wood_planks, {0.55F, 0.38F, 0.24F});
-  builder.add_quad({{{0, 0, 0}, {r.x, 0, 0}, {r.x, r.y, 0}, {0, r.y, 0}}}, floor);
-  builder.add_quad({{{0, 0, r.z}, {0, r.y, r.z}, {r.x, r.y, r.z}, {r.x, 0, r.z}}}, ceiling);
-  builder.add_quad({{{0, 0, 0}, {0, r.y, 0}, {0, r.y, r.z}, {0, 0, r.z}}}, wall);
-  builder.add_quad({{{r.x, r.y, 0}, {r.x, 0, 0}, {r.x, 0, r.z}, {r.x, r.y, r.z}}}, wall);
-  builder.add_quad({{{r.x, 0, 0}, {0, 0, 0}, {0, 0, r.z}, {r.x, 0, r.z}}}, wall);
-  builder.add_quad({{{0, r.y, 0}, {r.x, r.y, 0}, {r.x, r.y, r.z}, {0, r.y, r.z}}}, wall);
-}
-
-void add_furniture(SceneBuilder& builder) {
-  const Surface carpet =
-      textured(builder, "carpet", "carpet_felt", TexturePattern::rug, {0.55F, 0.22F, 0.20F});
-  builder.begin_instance("rug", InstanceKind::furniture);
-  builder.add_quad({{{2.0, 1.2, 0.01}, {4.4, 1.2, 0.01}, {4.4, 3.0, 0.01}, {2.0, 3.0, 0.01}}},
-                   carpet, {{{0, 0}, {1, 0}, {1, 1}, {0, 1}}});
-
-  const Surface cloth = textured(builder, "cloth", "upholstery_fabric", TexturePattern::fabric,
-                                 {0.28F, 0.40F, 0.50F});
-  builder.begin_instance("sofa", InstanceKind::furniture);
-  builder.add_box({4.6, 0.5, 0.1}, {5.5, 2.5, 0.45}, cloth);
-  builder.add_box({5.25, 0.5, 0.45}, {5.5, 2.5, 0.85}, cloth);
-  builder.add_box({4.6, 0.35, 0.1}, {5.5, 0.55, 0.62}, cloth);
-  builder.add_box({4.6, 2.45, 0.1}, {5.5, 2.65, 0.62}, cloth);
-
-  const Surface shelf =
-      textured(builder, "books", "furniture_wood", TexturePattern::books, {0.5F, 0.35F, 0.25F});
-  builder.begin_instance("shelf", InstanceKind::furniture);
-  builder.add_box({3.6, 4.1, 0.0}, {5.3, 4.4, 1.9}, shelf);
-
-  const Surface painting =
-      textured(builder, "painting", "furniture_wood", TexturePattern::painting, {0.4F, 0.5F, 0.6F});
-  builder.begin_instance("painting", InstanceKind::furniture);
-  builder.add_quad({{{5.58, 2.0, 1.3}, {5.58, 1.0, 1.3}, {5.58, 1.0, 2.0}, {5.58, 2.0, 2.0}}},
-                   painting, {{{0, 0}, {1, 0}, {1, 1}, {0, 1}}});
-}
-
-/// A figure of simple shapes whose mouth is at kMouth_m, facing the camera.
-void add_speaker(SceneBuilder& builder) {
-  builder.begin_instance("speaker", InstanceKind::person,
-                         {.position_m = {kMouth_m.x + 0.1, kMouth_m.y, 0.0}, .yaw_rad = kPi});
-  const Surface skin = plain(builder, "skin", {0.80F, 0.60F, 0.50F});
-  const Surface shirt = plain(builder, "shirt", {0.75F, 0.30F, 0.22F});
-  const Surface trousers = plain(builder, "trousers", {0.20F, 0.22F, 0.30F});
-  const Surface hair = plain(builder, "hair", {0.18F, 0.12F, 0.08F});
-  constexpr int kSides = 24;
-  for (const double side : {-0.10, 0.10}) {
-    builder.add_cylinder({0, side, 0}, 0.07, 0.09, 0.80, kSides, trousers);
-  }
-  builder.add_cylinder({0, 0, 0.78}, 0.17, 0.15, 0.20, kSides, shirt);
-  builder.add_cylinder({0, 0, 0.98}, 0.15, 0.20, 0.30, kSides, shirt);
-  builder.add_cylinder({0, 0, 1.28}, 0.20, 0.06, 0.08, kSides, shirt);
-  for (const double side : {-0.23, 0.23}) {
-    builder.add_cylinder({0, side, 0.75}, 0.04, 0.055, 0.58, kSides, shirt);
-  }
-  builder.add_cylinder({0, 0, 1.36}, 0.055, 0.055, 0.06, kSides, skin);
-  builder.add_cylinder({0, 0, 1.42}, 0.06, 0.095, 0.10, kSides, skin);
-  builder.add_cylinder({0, 0, 1.52}, 0.095, 0.095, 0.06, kSides, skin);
-  builder.add_cylinder({0, 0, 1.58}, 0.10, 0.08, 0.07, kSides, hair);
-  builder.add_cylinder({0, 0, 1.65}, 0.08, 0.0, 0.04, kSides, hair);
-}
-
-Image picture() {
-  SceneBuilder builder;
-  add_shell(builder);
-  add_furniture(builder);
-  add_speaker(builder);
-  builder.add_lamp(
-      {.position_m = {2.8, 2.2, 2.35}, .intensity = {9.0F, 8.2F, 7.0F}, .radius_m = 0.15F});
-  const SceneRenderer renderer(builder.take());
-  const Camera camera{kWorldFromCamera, kFov_rad, kWidth, kHeight};
-  RenderQuality quality;
-  quality.samples_per_side = 6;
-  ThreadPool pool(available_cores());
-  return renderer.render(camera, quality, 1, pool).rgb;
-}
-
-/// The room as sound sees it: an empty box whose walls share out the furniture's absorption.
-Shoebox room() {
-  Shoebox box{.lengths_m = kRoom_m};
-  const std::array<const char*, 6> faces = {"plasterboard_wall", "curtain_light",
-                                            "plasterboard_wall", "furniture_wood",
-                                            "carpet_felt",       "plasterboard_ceiling"};
-  std::transform(faces.begin(), faces.end(), box.absorption.begin(),
-                 [](const char* name) { return standard_material(name).absorption; });
-  return box;
-}
-
-Waveform heard_at(const Pose& world_from_listener, const Waveform& voice, const HrtfSet& hrtf) {
-  const auto arrivals = shoebox_arrivals(room(), kMouth_m, world_from_listener, kResponse_s);
-  const Waveform response = render_arrivals(arrivals, hrtf, kResponse_s);
-  Waveform sound(2, voice.samples(), kRate_hz);
-  for (int ear = 0; ear < 2; ++ear) {
-    const std::vector<float> convolved = convolve(voice.channel(0), response.channel(ear));
-    std::copy_n(convolved.begin(), sound.samples(), sound.channel(ear).begin());
-  }
-  return sound;
-}
-
-/// The voice at the clip's rate and length, its last tenth of a second faded out.
+/// The voice at the clip's rate and length.
 Waveform read_voice(const fs::path& path) {
   const Waveform recorded = resample(read_sound(path), kRate_hz);
-  if (recorded.channels() != 1 || recorded.duration_s() < kStart_s + kLength_s) {
-    throw InputError(path.string(), "expected at least 7 s of mono sound");
+  if (recorded.channels() != 1 || recorded.duration_s() < kVoice_s) {
+    throw InputError(path.string(), fmt::format("expected at least {} s of mono sound", kVoice_s));
   }
   Waveform voice(1, std::lround(kLength_s * kRate_hz), kRate_hz);
-  std::copy_n(recorded.channel(0).begin() + std::lround(kStart_s * kRate_hz), voice.samples(),
-              voice.channel(0).begin());
-  const std::ptrdiff_t fade = kRate_hz / 10;
-  for (std::ptrdiff_t i = 0; i < fade; ++i) {
-    voice.channel(0)[voice.samples() - 1 - i] *= static_cast<float>(i) / static_cast<float>(fade);
-  }
+  std::copy_n(recorded.channel(0).begin(), std::lround(kVoice_s * kRate_hz),
+              voice.channel(0).begin() + std::lround(kBefore_s * kRate_hz));
   return voice;
 }
 
-void scale(Waveform& sound, float gain) {
-  for (float& sample : sound.planar()) sample *= gain;
+/// What is heard at places of the camera's frame, its own first.
+std::vector<Waveform> heard_at(const DemoHome& home, const std::vector<Pose>& places,
+                               const Waveform& voice, ThreadPool& pool) {
+  const Source mouth{.world_from_source = home.speaker.world_from_head,
+                     .directivity = speech_directivity(),
+                     .body = home.speaker.instance};
+  std::vector<Pose> listeners;
+  std::vector<Vector3> positions;
+  for (const Pose& place : places) {
+    listeners.push_back(home.camera.world_from_camera * place);
+    positions.push_back(listeners.back().position_m);
+  }
+  const TraceResult traced = trace(AcousticScene(home.scene), {&mouth, 1}, positions,
+                                   {.rays = kRays, .duration_s = kResponse_s, .seed = kSeed}, pool);
+  const ResponseRenderer renderer(
+      {.sample_rate_hz = kRate_hz, .duration_s = kResponse_s, .seed = kSeed});
+  const HrtfSet hrtf = HrtfSet::load(kRate_hz);
+  std::vector<Waveform> sounds;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const Waveform response =
+        renderer.binaural(traced.responses[0][i], listeners[i].orientation, hrtf, i);
+    Waveform& sound = sounds.emplace_back(2, voice.samples(), kRate_hz);
+    for (int ear = 0; ear < 2; ++ear) {
+      const std::vector<float> convolved = convolve(voice.channel(0), response.channel(ear));
+      std::copy_n(convolved.begin(), sound.samples(), sound.channel(ear).begin());
+    }
+  }
+  return sounds;
+}
+
+/// One gain for all, so that the loudest peak is kPeak.
+void level(std::vector<Waveform>& sounds) {
+  float peak = 0.0F;
+  for (const Waveform& sound : sounds) {
+    for (const float sample : sound.planar()) peak = std::max(peak, std::abs(sample));
+  }
+  const float gain = static_cast<float>(kPeak) / peak;
+  for (Waveform& sound : sounds) {
+    for (float& sample : sound.planar()) sample *= gain;
+  }
+}
+
+/// "speaker on the left" becomes "truth-speaker-on-the-left.flac".
+std::string truth_file(std::string name) {
+  std::ranges::replace(name, ' ', '-');
+  return "truth-" + name + ".flac";
+}
+
+/// To three decimals.
+double rounded(double value) { return std::round(value * 1000.0) / 1000.0; }
+
+std::array<double, 3> rounded(const Vector3& place) {
+  return {rounded(place.x), rounded(place.y), rounded(place.z)};
+}
+
+void write_description(const fs::path& path, const DemoHome& home,
+                       const std::vector<DemoEarpoint>& earpoints, const Box& box,
+                       const FloorMapPicture& map) {
+  const Pose camera_from_mouth =
+      inverse(home.camera.world_from_camera) * home.speaker.world_from_head;
+  nlohmann::ordered_json json;
+  json["clip"] = "clip.mp4";
+  json["speaker"] = rounded(camera_from_mouth.position_m);
+  json["speaker_box"] = {rounded(box.x_min), rounded(box.y_min), rounded(box.x_max),
+                         rounded(box.y_max)};
+  json["map"] = {{"picture", "map.jpg"},
+                 {"camera", {std::lround(map.camera.x), std::lround(map.camera.y)}},
+                 {"pixels_per_metre", map.pixels_per_metre}};
+  for (const DemoEarpoint& earpoint : earpoints) {
+    json["earpoints"].push_back({{"name", earpoint.name},
+                                 {"translate", rounded(earpoint.source_from_target.position_m)},
+                                 {"yaw_deg", earpoint.yaw_deg},
+                                 {"truth", truth_file(earpoint.name)}});
+  }
+  write_file(path, json.dump(2) + "\n");
+}
+
+void write_movie(const fs::path& path, const Image& picture, const Waveform& sound) {
+  MovieWriter movie(path, picture.width(), picture.height(), kFrameRate_hz, kRate_hz);
+  const auto frames = static_cast<int>(kLength_s * kFrameRate_hz);
+  for (int i = 0; i < frames; ++i) movie.write_picture(picture);
+  movie.write_sound(sound);
+  movie.close();
 }
 
 void make_clip(const fs::path& voice_path, const fs::path& folder) {
+  ThreadPool pool(available_cores());
   const Waveform voice = read_voice(voice_path);
-  const HrtfSet hrtf = HrtfSet::load(kRate_hz);
-  Waveform source = heard_at(kWorldFromCamera, voice, hrtf);
-  const auto samples = source.planar();
-  const float peak = std::abs(*std::max_element(
-      samples.begin(), samples.end(), [](float a, float b) { return std::abs(a) < std::abs(b); }));
-  const float gain = static_cast<float>(kPeak) / peak;
-  scale(source, gain);
+  const DemoHome home = make_demo_home();
+  const std::vector<DemoEarpoint> earpoints = demo_earpoints(home);
 
-  MovieWriter movie(folder / "clip.mp4", kWidth, kHeight, kFrameRate_hz, kRate_hz);
-  const Image image = picture();
-  for (int i = 0; i < static_cast<int>(kLength_s * kFrameRate_hz); ++i) movie.write_picture(image);
-  movie.write_sound(source);
-  movie.close();
+  const View view =
+      SceneRenderer(home.scene, {}, pool).render(home.camera, {.samples_per_side = 6}, kSeed, pool);
+  const auto box = visible_box(view, static_cast<int>(home.speaker.instance), 1);
+  EARPOINT_CHECK(box.has_value());
+  const FloorMapPicture map = picture_from_above(home, pool);
 
-  for (const Earpoint& earpoint : earpoints()) {
-    Waveform truth = heard_at(kWorldFromCamera * earpoint.source_from_target, voice, hrtf);
-    scale(truth, gain);
-    write_sound(folder / (std::string("truth-") + earpoint.name + ".flac"), truth,
-                SampleFormat::pcm16);
+  std::vector<Pose> places{Pose{}};
+  for (const DemoEarpoint& earpoint : earpoints) places.push_back(earpoint.source_from_target);
+  std::vector<Waveform> sounds = heard_at(home, places, voice, pool);
+  level(sounds);
+
+  write_movie(folder / "clip.mp4", view.rgb, sounds.front());
+  for (std::size_t i = 0; i < earpoints.size(); ++i) {
+    write_sound(folder / truth_file(earpoints[i].name), sounds[i + 1], SampleFormat::pcm16);
   }
+  write_image(folder / "map.jpg", map.rgb);
+  write_description(folder / "earpoints.json", home, earpoints, *box, map);
 }
 
 }  // namespace

@@ -1,12 +1,17 @@
 #!/usr/bin/env bash
-# Makes examples/clip.mp4 and the true sounds beside it anew: installs the recorded voice (Debian's
-# asterisk-core-sounds-en-g722, CC-BY-SA-3.0), builds the maker, runs it.
+# Makes examples/clip.mp4, earpoints.json and what they name anew, byte for byte: fetches the recorded
+# voice (Debian's asterisk-core-sounds-it-g722, CC-BY-3.0, unpacked and not installed), packs the
+# furniture, builds the maker, runs it.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
-voice=/usr/share/asterisk/sounds/en_US_f_Allison/demo-moreinfo.g722
-[ -f "$voice" ] || apt-get install -y -qq --no-install-recommends asterisk-core-sounds-en-g722 >/dev/null
-./dev build --target earpoint_make_clip
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
-ffmpeg -v error -f g722 -i "$voice" "$folder/voice.wav"
+EARPOINT_DATA_DIR=$folder/assets
+export EARPOINT_DATA_DIR
+./dev assets
+(cd "$folder" && apt-get download -qq -o APT::Sandbox::User=root asterisk-core-sounds-it-g722)
+dpkg-deb -x "$folder"/asterisk-core-sounds-it-g722_*.deb "$folder/voice"
+ffmpeg -v error -f g722 -i "$folder/voice/usr/share/asterisk/sounds/it_IT_m_Carlo/demo-congrats.g722" \
+  "$folder/voice.wav"
+./dev build --target earpoint_make_clip
 build/release/examples/earpoint_make_clip "$folder/voice.wav" examples

@@ -1,6 +1,7 @@
 #include "evaluate_command.h"
 
 #include "arguments.h"
+#include "evaluate_earpoints.h"
 #include "evaluate_methods.h"
 #include "rt60_model.h"
 
@@ -59,6 +60,7 @@ Examples:
   earpoint evaluate --data data/homes --enhance --methods input,mine=runs/enhance/best.safetensors
   earpoint evaluate --data data/homes --ablations --runs runs/ablations
   earpoint evaluate --data data/homes --boxes detected --methods input,dsp,gtf
+  earpoint evaluate --earpoints examples/earpoints.json --report out
 
 Methods:
   input    the source's sound as it is
@@ -90,12 +92,16 @@ cross-faded, and the last second is compared. The target, and what other methods
 Enhancement (--enhance) asks for the dry speech as a microphone close before the mouth records it, as loud as
 it is 1 m away in free field, in room noise of -40 dB unless --ambient says otherwise. Methods are not told
 where that microphone is; tf and dsp, which answer for a place, have no row.
+A clip of your own (--earpoints) needs no data set: a JSON file names the clip, and places with what was
+truly heard there (docs/formats.md). It is rendered as `earpoint render` does it, by input, dsp, shipped
+models and weight files; gtf is told nothing of the speaker. Without --json one table is printed.
 Every number is an error: 0 is best. Intervals hold the mean at 95 % confidence, drawn by home where there
 are several, else by conversation.
 )";
 
 struct Options {
   fs::path data;
+  fs::path earpoints;
   std::string split = "test";
   std::string layout;  ///< empty: whichever there is
   std::optional<fs::path> pairs;
@@ -232,9 +238,27 @@ void check_boxes(earpoint::SpeakerBoxes boxes, std::span<const earpoint::MethodE
   }
 }
 
+void run_on_clip(const Options& options) {
+  const auto make_estimator = estimator_maker(options.rt60_model);
+  const EarpointsRequest request{
+      .description = options.earpoints,
+      .methods = options.methods.words,
+      .report = options.report,
+      .estimator = make_estimator ? make_estimator() : earpoint::ReverberationEstimator{},
+      .threads = options.jobs > 0 ? options.jobs : earpoint::available_cores(),
+      .json = options.json};
+  earpoint::SilentProgress silent;
+  earpoint::StreamProgress bar(stderr);
+  evaluate_earpoints(request, options.quiet ? static_cast<earpoint::ProgressSink&>(silent) : bar);
+}
+
 void run(const Options& options) {
   if (options.jobs < 0) {
     throw InputError("--jobs", fmt::format("expected 0 or more, found {}", options.jobs));
+  }
+  if (!options.earpoints.empty()) return run_on_clip(options);
+  if (options.data.empty()) {
+    throw InputError("--data", "missing", "name a data set, or a clip with --earpoints");
   }
   const std::unique_ptr<earpoint::EvaluationSet> set = evaluation_set(options);
   std::set<std::string> scenes;
@@ -305,11 +329,14 @@ void run(const Options& options) {
 void add_evaluate_command(CLI::App& app) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand(
-      "evaluate", "Measure methods side by side on the frozen pairs of a data set.");
-  command
-      ->add_option("--data", options->data,
-                   "Folder of the data set: of earpoint simulate, SoundSpaces-NVAS or Replay-NVAS")
-      ->required();
+      "evaluate",
+      "Measure methods side by side on the frozen pairs of a data set, or on a clip of your own.");
+  command->add_option(
+      "--data", options->data,
+      "Folder of the data set: of earpoint simulate, SoundSpaces-NVAS or Replay-NVAS");
+  auto* earpoints = command->add_option(
+      "--earpoints", options->earpoints,
+      "Instead of a data set, a JSON file with a clip and what was heard in other places");
   command->add_option("--split", options->split, "Whose pairs")->capture_default_str();
   command
       ->add_option("--layout", options->layout,
@@ -326,7 +353,7 @@ void add_evaluate_command(CLI::App& app) {
                       ->add_option("--methods", options->methods.words,
                                    "What to compare, separated by commas; default: input,dsp; "
                                    "input alone with --enhance "
-                                   "and on recordings")
+                                   "and on recordings; input,dsp,gtf with --earpoints")
                       ->delimiter(',');
   command
       ->add_flag(
@@ -379,6 +406,11 @@ void add_evaluate_command(CLI::App& app) {
                     "Leave out pairs whose files are missing or broken, naming them");
   command->add_flag("--json", options->json, "Print the tables as JSON");
   command->add_flag("--quiet", options->quiet, "No progress");
+  for (const char* name :
+       {"--data", "--split", "--layout", "--pairs", "--draw", "--ablations", "--runs", "--oracles",
+        "--tf-index", "--limit", "--ambient", "--enhance", "--skip-bad"}) {
+    command->get_option(name)->excludes(earpoints);
+  }
   command->footer(kExamples);
   command->callback([options] { run(*options); });
 }

@@ -48,14 +48,16 @@ Waveform beginning_of(const Waveform& sound) {
 void fill(const fs::path& folder) {
   const fs::path examples = EARPOINT_SOURCE_DIR "/examples";
   const fs::path mini = EARPOINT_SOURCE_DIR "/src/model/testdata/C_mini_noresnet";
+  fs::copy(examples, folder / "examples");
   fs::copy_file(examples / "clip.mp4", folder / "clip.mp4");
   fs::copy_file(examples / "walk.csv", folder / "walk.csv");
   fs::copy_file(mini / "best_val.ckpt", folder / "best_val.ckpt");
   fs::copy_file(mini / "inputs.safetensors", folder / "inputs.safetensors");
   write_image(folder / "frame.png", FrameReader(examples / "clip.mp4").frame_nearest(0.0));
-  write_sound(folder / "sound.flac", beginning_of(read_sound(examples / "truth-turned.flac")));
-  write_sound(folder / "reference.wav", beginning_of(read_sound(examples / "truth-near.flac")));
-  write_sound(folder / "estimate.wav", beginning_of(read_sound(examples / "truth-turned.flac")));
+  write_sound(folder / "sound.flac", beginning_of(read_sound(examples / "truth-far-away.flac")));
+  write_sound(folder / "reference.wav",
+              beginning_of(read_sound(examples / "truth-in-the-next-room.flac")));
+  write_sound(folder / "estimate.wav", beginning_of(read_sound(examples / "truth-far-away.flac")));
   write_gtf_file(folder / "gtf.safetensors");
   fs::copy_file(EARPOINT_SOURCE_DIR "/src/scene/testdata/room.glb", folder / "flat.glb");
   write_file(folder / "room-walk.csv",
@@ -89,6 +91,7 @@ TEST(Readme, EveryCommandWorksAsItStands) {
   EXPECT_TRUE(fs::exists(folder / "outputs.safetensors"));
   EXPECT_TRUE(fs::exists(folder / "data/homes/pairs-test.json"));
   EXPECT_TRUE(fs::exists(folder / "out/index.html"));
+  EXPECT_TRUE(fs::exists(folder / "heard/index.html"));
   fs::remove_all(folder);
 }
 

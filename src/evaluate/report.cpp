@@ -1,5 +1,6 @@
 #include "report_figures.h"
 #include "report_html.h"
+#include "report_sounds.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,18 +11,14 @@
 
 #include <fmt/format.h>
 
-#include <earpoint/audio/stft.h>
 #include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
 #include <earpoint/core/random.h>
 #include <earpoint/evaluate/report.h>
-#include <earpoint/video/draw.h>
-#include <earpoint/video/plot.h>
 
 namespace earpoint {
 namespace {
 
-constexpr int kPlotWidth = 480;
 constexpr float kLoudest = 0.9F;
 
 std::string heading_of(Metric metric) {
@@ -150,26 +147,26 @@ std::vector<ChosenClip> choose(const EvaluationResult& result, const ReportOptio
   return chosen;
 }
 
-/// One sound of a clip: what a method made, or the truth.
-struct Sound {
-  std::string name;
+/// What stands beside a sound of a clip: of what a method made, or of the truth.
+struct SoundRow {
   std::string dot;
-  Waveform wave;
   const ClipMetrics* metrics = nullptr;  ///< none of the truth
 };
 
-std::string players(const std::vector<Sound>& sounds, float gain) {
+/// @param rows  one for each sound
+std::string players(std::span<const NamedSound> sounds, std::span<const SoundRow> rows,
+                    float gain) {
   std::string html = "<table>\n<tr><th>sound</th><th></th>";
   constexpr std::array<Metric, 4> kShort = {Metric::mag, Metric::lre, Metric::level,
                                             Metric::interaural_delay};
   for (const Metric metric : kShort) html += heading_of(metric);
   html += "</tr>\n";
-  for (const Sound& sound : sounds) {
-    html += fmt::format("<tr><td>{}{}</td><td>{}</td>", sound.dot, escaped(sound.name),
-                        audio_tag(sound.wave, gain));
+  for (std::size_t i = 0; i < sounds.size(); ++i) {
+    html += fmt::format("<tr><td>{}{}</td><td>{}</td>", rows[i].dot, escaped(sounds[i].name),
+                        audio_tag(sounds[i].wave, gain));
     for (const Metric metric : kShort) {
       const std::optional<double> value =
-          sound.metrics != nullptr ? (*sound.metrics)[metric] : std::nullopt;
+          rows[i].metrics != nullptr ? (*rows[i].metrics)[metric] : std::nullopt;
       html += value ? fmt::format("<td>{:.{}f}</td>", *value, name_of(metric).decimals)
                     : std::string("<td></td>");
     }
@@ -178,50 +175,10 @@ std::string players(const std::vector<Sound>& sounds, float gain) {
   return html + "</table>\n";
 }
 
-std::string waveform_plot(const std::vector<Sound>& sounds) {
-  std::vector<WaveformPanel> panels;
-  panels.reserve(sounds.size());
-  for (const Sound& sound : sounds) panels.push_back({sound.name, WaveformOutline(sound.wave)});
-  return img_tag(plot_waveforms(panels, "left ear blue, right ear orange", kPlotWidth), "waveforms",
-                 "plot");
-}
-
-std::string spectrogram_plot(const std::vector<Sound>& sounds, int ear) {
-  Stft stft;
-  std::vector<std::vector<float>> levels;
-  std::vector<SpectrogramPanel> panels;
-  for (const Sound& sound : sounds) {
-    const Spectrogram spectrum = stft.forward(sound.wave.channel(ear));
-    std::vector<float>& db = levels.emplace_back();
-    for (const std::complex<float>& value : spectrum.values) {
-      db.push_back(10.0F * std::log10(std::norm(value)));
-    }
-    panels.push_back({.label = sound.name,
-                      .levels = {},
-                      .frames = spectrum.frames,
-                      .bins = spectrum.bins,
-                      .duration_s = sound.wave.duration_s(),
-                      .max_frequency_hz = sound.wave.sample_rate_hz() / 2.0});
-  }
-  for (std::size_t i = 0; i < panels.size(); ++i) panels[i].levels = levels[i];
-  const char* title = ear == 0 ? "left ear" : "right ear";
-  return img_tag(plot_spectrograms(panels, title, top_level_db(panels), 70.0, kPlotWidth),
-                 fmt::format("spectrograms, {}", title), "plot");
-}
-
 std::string picture(const PairSample& sample) {
   if (!sample.picture) return "<div class=\"caption\">no picture</div>";
-  Image image = *sample.picture;
-  if (sample.speaker_box) {
-    const Box& box = *sample.speaker_box;
-    const auto column = [&](double x) { return static_cast<int>(std::lround(x * image.width())); };
-    const auto row = [&](double y) { return static_cast<int>(std::lround(y * image.height())); };
-    PixelRect rect{column(box.x_min), row(box.y_min), column(box.x_max) - column(box.x_min),
-                   row(box.y_max) - row(box.y_min)};
-    outline_rect(image, rect, {255, 196, 0});
-    outline_rect(image, {rect.x + 1, rect.y + 1, rect.width - 2, rect.height - 2}, {255, 196, 0});
-  }
-  return img_tag(image, "what the source view sees", "picture") +
+  return img_tag(boxed(*sample.picture, sample.speaker_box), "what the source view sees",
+                 "picture") +
          (sample.speaker_box
               ? "<div class=\"caption\">what the source view sees; the box is the speaker</div>"
               : "<div class=\"caption\">what the source view sees; the speaker is out of "
@@ -232,17 +189,18 @@ std::string clip_card(const ChosenClip& chosen, const EvaluationSet& set,
                       std::span<const MethodEntry> methods, const EvaluationResult& result) {
   const ClipResult& clip = result.clips[chosen.clip];
   const PairSample sample = set.sample(clip.pair);
-  std::vector<Sound> sounds;
+  std::vector<NamedSound> sounds;
+  std::vector<SoundRow> rows;
   for (std::size_t m = 0; m < methods.size(); ++m) {
     if (methods[m].is_oracle) continue;
-    sounds.push_back({methods[m].name, dot(m, methods[m].name),
-                      ask(*methods[m].make(), methods[m], sample, clip.scene, nullptr),
-                      &clip.honest[m]});
+    sounds.push_back({methods[m].name,
+                      ask(*methods[m].make(), methods[m], sample, clip.scene, nullptr)});
+    rows.push_back({dot(m, methods[m].name), &clip.honest[m]});
   }
-  sounds.push_back({"truth", "<span class=\"dot\" style=\"background:#1d2430\"></span>",
-                    sample.target, nullptr});
+  sounds.push_back({"truth", sample.target});
+  rows.push_back({fmt::format("<span class=\"dot\" style=\"background:{}\"></span>", kTruthColor)});
   float peak = 0.0F;
-  for (const Sound& sound : sounds) {
+  for (const NamedSound& sound : sounds) {
     for (const float x : sound.wave.planar()) peak = std::max(peak, std::abs(x));
   }
   const float gain = peak > 0.0F ? kLoudest / peak : 1.0F;
@@ -254,7 +212,7 @@ std::string clip_card(const ChosenClip& chosen, const EvaluationSet& set,
   html += fmt::format(
       "<div class=\"map\">{}<div class=\"caption\">from above; rings are 1 m apart</div></div>\n"
       "<div>{}</div>\n</div>\n",
-      map_svg(clip.source_from_target, clip.speaker_m), players(sounds, gain));
+      map_svg(clip.source_from_target, clip.speaker_m), players(sounds, rows, gain));
   return html + fmt::format("<div class=\"plots\">{}{}{}</div>\n</div>\n", waveform_plot(sounds),
                             spectrogram_plot(sounds, 0), spectrogram_plot(sounds, 1));
 }

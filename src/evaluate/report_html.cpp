@@ -55,10 +55,22 @@ audio { width: 176px; height: 32px; display: block; }
          margin-top: 16px; }
 .plot { width: 100%; height: auto; display: block; border: 1px solid var(--line);
         border-radius: 6px; }
+.scene { display: grid; grid-template-columns: minmax(0, 2fr) minmax(0, 1fr); gap: 20px;
+         align-items: start; }
+.scene h3 { margin: 16px 0 6px; }
+.wide { width: 100%; height: auto; display: block; border-radius: 6px; }
+.heard { display: grid; grid-template-columns: 256px minmax(0, 1fr); gap: 20px;
+         align-items: start; }
+.sound { display: flex; flex-wrap: wrap; align-items: center; gap: 4px 16px; padding: 9px 0;
+         border-bottom: 1px solid var(--line); }
+.sound:last-child { border-bottom: none; }
+.sound .name { flex: 1 1 260px; }
+.sound audio, .scene audio { width: 240px; }
+th.group { text-align: center; }
 details { margin: 12px 0; }
 summary { cursor: pointer; color: var(--accent); }
 @media (max-width: 1000px) {
-  .figures, .plots, .clip { grid-template-columns: 1fr; }
+  .figures, .plots, .clip, .scene, .heard { grid-template-columns: minmax(0, 1fr); }
 }
 )";
 
@@ -151,6 +163,10 @@ std::string audio_tag(const Waveform& sound, float gain) {
   const std::string bytes = wav_bytes(sound, gain);
   return fmt::format("<audio controls preload=\"metadata\" src=\"{}\"></audio>",
                      data_uri("audio/wav", std::as_bytes(std::span(bytes))));
+}
+
+std::string audio_tag(std::string_view file) {
+  return fmt::format("<audio controls preload=\"metadata\" src=\"{}\"></audio>", escaped(file));
 }
 
 std::string page(std::string_view title, std::string_view body) {

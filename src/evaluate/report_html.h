@@ -28,10 +28,16 @@ namespace earpoint {
 /// An <audio> player that carries its sound with it.
 [[nodiscard]] std::string audio_tag(const Waveform& sound, float gain);
 
+/// An <audio> player of a file that lies beside the page.
+[[nodiscard]] std::string audio_tag(std::string_view file);
+
 /// A page with the report's style.
 /// @param title  plain text
 /// @param body   HTML
 [[nodiscard]] std::string page(std::string_view title, std::string_view body);
+
+/// The colour of the truth in figures and tables.
+inline constexpr std::string_view kTruthColor = "#1d2430";
 
 /// The colour of a method in figures and tables, e.g. "#4477aa".
 /// @param index   among the methods

@@ -1,0 +1,98 @@
+#include "evaluate_earpoints.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include <earpoint/core/error.h>
+#include <earpoint/evaluate/earpoint_comparison.h>
+#include <earpoint/model/shipped_model.h>
+
+namespace {
+
+namespace fs = std::filesystem;
+using earpoint::ClipMethod;
+using earpoint::InputError;
+
+ClipMethod method_of(const std::string& word) {
+  if (word == "input" || word == "dsp") return {word, word};
+  if (const auto equals = word.find('='); equals != std::string::npos) {
+    if (equals == 0 || equals + 1 == word.size()) {
+      throw InputError("--methods " + word, "expected NAME=FILE");
+    }
+    return {word.substr(0, equals), word.substr(equals + 1)};
+  }
+  if (const auto path = earpoint::shipped_model_path(word + ".safetensors")) {
+    return {word, path->string()};
+  }
+  throw InputError("--methods " + word,
+                   "is neither input, dsp nor a model that is there; a clip has no other methods",
+                   "name a weight file: " + word + "=FILE.safetensors");
+}
+
+std::vector<ClipMethod> methods_of(const EarpointsRequest& request,
+                                   const earpoint::EarpointClip& clip) {
+  std::vector<std::string> words = request.methods;
+  if (words.empty()) {
+    words.emplace_back("input");
+    if (clip.speaker_m || clip.speaker_box) words.emplace_back("dsp");
+    words.emplace_back("gtf");
+  }
+  std::vector<ClipMethod> methods;
+  for (const std::string& word : words) {
+    ClipMethod method = method_of(word);
+    // It is part of a file's name.
+    if (method.name.find('/') != std::string::npos) {
+      throw InputError("--methods " + word, "has a name with a slash");
+    }
+    if (std::ranges::find(methods, method.name, &ClipMethod::name) != methods.end()) {
+      throw InputError("--methods", "names " + method.name + " twice", "give one NAME=FILE");
+    }
+    methods.push_back(std::move(method));
+  }
+  return methods;
+}
+
+/// The folder of the report, or one that is gone when this is.
+class SoundFolder {
+ public:
+  explicit SoundFolder(const std::optional<fs::path>& report) : is_temporary_(!report) {
+    if (report) {
+      path_ = *report;
+      std::error_code error;
+      fs::create_directories(path_, error);
+      if (error) throw InputError(path_.string(), "cannot be made: " + error.message());
+      return;
+    }
+    std::string name = (fs::temp_directory_path() / "earpoint-XXXXXX").string();
+    if (::mkdtemp(name.data()) == nullptr) throw InputError(name, "cannot be made");
+    path_ = name;
+  }
+  ~SoundFolder() {
+    std::error_code ignored;
+    if (is_temporary_) fs::remove_all(path_, ignored);
+  }
+  SoundFolder(const SoundFolder&) = delete;
+  SoundFolder& operator=(const SoundFolder&) = delete;
+
+  [[nodiscard]] const fs::path& path() const { return path_; }
+
+ private:
+  bool is_temporary_;
+  fs::path path_;
+};
+
+}  // namespace
+
+void evaluate_earpoints(const EarpointsRequest& request, earpoint::ProgressSink& progress) {
+  const earpoint::EarpointClip clip = earpoint::read_earpoint_clip(request.description);
+  const std::vector<ClipMethod> methods = methods_of(request, clip);
+  const SoundFolder folder(request.report);
+  const earpoint::EarpointComparison comparison =
+      compare_earpoints(clip, methods, folder.path(),
+                        {.estimator = request.estimator, .threads = request.threads}, progress);
+  if (request.report) write_earpoint_page(comparison, *request.report);
+  fmt::print("{}", request.json ? json_of(comparison) : text_of(comparison));
+}
