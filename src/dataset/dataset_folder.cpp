@@ -1,5 +1,3 @@
-#include "json_field.h"
-
 #include <vector>
 
 #include <fmt/format.h>
@@ -8,6 +6,7 @@
 #include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
 #include <earpoint/dataset/dataset_folder.h>
+#include <earpoint/dataset/json_field.h>
 
 namespace earpoint {
 namespace {

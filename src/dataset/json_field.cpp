@@ -1,11 +1,12 @@
-#include "json_field.h"
-
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <earpoint/core/error.h>
+#include <earpoint/dataset/json_field.h>
 
 namespace earpoint {
 
@@ -24,6 +25,13 @@ bool JsonField::has(const std::string& key) const {
 JsonField JsonField::field(const std::string& key) const {
   if (!has(key)) throw InputError(where_, "the field '" + key + "' is missing");
   return {value_.at(key), where_ + "." + key};
+}
+
+void JsonField::expect_only(std::initializer_list<std::string_view> keys) const {
+  for (const auto& [key, value] : fields()) {
+    if (std::find(keys.begin(), keys.end(), key) != keys.end()) continue;
+    throw InputError(value.where(), "is not known", fmt::format("use {}", fmt::join(keys, ", ")));
+  }
 }
 
 std::vector<JsonField> JsonField::items() const {

@@ -1,5 +1,3 @@
-#include "json_field.h"
-
 #include <algorithm>
 #include <map>
 
@@ -11,6 +9,7 @@
 #include <earpoint/core/name_number.h>
 #include <earpoint/core/random.h>
 #include <earpoint/dataset/dataset_folder.h>
+#include <earpoint/dataset/json_field.h>
 #include <earpoint/dataset/numpy_random.h>
 #include <earpoint/dataset/pair_list.h>
 

@@ -1,4 +1,3 @@
-#include "json_field.h"
 #include "npy.h"
 #include "replay_splits.h"
 
@@ -14,6 +13,7 @@
 #include <earpoint/audio/sound_file.h>
 #include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
+#include <earpoint/dataset/json_field.h>
 #include <earpoint/dataset/replay.h>
 #include <earpoint/video/image_file.h>
 #include <earpoint/video/media.h>
@@ -143,6 +143,22 @@ std::array<double, 3> angles_of(const Vector3& direction) {
 
 }  // namespace
 
+ReplayCameras read_replay_cameras(const fs::path& path) {
+  const nlohmann::json document = parse_json(path);
+  const JsonField root(document, path.string());
+  const JsonField rotations = root.field("rotations");
+  ReplayCameras cameras;
+  for (const auto& [scene, centres] : root.field("centers").fields()) {
+    for (const auto& [camera, centre] : centres.fields()) {
+      const JsonField rotation = rotations.field(scene).field(camera);
+      // A camera that could not be placed is an error only for who asks for it.
+      if (has_null(centre) || has_null(rotation)) continue;
+      cameras[scene][camera] = {loose_vector3(centre), loose_vector3(rotation)};
+    }
+  }
+  return cameras;
+}
+
 ReplayDataset::ReplayDataset(Options options) : options_(std::move(options)) {
   const std::vector<std::string_view> scenes = replay_scenes(options_.split);
   const fs::path folder = options_.root / options_.folder;
@@ -168,18 +184,7 @@ ReplayDataset::ReplayDataset(Options options) : options_(std::move(options)) {
   if (clips_.empty())
     throw InputError(metadata.string(), "holds no clip of the split " + options_.split);
 
-  const fs::path cameras = folder.parent_path() / options_.camera_file;
-  const nlohmann::json document = parse_json(cameras);
-  const JsonField root(document, cameras.string());
-  const JsonField rotations = root.field("rotations");
-  for (const auto& [scene, centres] : root.field("centers").fields()) {
-    for (const auto& [camera, centre] : centres.fields()) {
-      const JsonField rotation = rotations.field(scene).field(camera);
-      // A camera that could not be placed is an error only for who asks for it.
-      if (has_null(centre) || has_null(rotation)) continue;
-      cameras_[scene][camera] = {loose_vector3(centre), loose_vector3(rotation)};
-    }
-  }
+  cameras_ = read_replay_cameras(folder.parent_path() / options_.camera_file);
 }
 
 ReplayChoice ReplayDataset::draw(const ReplayClip& clip, NumpyRandom& random) const {

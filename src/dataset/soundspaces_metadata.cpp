@@ -1,5 +1,3 @@
-#include "json_field.h"
-
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -8,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include <earpoint/core/error.h>
+#include <earpoint/dataset/json_field.h>
 #include <earpoint/dataset/soundspaces_metadata.h>
 
 namespace earpoint {

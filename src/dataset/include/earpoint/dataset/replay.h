@@ -21,6 +21,15 @@ struct ReplayCamera {
   Vector3 direction;  ///< where it looks, unit length
 };
 
+/// Cameras by scene (e.g. "SC-1027") and name ("DSLR-1" to "DSLR-8").
+using ReplayCameras = std::map<std::string, std::map<std::string, ReplayCamera>>;
+
+/// Reads a camera file of the authors: objects `centers` and `rotations`, scene -> camera -> three
+/// numbers, a unit viewing direction in `rotations`. Cameras with NaN, which could not be placed,
+/// are left out.
+/// @throws InputError naming the field
+[[nodiscard]] ReplayCameras read_replay_cameras(const std::filesystem::path& path);
+
 /// One clip of the Replay-NVAS data set: several cameras' view of the same second.
 struct ReplayClip {
   std::string folder;               ///< relative to the root
@@ -75,7 +84,7 @@ class ReplayDataset {
 
   Options options_;
   std::vector<ReplayClip> clips_;
-  std::map<std::string, std::map<std::string, ReplayCamera>> cameras_;  // [scene]["DSLR-n"]
+  ReplayCameras cameras_;
 };
 
 /// The loader's `rotate-rel-pose` form: horizontal distance turned by 90 (taken as radians) minus

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <initializer_list>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -20,6 +22,8 @@ class JsonField {
   [[nodiscard]] JsonField field(const std::string& key) const;
   /// @throws InputError if this is no object
   [[nodiscard]] bool has(const std::string& key) const;
+  /// @throws InputError naming a field that is none of these, such as a misspelt one
+  void expect_only(std::initializer_list<std::string_view> keys) const;
   [[nodiscard]] bool is_null() const { return value_.is_null(); }
   [[nodiscard]] bool is_text() const { return value_.is_string(); }
   /// @throws InputError if this is no list
@@ -34,10 +38,10 @@ class JsonField {
   [[nodiscard]] Vector3 vector3() const;
 
   [[nodiscard]] const std::string& where() const { return where_; }
-
- private:
+  /// @throws InputError always: what was expected here, and what was found
   [[noreturn]] void fail(const std::string& expected) const;
 
+ private:
   const nlohmann::json& value_;
   std::string where_;
 };

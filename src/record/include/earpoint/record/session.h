@@ -1,0 +1,66 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <earpoint/core/pose.h>
+#include <earpoint/core/vector3.h>
+
+namespace earpoint {
+
+/// How a camera maps directions to pixels: OpenCV's pinhole camera with lens distortion.
+struct Lens {
+  int width_px = 0;
+  int height_px = 0;
+  double fx_px = 0.0;
+  double fy_px = 0.0;
+  double cx_px = 0.0;
+  double cy_px = 0.0;
+  /// k1, k2, p1, p2 [, k3 [, k4, k5, k6]], as OpenCV orders them; empty: none.
+  std::vector<double> distortion;
+
+  friend bool operator==(const Lens&, const Lens&) = default;
+};
+
+/// A camera with two microphones, which are the ears of a head that looks where the camera looks.
+struct SessionCamera {
+  std::string name;             ///< unique in the session; "1" to "8" in prepared data
+  std::filesystem::path video;  ///< a movie with binaural sound
+  std::optional<Lens> lens;
+  /// Where it stands in the room: metres, z up, its x axis where it looks; nothing where it was not
+  /// calibrated.
+  std::optional<Pose> world_from_camera;
+};
+
+/// Someone who wears a microphone.
+struct SessionPerson {
+  std::string name;            ///< unique in the session
+  std::filesystem::path near;  ///< what the microphone recorded; its first channel counts
+};
+
+/// One recording with several cameras: docs/formats.md, "Recorded sessions".
+struct Session {
+  std::filesystem::path file;  ///< that it was read from, for messages
+  std::string scene;           ///< e.g. "SC-1027"; the name of its folder where the file tells none
+  std::optional<std::string> split;  ///< train, val or test, where the file tells it
+  std::vector<SessionCamera> cameras;
+  std::vector<SessionPerson> people;
+  /// When about the clapper is heard on the first camera's clock, and where it is, if known.
+  std::optional<double> clap_s;
+  std::optional<Vector3> clap_m;
+};
+
+/// Reads session.json and the calibration files that it names. Paths of media are made relative to
+/// its folder; whether the media are there is for check_session() to find out.
+/// @throws InputError naming the field that is missing, malformed or not known
+[[nodiscard]] Session read_session(const std::filesystem::path& path);
+
+/// Writes session.json in the frame "earpoint" and metres. Paths of media are written relative to
+/// its folder where they lie below it.
+/// @throws InputError if it cannot be written
+void write_session(const std::filesystem::path& path, const Session& session);
+
+}  // namespace earpoint
