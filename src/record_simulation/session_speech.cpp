@@ -61,32 +61,49 @@ class TurnListener {
     const Utterance& turn = plan_.turns[turn_index];
     EARPOINT_CHECK(turn.speech.sample_rate_hz() == hrtf_.sample_rate_hz());
     std::vector<HeardPart> parts;
-    const std::vector<Span> speaker_moves = plan_.people[turn.person].path.moving();
-    // All whose way changes only as the speaker moves: cameras and the speaker's own microphone.
-    std::vector<int> still;
-    for (int device = 0; device < devices_.cameras(); ++device) still.push_back(device);
-    still.push_back(devices_.cameras() + turn.person);
-    hear(turn_index, still, speaker_moves, parts);
-    for (int other = 0; other < static_cast<int>(plan_.people.size()); ++other) {
-      if (other == turn.person) continue;
-      std::vector<Span> moves = plan_.people[other].path.moving();
-      moves.insert(moves.end(), speaker_moves.begin(), speaker_moves.end());
-      hear(turn_index, {devices_.cameras() + other}, std::move(moves), parts);
+    for (const auto& [pieces, devices] : listeners_of(turn)) {
+      for (const TurnPiece& piece : pieces) {
+        if (piece.moves) {
+          hear_moving(turn_index, piece, devices, parts);
+        } else {
+          hear_still(turn_index, piece, devices, parts);
+        }
+      }
     }
     return parts;
   }
 
  private:
-  void hear(std::size_t turn_index, const std::vector<int>& devices, std::vector<Span> moves,
-            std::vector<HeardPart>& parts) const {
-    const Utterance& turn = plan_.turns[turn_index];
-    for (const TurnPiece& piece : cut_turn(turn.speech, turn.begin_s, std::move(moves))) {
-      if (piece.moves) {
-        hear_moving(turn_index, piece, devices, parts);
+  /// Devices to which the speech is cut at the same times: one trace serves them all.
+  struct Listeners {
+    std::vector<TurnPiece> pieces;
+    std::vector<int> devices;
+  };
+
+  [[nodiscard]] std::vector<Listeners> listeners_of(const Utterance& turn) const {
+    const std::vector<Span> speaker_moves = plan_.people[turn.person].path.moving();
+    std::vector<Listeners> groups = {{cut_turn(turn.speech, turn.begin_s, speaker_moves), {}}};
+    for (int device = 0; device < devices_.count(); ++device) {
+      const int wearer = device - devices_.cameras();
+      if (devices_.is_camera(device) || wearer == turn.person) {
+        groups.front().devices.push_back(device);
+        continue;
+      }
+      std::vector<Span> moves = plan_.people[wearer].path.moving();
+      moves.insert(moves.end(), speaker_moves.begin(), speaker_moves.end());
+      std::vector<TurnPiece> pieces = cut_turn(turn.speech, turn.begin_s, std::move(moves));
+      const auto same = std::ranges::find_if(groups, [&](const Listeners& group) {
+        return std::ranges::equal(group.pieces, pieces, [](const TurnPiece& a, const TurnPiece& b) {
+          return a.begin_s == b.begin_s && a.moves == b.moves;
+        });
+      });
+      if (same != groups.end()) {
+        same->devices.push_back(device);
       } else {
-        hear_still(turn_index, piece, devices, parts);
+        groups.push_back({std::move(pieces), {device}});
       }
     }
+    return groups;
   }
 
   // Noise in the late field must not repeat in another ear or turn, or a network could learn it.

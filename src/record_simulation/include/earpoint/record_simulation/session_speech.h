@@ -15,9 +15,9 @@ namespace earpoint {
 /// How a session is heard.
 struct SessionSoundQuality {
   int rays = 1000;          ///< from each mouth
-  int mirror_rays = 5000;   ///< that look for image sources
+  int mirror_rays = 3000;   ///< that look for image sources
   double response_s = 0.8;  ///< of the responses
-  double step_s = 0.25;     ///< between the traces while somebody moves
+  double step_s = 0.3;      ///< between the traces while somebody moves
 };
 
 /// What every device would hear if all had one clock and nothing hissed: sample i is at session
