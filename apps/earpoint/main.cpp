@@ -3,7 +3,7 @@
 #include "metrics_command.h"
 #include "model_command.h"
 #include "pairs_command.h"
-#include "record_simulate_command.h"
+#include "record_command.h"
 #include "render_command.h"
 #include "run_app.h"
 #include "simulate_command.h"
@@ -23,10 +23,7 @@ int main(int argc, char** argv) {
   earpoint::add_locate_command(app);
   add_metrics_command(app);
   add_pairs_command(app);
-  CLI::App* record =
-      app.add_subcommand("record", "Sessions recorded by several cameras and near microphones.");
-  record->require_subcommand(1);
-  add_record_simulate_command(*record);
+  earpoint::add_record_command(app);
   earpoint::add_render_command(app);
   add_model_command(app);
   add_simulate_command(app);

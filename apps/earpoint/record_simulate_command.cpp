@@ -1,7 +1,6 @@
-#include "record_simulate_command.h"
-
 #include "arguments.h"
 #include "flag_checks.h"
+#include "record_command.h"
 #include "scene_argument.h"
 
 #include <charconv>
@@ -21,13 +20,13 @@
 #include <earpoint/record_simulation/session_simulation.h>
 #include <earpoint/scene/model_pack.h>
 
+namespace earpoint {
 namespace {
 
 namespace fs = std::filesystem;
-using earpoint::InputError;
 
 struct Options {
-  earpoint::SessionSimulationOptions simulation;
+  SessionSimulationOptions simulation;
   SceneArgument scene;
   std::optional<fs::path> speech;
   std::string split = "train";
@@ -43,12 +42,13 @@ int parse_side(std::string_view text, const std::string& whole) {
   int side = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), side);
   if (error != std::errc() || end != text.data() + text.size() || side < 32 || side > 4096) {
-    throw InputError("--size", "expected WIDTHxHEIGHT with 32 to 4096 pixels, found '" + whole + "'");
+    throw InputError("--size",
+                     "expected WIDTHxHEIGHT with 32 to 4096 pixels, found '" + whole + "'");
   }
   return side;
 }
 
-void take_size(const std::string& text, earpoint::SessionPictureQuality& picture) {
+void take_size(const std::string& text, SessionPictureQuality& picture) {
   const std::size_t cross = text.find('x');
   const std::string_view view = text;
   picture.width = parse_side(view.substr(0, cross), text);
@@ -59,14 +59,12 @@ bool names_a_scene(const SceneArgument& scene) {
   return !scene.file.empty() || !scene.shoebox.empty() || scene.home_seed;
 }
 
-std::shared_ptr<const earpoint::PreparedScene> prepare(const Options& options,
-                                                       earpoint::ModelPack& models) {
+std::shared_ptr<const PreparedScene> prepare(const Options& options, ModelPack& models) {
   if (!names_a_scene(options.scene)) {
-    return earpoint::draw_flat(options.simulation.seed,
-                               earpoint::FurnitureLibrary(std::move(models.furniture)),
-                               options.simulation.session.cameras);
+    return draw_flat(options.simulation.seed, FurnitureLibrary(std::move(models.furniture)),
+                     options.simulation.session.cameras);
   }
-  NamedScene named = read_scene(options.scene);
+  ::NamedScene named = read_scene(options.scene);
   for (const std::string& warning : named.warnings) {
     fmt::print(stderr, "earpoint: {}\n", warning);
   }
@@ -74,27 +72,25 @@ std::shared_ptr<const earpoint::PreparedScene> prepare(const Options& options,
                            : options.scene.home_seed
                                ? fmt::format("home-{}", *options.scene.home_seed)
                                : "shoebox-" + options.scene.shoebox;
-  return earpoint::prepare_scan(name, std::move(named.scene));
+  return prepare_scan(name, std::move(named.scene));
 }
 
 void run(Options options) {
-  earpoint::SessionSimulationOptions& simulation = options.simulation;
+  SessionSimulationOptions& simulation = options.simulation;
   take_size(options.size, simulation.picture);
-  simulation.picture.horizontal_fov_rad = earpoint::radians_from_degrees(options.fov_degrees);
+  simulation.picture.horizontal_fov_rad = radians_from_degrees(options.fov_degrees);
   simulation.session.duration_s = 60.0 * options.minutes;
   if (options.people > 0) simulation.session.people = options.people;
-  simulation.split = *earpoint::data_split_named(options.split);
-  simulation.jobs = options.jobs > 0 ? options.jobs : earpoint::available_cores();
+  simulation.split = *data_split_named(options.split);
+  simulation.jobs = options.jobs > 0 ? options.jobs : available_cores();
 
-  const earpoint::SpeechCorpus corpus =
-      earpoint::SpeechCorpus::load(options.speech.value_or(earpoint::default_speech_folder()));
-  earpoint::ModelPack models = earpoint::installed_models();
+  const SpeechCorpus corpus = SpeechCorpus::load(options.speech.value_or(default_speech_folder()));
+  ModelPack models = installed_models();
   const auto scene = prepare(options, models);
-  const earpoint::FigureLibrary figures(std::move(models.figures));
-  earpoint::StreamProgress bar(stderr);
-  earpoint::SilentProgress silent;
-  earpoint::ProgressSink& progress =
-      options.quiet ? static_cast<earpoint::ProgressSink&>(silent) : bar;
+  const FigureLibrary figures(std::move(models.figures));
+  StreamProgress bar(stderr);
+  SilentProgress silent;
+  ProgressSink& progress = options.quiet ? static_cast<ProgressSink&>(silent) : bar;
   const std::vector<fs::path> sessions =
       simulate_sessions(simulation, *scene, figures, corpus, progress);
   if (options.quiet) return;
@@ -102,36 +98,39 @@ void run(Options options) {
 }
 
 void add_what(CLI::App& command, Options& options) {
-  earpoint::SessionOptions& session = options.simulation.session;
+  SessionOptions& session = options.simulation.session;
   command
-      .add_option("--minutes", options.minutes, "Length of a session; its sound is held in memory, "
-                                                "about 150 MB a minute")
-      ->check(earpoint::within(0.25, 30.0))
+      .add_option("--minutes", options.minutes,
+                  "Length of a session; its sound is held in memory, "
+                  "about 150 MB a minute")
+      ->check(within(0.25, 30.0))
       ->capture_default_str();
-  command.add_option("--people", options.people, "How many talk, 2 to 4; 0: drawn for each session")
+  command
+      .add_option("--people", options.people, "How many talk, 2 to 4; 0: drawn for each session")
       ->check(CLI::IsMember({0, 2, 3, 4}))
       ->capture_default_str();
   command.add_option("--cameras", session.cameras, "In a ring around them, looking inwards")
-      ->check(earpoint::within(1, 32))
+      ->check(within(1, 32))
       ->capture_default_str();
   command
       .add_option("--walks", session.walks_per_minute,
                   "How often somebody walks to another place, a minute")
-      ->check(earpoint::within(0, 20))
+      ->check(within(0, 20))
       ->capture_default_str();
   command
       .add_option("--scenarios", options.simulation.scenarios,
                   "Sessions to make, each in a folder of its own: with three or more split "
                   "90 : 10 : 20 into train, val and test")
-      ->check(earpoint::within(1, 10000))
+      ->check(within(1, 10000))
       ->capture_default_str();
   command
       .add_option("--split", options.split,
                   "Whose voices and figures a single session has: train, val or test")
       ->check(CLI::IsMember({"train", "val", "test"}))
       ->capture_default_str();
-  command.add_option("--seed", options.simulation.seed,
-                     "The same seed gives the same sessions, in the same flat")
+  command
+      .add_option("--seed", options.simulation.seed,
+                  "The same seed gives the same sessions, in the same flat")
       ->check(whole_number())
       ->capture_default_str();
   command.add_option("--speech", options.speech,
@@ -140,32 +139,32 @@ void add_what(CLI::App& command, Options& options) {
 }
 
 void add_devices(CLI::App& command, Options& options) {
-  earpoint::SessionSimulationOptions& simulation = options.simulation;
+  SessionSimulationOptions& simulation = options.simulation;
   command
       .add_option("--snr", simulation.snr_db,
                   "Level of the speech at the cameras over the ambient noise, dB")
-      ->check(earpoint::within(-20, 100))
+      ->check(within(-20, 100))
       ->capture_default_str();
   command
       .add_option("--drift", simulation.session.most_drift_ppm,
                   "Largest drift of a clock either way, parts per million")
-      ->check(earpoint::within(0, 1000))
+      ->check(within(0, 1000))
       ->capture_default_str();
   command
       .add_option("--offset", simulation.session.most_offset_s,
                   "Largest time between the starts of two recordings, seconds")
-      ->check(earpoint::within(0, 5))
+      ->check(within(0, 5))
       ->capture_default_str();
   command.add_option("--size", options.size, "Of the pictures, WIDTHxHEIGHT in pixels")
       ->capture_default_str();
   command.add_option("--fps", simulation.session.frame_rate_hz, "Pictures per second")
-      ->check(earpoint::within(1, 30))
+      ->check(within(1, 30))
       ->capture_default_str();
   command.add_option("--fov", options.fov_degrees, "Horizontal field of view, degrees")
-      ->check(earpoint::within(20, 130))
+      ->check(within(20, 130))
       ->capture_default_str();
   command.add_option("--rays", simulation.sound.rays, "Rays from each mouth")
-      ->check(earpoint::within(1, 1e6))
+      ->check(within(1, 1e6))
       ->capture_default_str();
 }
 
@@ -180,8 +179,7 @@ void add_record_simulate_command(CLI::App& record) {
   add_what(*command, *options);
   add_scene_argument(*command, options->scene);
   add_devices(*command, *options);
-  command->add_option("--jobs", options->jobs, "Threads; 0 takes all cores")
-      ->capture_default_str();
+  command->add_option("--jobs", options->jobs, "Threads; 0 takes all cores")->capture_default_str();
   command->add_flag("--quiet", options->quiet, "Print nothing but errors");
   command->footer(R"(
 Examples:
@@ -197,3 +195,5 @@ stopped goes on when it is started again.
 )");
   command->callback([options] { run(*options); });
 }
+
+}  // namespace earpoint

@@ -47,6 +47,18 @@ SessionCamera camera_of(const JsonField& json, const Session& session, const Ses
   return camera;
 }
 
+SessionPerson person_of(const JsonField& json, const Session& session,
+                        std::set<std::string>& names) {
+  json.expect_only({"name", "near", "near_distance_m"});
+  SessionPerson person;
+  person.name = name_of(json, names);
+  person.near = media_path(json.field("near"), session.file);
+  if (!json.has("near_distance_m")) return person;
+  person.near_distance_m = json.field("near_distance_m").number();
+  if (person.near_distance_m < 0.0) json.field("near_distance_m").fail("0 or more");
+  return person;
+}
+
 void read_clap(const JsonField& root, const SessionFrame& frame, Session& session) {
   if (root.has("clap_s")) {
     session.clap_s = root.field("clap_s").number();
@@ -92,7 +104,7 @@ Session read_session(const fs::path& path) {
   if (document.is_discarded()) throw InputError(path.string(), "is not valid JSON");
   const JsonField root(document, path.string());
   root.expect_only({"format", "scene", "split", "units", "frame", "up", "cameras", "calibration",
-                    "people", "clap_s", "clap_position"});
+                    "people", "boxes", "clap_s", "clap_position"});
   if (root.field("format").text() != kFormat) root.field("format").fail(kFormat);
 
   Session session;
@@ -116,11 +128,10 @@ Session read_session(const fs::path& path) {
   if (session.cameras.size() < 2) root.field("cameras").fail("at least two cameras");
   if (root.has("people")) {
     for (const JsonField& item : root.field("people").items()) {
-      item.expect_only({"name", "near"});
-      const std::string name = name_of(item, names);
-      session.people.push_back({name, media_path(item.field("near"), path)});
+      session.people.push_back(person_of(item, session, names));
     }
   }
+  if (root.has("boxes")) session.boxes = media_path(root.field("boxes"), path);
   read_clap(root, frame, session);
   if (root.has("calibration")) apply_calibration(root.field("calibration"), frame, session);
   return session;
@@ -144,8 +155,11 @@ void write_session(const fs::path& path, const Session& session) {
   }
   json["people"] = nlohmann::ordered_json::array();
   for (const SessionPerson& person : session.people) {
-    json["people"].push_back({{"name", person.name}, {"near", written_path(person.near, folder)}});
+    json["people"].push_back({{"name", person.name},
+                              {"near", written_path(person.near, folder)},
+                              {"near_distance_m", person.near_distance_m}});
   }
+  if (session.boxes) json["boxes"] = written_path(*session.boxes, folder);
   if (session.clap_s) json["clap_s"] = *session.clap_s;
   if (session.clap_m) json["clap_position"] = json_of(*session.clap_m);
   write_file(path, std::string_view(json.dump(1) + "\n"));

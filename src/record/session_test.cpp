@@ -48,7 +48,8 @@ TEST(Session, IsReadAsItWasWritten) {
                             {1, 2, 3}, quaternion_from_euler({.yaw_rad = 2, .pitch_rad = -0.3})}};
   session.cameras[1] = {
       .name = "2", .video = "/elsewhere/2.mp4", .lens = {}, .world_from_camera = {}};
-  session.people = {{"anna", scratch() / "anna.wav"}};
+  session.people = {{"anna", scratch() / "anna.wav", 0.3}};
+  session.boxes = scratch() / "boxes.csv";
   session.clap_s = 1.5;
   session.clap_m = Vector3{0, 1, 1};
   const fs::path path = scratch() / "written.json";
@@ -67,6 +68,8 @@ TEST(Session, IsReadAsItWasWritten) {
   EXPECT_FALSE(read.cameras[1].world_from_camera);
   ASSERT_EQ(read.people.size(), 1U);
   EXPECT_EQ(read.people[0].near, session.people[0].near);
+  EXPECT_EQ(read.people[0].near_distance_m, 0.3);
+  EXPECT_EQ(read.boxes, session.boxes);
   EXPECT_EQ(read.clap_s, 1.5);
   EXPECT_EQ(read.clap_m, session.clap_m);
 }
@@ -136,6 +139,8 @@ TEST(Session, EveryErrorNamesTheField) {
       {session_with(R"("clap_s": -1, )"), ".clap_s:"},
       {session_with(R"("people": [{"name": "1", "near": "x.wav"}], )"), ".people[0].name:"},
       {session_with(R"("people": [{"name": "anna"}], )"), "'near' is missing"},
+      {session_with(R"("people": [{"name": "a", "near": "a.wav", "near_distance_m": -1}], )"),
+       ".people[0].near_distance_m:"},
       {session_with("", R"(, "intrinsics": {"width": 1})"), ".cameras[0].intrinsics:"},
       {session_with("", R"(, "intrinsics": {"width": 0, "height": 1, "fx": 1, "fy": 1, "cx": 1,
                         "cy": 1})"),

@@ -30,7 +30,8 @@ double end_s(const Walk& walk) { return walk.begin_s + walk_duration_s(walk); }
 Stance on_walk(const Walk& walk, double since_s) {
   const double going_s = walk_duration_s(walk) - 2.0 * kTurn_s;
   const double heading = heading_rad(walk);
-  if (since_s < kTurn_s) return {walk.from, turned(walk.yaw_before_rad, heading, since_s / kTurn_s)};
+  if (since_s < kTurn_s)
+    return {walk.from, turned(walk.yaw_before_rad, heading, since_s / kTurn_s)};
   if (since_s > kTurn_s + going_s) {
     return {walk.to, turned(heading, walk.yaw_after_rad, (since_s - kTurn_s - going_s) / kTurn_s)};
   }

@@ -81,7 +81,8 @@ void begin_simulation(const SessionSimulationOptions& options, const std::string
   std::string what = "it has other fields";
   for (const auto& [key, value] : wanted.items()) {
     if (found.is_object() && found.contains(key) && found[key] == value) continue;
-    const std::string there = found.is_object() && found.contains(key) ? found[key].dump() : "missing";
+    const std::string there =
+        found.is_object() && found.contains(key) ? found[key].dump() : "missing";
     what = fmt::format("{} is {} there, {} here", key, there, value.dump());
     break;
   }

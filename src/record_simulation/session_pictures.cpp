@@ -45,8 +45,7 @@ class Stirring {
     constexpr double kFade_s = 0.3;
     double most = 0.0;
     for (const SpeechInterval& interval : speech_[person]) {
-      const double outside_s =
-          std::max({interval.begin_s - time_s, time_s - interval.end_s, 0.0});
+      const double outside_s = std::max({interval.begin_s - time_s, time_s - interval.end_s, 0.0});
       most = std::max(most, 1.0 - outside_s / kFade_s);
     }
     return most;
@@ -56,8 +55,7 @@ class Stirring {
 };
 
 bool overlap(const PixelRegion& a, const PixelRegion& b) {
-  return a.x < b.x + b.width && b.x < a.x + a.width && a.y < b.y + b.height &&
-         b.y < a.y + a.height;
+  return a.x < b.x + b.width && b.x < a.x + a.width && a.y < b.y + b.height && b.y < a.y + a.height;
 }
 
 PixelRegion joined(const PixelRegion& a, const PixelRegion& b) {
@@ -71,8 +69,7 @@ PixelRegion joined(const PixelRegion& a, const PixelRegion& b) {
 PixelRegion region_of(const BodyOutline& outline, const Camera& camera) {
   constexpr double kMargin = 0.12;  // of the larger side
   const PixelRegion& body = outline.pixels;
-  const int margin =
-      kTile + static_cast<int>(kMargin * std::max(body.width, body.height));
+  const int margin = kTile + static_cast<int>(kMargin * std::max(body.width, body.height));
   PixelRegion region;
   region.x = std::max(0, body.x - margin) / kTile * kTile;
   region.y = std::max(0, body.y - margin) / kTile * kTile;
@@ -139,12 +136,12 @@ class Film {
     for (std::size_t i = 0; i < cameras_.size(); ++i) {
       FilmCamera& film = cameras_[i];
       film.exposure = scene_.renderer.found_exposure(film.camera, quality_, seed_ + i, pool);
-      film.empty_room = scene_.renderer
-                            .render_region(film.camera,
-                                           {.width = film.camera.width,
-                                            .height = film.camera.height},
-                                           quality_, film.exposure, seed_ + i, pool)
-                            .rgb;
+      film.empty_room =
+          scene_.renderer
+              .render_region(film.camera,
+                             {.width = film.camera.width, .height = film.camera.height}, quality_,
+                             film.exposure, seed_ + i, pool)
+              .rgb;
     }
   }
 
@@ -172,11 +169,10 @@ class Film {
     PeopledStage stage{.scene = scene_.scene, .instances = {}};
     for (std::size_t i = 0; i < plan_.people.size(); ++i) {
       const SessionFigure& person = plan_.people[i];
-      const Stance stance =
-          stirring_.stirred(person.path.at(time_s), static_cast<int>(i), time_s);
-      stage.instances.push_back(add_person(*person.figure, stance.at.x, stance.at.y,
-                                           stance.yaw_rad, stage.scene)
-                                    .instance);
+      const Stance stance = stirring_.stirred(person.path.at(time_s), static_cast<int>(i), time_s);
+      stage.instances.push_back(
+          add_person(*person.figure, stance.at.x, stance.at.y, stance.yaw_rad, stage.scene)
+              .instance);
     }
     return stage;
   }

@@ -53,8 +53,8 @@ class SessionPlanner {
     draw_walks();
     std::vector<const SpeechSpeaker*> voices;
     for (const SessionFigure& person : plan_.people) voices.push_back(person.voice);
-    plan_.turns = draw_turns(voices, plan_.clap_s + kTalkAfterClap_s,
-                             options_.duration_s - 0.5, random_);
+    plan_.turns =
+        draw_turns(voices, plan_.clap_s + kTalkAfterClap_s, options_.duration_s - 0.5, random_);
     draw_clocks();
     return std::move(plan_);
   }
@@ -68,8 +68,8 @@ class SessionPlanner {
     std::set<std::string> voices;
     for (int i = 0; i < people; ++i) {
       const Gender gender = (i % 2 == 0) == woman_first ? Gender::female : Gender::male;
-      const bool sits = static_cast<std::uint64_t>(i) != standing &&
-                        random_.uniform() < options_.sitting_share;
+      const bool sits =
+          static_cast<std::uint64_t>(i) != standing && random_.uniform() < options_.sitting_share;
       SessionFigure person;
       person.name = fmt::format("person-{}", i + 1);
       person.figure = &draw_figure(gender, sits ? Posture::sitting : Posture::standing, figures);
@@ -96,10 +96,10 @@ class SessionPlanner {
       const SpeechSpeaker* voice = corpus_.draw(gender, split_, random_).speaker;
       if (used.insert(voice->name).second) return *voice;
     }
-    throw InputError("the speech",
-                     fmt::format("has too few {} speakers for the split {}", name_of(gender),
-                                 name_of(split_)),
-                     "add speakers, or simulate fewer --people");
+    throw InputError(
+        "the speech",
+        fmt::format("has too few {} speakers for the split {}", name_of(gender), name_of(split_)),
+        "add speakers, or simulate fewer --people");
   }
 
   // On a collar or a headset: 10 to 20 cm from the mouth, below it and to a side.
@@ -113,18 +113,16 @@ class SessionPlanner {
 
   [[nodiscard]] bool stands_free(const FloorPoint& at) const {
     if (scene_.floor.clearance_m(at) < kPersonClearance_m) return false;
-    return std::none_of(plan_.world_from_camera.begin(), plan_.world_from_camera.end(),
-                        [&](const Pose& camera) {
-                          return distance_m(at, {camera.position_m.x, camera.position_m.y}) <
-                                 kFromCameras_m;
-                        });
+    return std::none_of(
+        plan_.world_from_camera.begin(), plan_.world_from_camera.end(), [&](const Pose& camera) {
+          return distance_m(at, {camera.position_m.x, camera.position_m.y}) < kFromCameras_m;
+        });
   }
 
   std::optional<FloorPoint> draw_place() {
     for (int i = 0; i < kDraws; ++i) {
       // Evenly over the disc's area.
-      const double radius_m =
-          kStageShare * ring_.least_radius_m * std::sqrt(random_.uniform());
+      const double radius_m = kStageShare * ring_.least_radius_m * std::sqrt(random_.uniform());
       const double angle_rad = random_.uniform(-kPi, kPi);
       const FloorPoint at{ring_.centre.x + radius_m * std::cos(angle_rad),
                           ring_.centre.y + radius_m * std::sin(angle_rad)};
@@ -153,10 +151,10 @@ class SessionPlanner {
       }
       return;
     }
-    throw InputError(scene_.name,
-                     fmt::format("has no place for {} people between the cameras",
-                                 plan_.people.size()),
-                     "give a larger scene, another seed or fewer --people");
+    throw InputError(
+        scene_.name,
+        fmt::format("has no place for {} people between the cameras", plan_.people.size()),
+        "give a larger scene, another seed or fewer --people");
   }
 
   double yaw_towards(const std::vector<FloorPoint>& others, const FloorPoint& at) {
@@ -252,7 +250,8 @@ class SessionPlanner {
       plan_.ends_s.push_back(options_.duration_s - random_.uniform(0.0, 0.5));
     };
     for (int i = 0; i < options_.cameras; ++i) {
-      draw(std::to_string(i + 1), options_.most_offset_s > 0.0 ? 1.0 / options_.frame_rate_hz : 0.0);
+      draw(std::to_string(i + 1),
+           options_.most_offset_s > 0.0 ? 1.0 / options_.frame_rate_hz : 0.0);
     }
     for (const SessionFigure& person : plan_.people) draw(person.name, 0.0);
   }
@@ -280,8 +279,8 @@ Vector3 SessionFigure::microphone_at(double time_s) const {
 }
 
 SessionPlan plan_session(const PreparedScene& scene, const FigureLibrary& figures,
-                         const SpeechCorpus& corpus, DataSplit split,
-                         const SessionOptions& options, RandomStream& random) {
+                         const SpeechCorpus& corpus, DataSplit split, const SessionOptions& options,
+                         RandomStream& random) {
   EARPOINT_CHECK(!options.people || (*options.people >= 2 && *options.people <= 4));
   EARPOINT_CHECK(options.cameras > 0 && options.duration_s >= 10.0 && options.frame_rate_hz > 0.0);
   EARPOINT_CHECK(options.most_drift_ppm >= 0.0 && options.most_offset_s >= 0.0);

@@ -63,7 +63,8 @@ class SessionMaker {
     progress_.begin("recording", static_cast<double>(plan_.clocks.size()), "devices");
     pool.run(std::ssize(plan_.clocks), [&](std::ptrdiff_t task, int) {
       const auto device = static_cast<std::size_t>(task);
-      RandomStream random(options_.seed, {static_cast<std::uint64_t>(scenario_), kNoiseKey, device});
+      RandomStream random(options_.seed,
+                          {static_cast<std::uint64_t>(scenario_), kNoiseKey, device});
       const DeviceClock& clock = plan_.clocks[device];
       const double end_s = plan_.ends_s[device];
       if (task < cameras) {
@@ -144,9 +145,8 @@ void simulate_session(const SessionSimulationOptions& options, int scenario, Dat
   if (!files.has_sound()) maker.make_sound();
   maker.make_movies();
   write_session_truth(files.truth, truth_of(plan));
-  write_session(files.session,
-                describe_session(files, plan, options.picture,
-                                 fmt::format("scenario-{:04}", scenario), split));
+  write_session(files.session, describe_session(files, plan, options.picture,
+                                                fmt::format("scenario-{:04}", scenario), split));
   std::error_code ignored;
   fs::remove_all(files.sound_folder, ignored);
 }
@@ -187,10 +187,11 @@ std::vector<fs::path> simulate_sessions(const SessionSimulationOptions& options,
   EARPOINT_CHECK(options.jobs > 0 && options.scenarios > 0);
   begin_simulation(options, scene.name);
   std::vector<fs::path> sessions;
-  const std::vector<WorkItem> items = plan_work({.scenes = options.scenarios, .conversations = 1, .split = {}});
+  const std::vector<WorkItem> items =
+      plan_work({.scenes = options.scenarios, .conversations = 1, .split = {}});
   for (int scenario = 0; scenario < options.scenarios; ++scenario) {
-    const DataSplit split = options.scenarios == 1 ? options.split
-                                                   : items[static_cast<std::size_t>(scenario)].voices;
+    const DataSplit split =
+        options.scenarios == 1 ? options.split : items[static_cast<std::size_t>(scenario)].voices;
     simulate_session(options, scenario, split, scene, figures, corpus, progress);
     sessions.push_back(session_folder(options, scenario) / "session.json");
   }

@@ -109,9 +109,8 @@ class TurnListener {
   // Noise in the late field must not repeat in another ear or turn, or a network could learn it.
   [[nodiscard]] RenderOptions render_options(std::size_t turn, int device) const {
     const auto noise = RandomStream(seed_, {turn, static_cast<std::uint64_t>(device)}).next();
-    return {.sample_rate_hz = hrtf_.sample_rate_hz(),
-            .duration_s = quality_.response_s,
-            .seed = noise};
+    return {
+        .sample_rate_hz = hrtf_.sample_rate_hz(), .duration_s = quality_.response_s, .seed = noise};
   }
 
   [[nodiscard]] std::vector<PointResponse> trace_at(std::size_t turn_index, double time_s,
@@ -143,13 +142,13 @@ class TurnListener {
       const ResponseRenderer renderer(render_options(turn_index, devices[i]));
       const Waveform response =
           devices_.is_camera(devices[i])
-              ? renderer.binaural(responses[i], devices_.pose(devices[i], 0.0).orientation, hrtf_, 0)
+              ? renderer.binaural(responses[i], devices_.pose(devices[i], 0.0).orientation, hrtf_,
+                                  0)
               : renderer.mono(responses[i], 0);
       HeardPart& part = parts.emplace_back();
       part.device = devices[i];
       part.begin = sample_of(piece.begin_s);
-      part.sound = Waveform(response.channels(),
-                            std::ssize(piece.speech) + response.samples() - 1,
+      part.sound = Waveform(response.channels(), std::ssize(piece.speech) + response.samples() - 1,
                             response.sample_rate_hz());
       for (int c = 0; c < response.channels(); ++c) {
         std::ranges::copy(convolve(piece.speech, response.channel(c)),
@@ -166,18 +165,17 @@ class TurnListener {
     for (const int device : devices) {
       Microphone microphone;
       if (devices_.is_camera(device)) microphone.ears = hrtf_;
-      sounds.emplace_back(
-          piece.speech,
-          Motion{.world_from_source =
-                     [&speaker, begin_s](double time_s) {
-                       return speaker.world_from_mouth(begin_s + time_s);
-                     },
-                 .world_from_listener =
-                     [this, device, begin_s](double time_s) {
-                       return devices_.pose(device, begin_s + time_s);
-                     },
-                 .step_s = quality_.step_s},
-          render_options(turn_index, device), Air{}, std::move(microphone));
+      sounds.emplace_back(piece.speech,
+                          Motion{.world_from_source =
+                                     [&speaker, begin_s](double time_s) {
+                                       return speaker.world_from_mouth(begin_s + time_s);
+                                     },
+                                 .world_from_listener =
+                                     [this, device, begin_s](double time_s) {
+                                       return devices_.pose(device, begin_s + time_s);
+                                     },
+                                 .step_s = quality_.step_s},
+                          render_options(turn_index, device), Air{}, std::move(microphone));
     }
     std::vector<PointResponse> responses;
     std::vector<Pose> before;
@@ -269,7 +267,8 @@ SessionSound hear_speech(const PreparedScene& scene, const SessionPlan& plan,
       progress.advance(1.0);
     });
     for (const std::vector<HeardPart>& parts : heard) {
-      for (const HeardPart& part : parts) add(part.sound, part.begin, device_of(sound, part.device));
+      for (const HeardPart& part : parts)
+        add(part.sound, part.begin, device_of(sound, part.device));
     }
   }
   progress.finish();

@@ -14,8 +14,8 @@ constexpr double kPause_s = 0.15;
 constexpr double kPauseSpread_s = 0.45;
 constexpr double kLongestOverlap_s = 1.2;
 constexpr double kLongestPause_s = 1.5;
-constexpr double kGoesOnShare = 0.2;     // of the turns: the same person goes on
-constexpr double kInterruptShare = 0.12; // of the turns: somebody talks over it
+constexpr double kGoesOnShare = 0.2;      // of the turns: the same person goes on
+constexpr double kInterruptShare = 0.12;  // of the turns: somebody talks over it
 constexpr double kLongest_s = 12.0;
 constexpr double kShortest_s = 1.5;
 constexpr double kSpeechRate_hz = 16000.0;
@@ -74,8 +74,8 @@ class TurnWriter {
     begin_s = std::ceil(std::max(begin_s, free_from_s_[person]) * kSpeechRate_hz) / kSpeechRate_hz;
     const double left_s = end_s_ - begin_s;
     if (left_s < kShortest_s) return end_s_;
-    Waveform speech = shortened(read_speech(decks_[person].draw(random_).path),
-                                std::min(kLongest_s, left_s));
+    Waveform speech =
+        shortened(read_speech(decks_[person].draw(random_).path), std::min(kLongest_s, left_s));
     free_from_s_[person] = begin_s + speech.duration_s();
     turns_.push_back({.person = person, .begin_s = begin_s, .speech = std::move(speech)});
     return free_from_s_[person];

@@ -35,10 +35,14 @@ struct SessionCamera {
   std::optional<Pose> world_from_camera;
 };
 
+/// From the mouth to the microphone that someone wears, where the session does not say it.
+inline constexpr double kNearDistance_m = 0.2;
+
 /// Someone who wears a microphone.
 struct SessionPerson {
   std::string name;            ///< unique in the session
   std::filesystem::path near;  ///< what the microphone recorded; its first channel counts
+  double near_distance_m = kNearDistance_m;  ///< of that microphone from the mouth
 };
 
 /// One recording with several cameras: docs/formats.md, "Recorded sessions".
@@ -51,6 +55,8 @@ struct Session {
   /// When about the clapper is heard on the first camera's clock, and where it is, if known.
   std::optional<double> clap_s;
   std::optional<Vector3> clap_m;
+  /// Where people are seen: a table as of read_person_boxes() in session_truth.h, if there is one.
+  std::optional<std::filesystem::path> boxes;
 };
 
 /// Reads session.json and the calibration files that it names. Paths of media are made relative to

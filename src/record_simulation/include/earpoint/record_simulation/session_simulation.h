@@ -19,9 +19,10 @@ namespace earpoint {
 
 /// What sessions are simulated.
 struct SessionSimulationOptions {
-  std::filesystem::path folder;  ///< of the session; with several, of their folders; made if missing
+  std::filesystem::path
+      folder;  ///< of the session; with several, of their folders; made if missing
   std::uint64_t seed = 1;
-  int scenarios = 1;  ///< several are split 90 : 10 : 20 into train, val and test
+  int scenarios = 1;                   ///< several are split 90 : 10 : 20 into train, val and test
   DataSplit split = DataSplit::train;  ///< of a single one: whose voices and figures
   SessionOptions session;
   SessionSoundQuality sound;

@@ -1,0 +1,231 @@
+#include "clock_fit.h"
+
+#include "normal_equations.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <earpoint/core/error.h>
+#include <earpoint/spatial/rigid_sphere.h>
+
+namespace earpoint {
+namespace {
+
+constexpr double kTypicalError_s = 0.15e-3;
+constexpr double kFits_s = 0.6e-3;          ///< a residual beyond this is another sound
+constexpr double kHeightDeviation_m = 0.3;  ///< of mouths, who sit or stand
+constexpr double kClockDeviation_s = 0.02;
+/// Drift is a parameter as the offset that it makes in 100 s, so that both are of one size.
+constexpr double kDriftTime_s = 100.0;
+constexpr double kDriftDeviation_s = 100e-6 * kDriftTime_s;
+
+/// How tolerant the fit is, from the first round to the last.
+struct Round {
+  double width_s;            ///< of Cauchy's weights
+  double place_deviation_m;  ///< of the prior on places, horizontally
+};
+constexpr std::array<Round, 8> kRounds{{{5e-3, 0.5},
+                                        {5e-3, 1.0},
+                                        {3e-3, 1.5},
+                                        {2e-3, 2.0},
+                                        {1e-3, 3.0},
+                                        {0.6e-3, 4.0},
+                                        {0.4e-3, 4.0},
+                                        {0.3e-3, 4.0}}};
+constexpr int kStepsPerRound = 4;
+
+/// A clock as the fit has it: session = offset + (1 + slope / kDriftTime_s) (device - middle).
+struct ClockState {
+  double offset_s = 0.0;
+  double slope_s = 0.0;
+};
+
+struct Observation {
+  std::size_t device = 0;
+  double residual_s = 0.0;
+  double weight = 0.0;         ///< 1 / s^2
+  double device_factor = 0.0;  ///< of slope_s
+  Vector3 gradient;            ///< of the residual by the source's place
+};
+
+class Fit {
+ public:
+  Fit(const std::vector<FitDevice>& devices, const std::vector<SoundEvent>& events,
+      const Vector3& centre_m)
+      : devices_(devices), events_(events), centre_m_(centre_m), places_(events.size(), centre_m) {
+    for (const FitDevice& device : devices) {
+      const double slope = 1.0 / (1.0 + 1e-6 * device.clock.drift_ppm) - 1.0;
+      start_.push_back({session_time_s(device.clock, device.middle_s), slope * kDriftTime_s});
+    }
+    clocks_ = start_;
+  }
+
+  ClockFit run() {
+    for (const Round& round : kRounds) {
+      for (int step = 0; step < kStepsPerRound; ++step) improve(round);
+    }
+    return result();
+  }
+
+ private:
+  [[nodiscard]] double session_s(std::size_t device, double device_s) const {
+    const ClockState& clock = clocks_[device];
+    const double since = device_s - devices_[device].middle_s;
+    return clock.offset_s + since + clock.slope_s * since / kDriftTime_s;
+  }
+
+  [[nodiscard]] double anchor_travel_s(const SoundEvent& event, const Vector3& place) const {
+    const FitDevice& anchor = devices_[event.anchor];
+    if (!event.anchor_ear) return anchor.near_distance_m / kSpeedOfSound_m_s;
+    return travel_time_s(place, *anchor.world_from_head, *event.anchor_ear);
+  }
+
+  /// How much later than the anchor that ear should hear a source at that place.
+  [[nodiscard]] double lateness_s(const SoundEvent& event, const HeardEvent& heard,
+                                  const Vector3& place) const {
+    return travel_time_s(place, *devices_[heard.device].world_from_head, heard.ear) -
+           anchor_travel_s(event, place);
+  }
+
+  /// The time that fits best, by height and residual; its residual and weight.
+  [[nodiscard]] std::optional<Observation> choose(std::size_t e, const HeardEvent& heard,
+                                                  double width_s) const {
+    const SoundEvent& event = events_[e];
+    const double expected =
+        session_s(event.anchor, event.anchor_s) + lateness_s(event, heard, places_[e]);
+    std::optional<Observation> best;
+    double best_score = 0.0;
+    for (const HeardTime& time : heard.times) {
+      const double residual = session_s(heard.device, time.device_s) - expected;
+      const double trust = 1.0 / (1.0 + residual * residual / (width_s * width_s));
+      if (time.height * trust <= best_score) continue;
+      best_score = time.height * trust;
+      best = Observation{
+          .device = heard.device,
+          .residual_s = residual,
+          .weight = best_score / (kTypicalError_s * kTypicalError_s),
+          .device_factor = (time.device_s - devices_[heard.device].middle_s) / kDriftTime_s,
+          .gradient = {}};
+    }
+    return best;
+  }
+
+  [[nodiscard]] Vector3 gradient(std::size_t e, const HeardEvent& heard) const {
+    constexpr double kStep_m = 1e-3;
+    const auto along = [&](const Vector3& step) {
+      return -(lateness_s(events_[e], heard, places_[e] + step) -
+               lateness_s(events_[e], heard, places_[e] - step)) /
+             (2.0 * kStep_m);
+    };
+    return {along({kStep_m, 0, 0}), along({0, kStep_m, 0}), along({0, 0, kStep_m})};
+  }
+
+  void improve(const Round& round) {
+    const std::size_t size = 2 * devices_.size();
+    NormalEquations reduced(size);
+    add_clock_priors(reduced);
+    std::vector<PlaceEquations> places;
+    places.reserve(events_.size());
+    for (std::size_t e = 0; e < events_.size(); ++e) {
+      places.push_back(place_equations(e, round, size));
+      places.back().eliminate_from(reduced);
+    }
+    // The reference's clock stays.
+    reduced.fix(0);
+    reduced.fix(1);
+    const std::vector<double> step = reduced.solve();
+    for (std::size_t d = 0; d < devices_.size(); ++d) {
+      clocks_[d].offset_s += step[2 * d];
+      clocks_[d].slope_s += step[2 * d + 1];
+    }
+    for (std::size_t e = 0; e < events_.size(); ++e) {
+      Vector3 move = places[e].place_step(step);
+      constexpr double kLongest_m = 1.0;
+      if (norm(move) > kLongest_m) move = move * (kLongest_m / norm(move));
+      places_[e] = places_[e] + move;
+    }
+    normal_ = std::move(reduced);
+  }
+
+  void add_clock_priors(NormalEquations& equations) const {
+    for (std::size_t d = 0; d < devices_.size(); ++d) {
+      equations.add_prior(2 * d, start_[d].offset_s - clocks_[d].offset_s, kClockDeviation_s);
+      equations.add_prior(2 * d + 1, start_[d].slope_s - clocks_[d].slope_s, kDriftDeviation_s);
+    }
+  }
+
+  [[nodiscard]] PlaceEquations place_equations(std::size_t e, const Round& round,
+                                               std::size_t size) const {
+    const SoundEvent& event = events_[e];
+    const double anchor_factor = (event.anchor_s - devices_[event.anchor].middle_s) / kDriftTime_s;
+    PlaceEquations equations(size);
+    const Vector3 from_centre = centre_m_ - places_[e];
+    equations.add_place_prior(
+        from_centre, {round.place_deviation_m, round.place_deviation_m, kHeightDeviation_m});
+    for (const HeardEvent& heard : event.heard) {
+      const std::optional<Observation> observation = choose(e, heard, round.width_s);
+      if (!observation) continue;
+      const std::array<ClockTerm, 4> terms{{{2 * heard.device, 1.0},
+                                            {2 * heard.device + 1, observation->device_factor},
+                                            {2 * event.anchor, -1.0},
+                                            {2 * event.anchor + 1, -anchor_factor}}};
+      equations.add(terms, gradient(e, heard), observation->residual_s, observation->weight);
+    }
+    return equations;
+  }
+
+  [[nodiscard]] ClockFit result() const {
+    ClockFit fit;
+    fit.positions = places_;
+    const std::vector<double> variances = normal_.variances();
+    for (std::size_t d = 0; d < devices_.size(); ++d) {
+      DeviceClock clock = devices_[d].clock;
+      const double rate = 1.0 + clocks_[d].slope_s / kDriftTime_s;
+      clock.drift_ppm = (1.0 / rate - 1.0) * 1e6;
+      clock.offset_s = clocks_[d].offset_s - rate * devices_[d].middle_s;
+      fit.clocks.push_back(clock);
+      fit.deviations_s.push_back(d == 0 ? 0.0 : std::sqrt(variances[2 * d]));
+    }
+    for (std::size_t e = 0; e < events_.size(); ++e) {
+      auto& residuals = fit.residuals_s.emplace_back();
+      for (const HeardEvent& heard : events_[e].heard) {
+        const auto chosen = choose(e, heard, kRounds.back().width_s);
+        const bool fits = chosen && std::abs(chosen->residual_s) < kFits_s;
+        residuals.push_back(fits ? std::optional(chosen->residual_s) : std::nullopt);
+      }
+    }
+    return fit;
+  }
+
+  const std::vector<FitDevice>& devices_;
+  const std::vector<SoundEvent>& events_;
+  Vector3 centre_m_;
+  std::vector<ClockState> start_;
+  std::vector<ClockState> clocks_;
+  std::vector<Vector3> places_;
+  NormalEquations normal_{0};
+};
+
+}  // namespace
+
+double travel_time_s(const Vector3& source_m, const Pose& world_from_head, int ear) {
+  const Vector3 to_source = source_m - world_from_head.position_m;
+  const double distance_m = std::max(norm(to_source), 1e-3);
+  const Vector3 left = rotate(world_from_head.orientation, {0, 1, 0});
+  const double towards_left = std::clamp(dot(to_source, left) / distance_m, -1.0, 1.0);
+  return distance_m / kSpeedOfSound_m_s +
+         rigid_sphere_delays_s(distance_m, towards_left)[static_cast<std::size_t>(ear)];
+}
+
+ClockFit fit_clocks(const std::vector<FitDevice>& devices, const std::vector<SoundEvent>& events,
+                    const Vector3& centre_m) {
+  for (const SoundEvent& event : events) {
+    EARPOINT_CHECK(event.anchor < devices.size());
+    for (const HeardEvent& heard : event.heard) {
+      EARPOINT_CHECK(heard.device < devices.size() && devices[heard.device].world_from_head);
+    }
+  }
+  return Fit(devices, events, centre_m).run();
+}
+
+}  // namespace earpoint

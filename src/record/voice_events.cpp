@@ -1,0 +1,150 @@
+#include "voice_events.h"
+
+#include "delay_finder.h"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+#include <earpoint/core/error.h>
+
+namespace earpoint {
+namespace {
+
+constexpr double kLevelHop_s = 0.1;
+constexpr float kBelowLoud_db = 18.0F;  ///< speech within this of its loud parts counts
+constexpr float kAloneBy_db = 8.0F;     ///< over every other voice, each re its own loud parts
+
+std::vector<float> levels_of(const Waveform& sound) {
+  const auto hop = static_cast<std::ptrdiff_t>(kLevelHop_s * sound.sample_rate_hz());
+  std::vector<float> levels(static_cast<std::size_t>(sound.samples() / hop));
+  const auto x = sound.channel(0);
+  for (std::size_t i = 0; i < levels.size(); ++i) {
+    double sum = 1e-12;
+    for (const float v : x.subspan(i * hop, hop)) sum += static_cast<double>(v) * v;
+    levels[i] = static_cast<float>(10.0 * std::log10(sum / static_cast<double>(hop)));
+  }
+  return levels;
+}
+
+/// The level that a twentieth of the time exceeds.
+float loud_level(std::vector<float> levels) {
+  EARPOINT_CHECK(!levels.empty());
+  const auto at = levels.begin() + std::ssize(levels) * 19 / 20;
+  std::nth_element(levels.begin(), at, levels.end());
+  return *at;
+}
+
+/// Mean level over an event, re what is loud.
+float level_at(const std::vector<float>& levels, double device_s) {
+  const auto first = static_cast<std::ptrdiff_t>((device_s - 0.5 * kEvent_s) / kLevelHop_s);
+  const auto count = static_cast<std::ptrdiff_t>(kEvent_s / kLevelHop_s);
+  if (first < 0 || first + count > std::ssize(levels)) return -120.0F;
+  float sum = 0.0F;
+  for (std::ptrdiff_t i = first; i < first + count; ++i) sum += levels[i];
+  return sum / static_cast<float>(count);
+}
+
+/// @return an empty span where the sound does not reach that far
+std::span<const float> samples_at(const Waveform& sound, int channel, std::ptrdiff_t first,
+                                  std::ptrdiff_t count) {
+  if (first < 0 || first + count > sound.samples()) return {};
+  return sound.channel(channel).subspan(first, count);
+}
+
+}  // namespace
+
+VoiceEvents::VoiceEvents(const std::vector<DeviceSound>& devices, const Vector3& centre_m)
+    : devices_(devices), centre_m_(centre_m), levels_db_(devices.size()) {
+  const bool has_microphones =
+      std::ranges::any_of(devices, [](const DeviceSound& device) { return !device.is_camera; });
+  for (std::size_t d = 0; d < devices.size(); ++d) {
+    if (has_microphones ? devices[d].is_camera : d != 0) continue;
+    levels_db_[d] = levels_of(devices[d].sound);
+    if (levels_db_[d].empty()) continue;
+    const float loud = loud_level(levels_db_[d]);
+    for (float& level : levels_db_[d]) level -= loud;
+  }
+}
+
+std::vector<VoiceEvents::Moment> VoiceEvents::moments(
+    const std::vector<DeviceClock>& clocks) const {
+  std::vector<Moment> found;
+  const double end_s = devices_.front().sound.duration_s();
+  for (double time_s = 0.5 * kEvent_s; time_s < end_s; time_s += kEvent_s) {
+    float loudest = -kBelowLoud_db;
+    float second = -120.0F;
+    std::size_t speaker = devices_.size();
+    for (std::size_t d = 0; d < devices_.size(); ++d) {
+      if (levels_db_[d].empty()) continue;
+      const float level = level_at(levels_db_[d], device_time_s(clocks[d], time_s));
+      if (level > loudest) {
+        if (speaker < devices_.size()) second = loudest;
+        loudest = level;
+        speaker = d;
+      } else {
+        second = std::max(second, level);
+      }
+    }
+    if (speaker < devices_.size() && loudest > second + kAloneBy_db) {
+      found.push_back({speaker, time_s});
+    }
+  }
+  return found;
+}
+
+std::vector<SoundEvent> VoiceEvents::find(const std::vector<DeviceClock>& clocks, double search_s,
+                                          std::size_t most, ProgressSink& progress) const {
+  const std::vector<Moment> all = moments(clocks);
+  const std::size_t count = std::min(most, all.size());
+  const auto length = static_cast<int>(kEvent_s * kSyncRateHz);
+  const auto reach = static_cast<int>(search_s * kSyncRateHz);
+  DelayFinder finder(length, 2 * reach, kSyncRateHz);
+  std::vector<SoundEvent> events;
+  progress.begin("finding voices", static_cast<double>(count), "stretches");
+  for (std::size_t i = 0; i < count; ++i) {
+    progress.advance(1.0);
+    const Moment moment = all[i * all.size() / count];
+    const DeviceSound& anchor = devices_[moment.anchor];
+    const double anchor_s = device_time_s(clocks[moment.anchor], moment.session_s);
+    const auto begin =
+        static_cast<std::ptrdiff_t>(std::lround((anchor_s - 0.5 * kEvent_s) * kSyncRateHz));
+    const auto voice = samples_at(anchor.sound, 0, begin, length);
+    if (voice.empty()) continue;
+    finder.set_template(voice);
+    SoundEvent event{.anchor = moment.anchor,
+                     .anchor_ear = anchor.is_camera ? std::optional(0) : std::nullopt,
+                     .anchor_s = (static_cast<double>(begin) + 0.5 * length) / kSyncRateHz,
+                     .heard = {}};
+    const double session_s = session_time_s(clocks[moment.anchor], event.anchor_s);
+    for (std::size_t d = 0; d < devices_.size(); ++d) {
+      const DeviceSound& camera = devices_[d];
+      if (!camera.is_camera) continue;
+      const double travel_s =
+          anchor.is_camera
+              ? 0.0
+              : norm(camera.world_from_head->position_m - centre_m_) / kSpeedOfSound_m_s;
+      const double expected_s = device_time_s(clocks[d], session_s + travel_s);
+      const auto first =
+          static_cast<std::ptrdiff_t>(std::lround((expected_s - 0.5 * kEvent_s) * kSyncRateHz)) -
+          reach;
+      for (int ear = 0; ear < camera.sound.channels(); ++ear) {
+        if (d == moment.anchor && ear == event.anchor_ear) continue;
+        const auto heard = samples_at(camera.sound, ear, first, length + 2 * reach);
+        if (heard.empty()) continue;
+        HeardEvent found{.device = d, .ear = ear, .times = {}};
+        for (const DelayCandidate& candidate : finder.find(heard)) {
+          found.times.push_back(
+              {(static_cast<double>(first) + candidate.lag_samples + 0.5 * length) / kSyncRateHz,
+               candidate.height});
+        }
+        if (!found.times.empty()) event.heard.push_back(std::move(found));
+      }
+    }
+    events.push_back(std::move(event));
+  }
+  progress.finish();
+  return events;
+}
+
+}  // namespace earpoint
