@@ -64,7 +64,7 @@ std::shared_ptr<const PreparedScene> prepare(const Options& options, ModelPack& 
     return draw_flat(options.simulation.seed, FurnitureLibrary(std::move(models.furniture)),
                      options.simulation.session.cameras);
   }
-  ::NamedScene named = read_scene(options.scene);
+  NamedScene named = read_scene(options.scene);
   for (const std::string& warning : named.warnings) {
     fmt::print(stderr, "earpoint: {}\n", warning);
   }
