@@ -97,6 +97,17 @@ std::vector<PixelRegion> apart(const std::vector<PixelRegion>& regions) {
   return result;
 }
 
+/// How much of a pixel is the region's, in eighths: at the edges inside of the picture it fades
+/// into the picture of the empty room, where the light of a shadow may not yet have ended.
+int share_of_region(const PixelRegion& region, int x, int y, const Camera& camera) {
+  int share = kTile;
+  if (region.x > 0) share = std::min(share, x + 1);
+  if (region.y > 0) share = std::min(share, y + 1);
+  if (region.x + region.width < camera.width) share = std::min(share, region.width - x);
+  if (region.y + region.height < camera.height) share = std::min(share, region.height - y);
+  return share;
+}
+
 /// A camera, its exposure and its picture of the empty room.
 struct FilmCamera {
   Camera camera;
@@ -201,8 +212,11 @@ class Film {
                                                seed_ + static_cast<std::uint64_t>(index), pool);
       for (int y = 0; y < region.height; ++y) {
         for (int x = 0; x < region.width; ++x) {
+          const int share = share_of_region(region, x, y, film.camera);
           for (int c = 0; c < 3; ++c) {
-            frame.rgb.at(region.x + x, region.y + y, c) = view.rgb.at(x, y, c);
+            std::uint8_t& pixel = frame.rgb.at(region.x + x, region.y + y, c);
+            pixel = static_cast<std::uint8_t>(
+                (share * view.rgb.at(x, y, c) + (kTile - share) * pixel + kTile / 2) / kTile);
           }
           if (view.instance.at(x, y) >= 0) ++seen[view.instance.at(x, y)];
         }

@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Twelve seconds, two cameras, few rays and pixels.
+/// Ten seconds, two cameras, few rays and pixels.
 SessionSimulationOptions quick_session(const fs::path& folder) {
   SessionSimulationOptions options;
   options.folder = folder;
@@ -135,7 +135,8 @@ TEST_F(SessionSimulation, RefusesToGoOnWithOtherOptions) {
   SessionSimulationOptions options = quick_session(folder_.path() / "session");
   fs::create_directories(options.folder);
   options.scenarios = 2;
-  options.session.cameras = 200;  // ends after the folder was begun: there is no room for them
+  // Ends after the folder was begun: the corpus has no four voices of one split.
+  options.session.people = 4;
   EXPECT_THROW(simulate(options), InputError);
   options.seed = 2;
   try {

@@ -219,21 +219,22 @@ Waveform& device_of(SessionSound& sound, int device) {
 }
 
 /// Two boards that meet: a burst of noise that starts within a sample and dies away within
-/// milliseconds, with a peak of 1.
+/// milliseconds, with a peak well above those of speech.
 std::vector<float> dry_clap(int rate_hz, std::uint64_t seed) {
   constexpr double kLength_s = 0.08;
-  constexpr double kDecay_s = 0.006;
+  constexpr double kDecay_s = 0.008;
+  constexpr float kPeak = 2.5F;  // speech has peaks of up to 0.9, most much lower
   RandomStream random(seed);
   std::vector<float> clap(static_cast<std::size_t>(kLength_s * rate_hz));
   float peak = 0.0F;
   for (std::size_t i = 0; i < clap.size(); ++i) {
     const double since_s = static_cast<double>(i) / rate_hz;
     // The first sample is the loudest: the onset is where the truth says.
-    const double value = i == 0 ? 3.0 : std::clamp(random.normal(), -2.5, 2.5);
+    const double value = i == 0 ? 6.0 : std::clamp(random.normal(), -2.5, 2.5);
     clap[i] = static_cast<float>(value * std::exp(-since_s / kDecay_s));
     peak = std::max(peak, std::abs(clap[i]));
   }
-  for (float& sample : clap) sample /= peak;
+  for (float& sample : clap) sample *= kPeak / peak;
   return clap;
 }
 
