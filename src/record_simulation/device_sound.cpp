@@ -16,7 +16,7 @@ namespace {
 // Levels as a sound engineer would set them, so that neither the clap nor somebody near clips:
 // speech at 1 m is at -26 dB before the gain, 16 dB more at a near microphone.
 constexpr float kCameraGain = 0.35F;
-constexpr float kMicrophoneGain = 0.07F;
+constexpr float kMicrophoneGain = 0.1F;
 
 constexpr int kReach = 32;  // samples to either side
 constexpr int kPhases = 1024;

@@ -14,9 +14,9 @@ constexpr double kPause_s = 0.15;
 constexpr double kPauseSpread_s = 0.45;
 constexpr double kLongestOverlap_s = 1.2;
 constexpr double kLongestPause_s = 1.5;
-constexpr double kGoesOnShare = 0.2;      // of the turns: the same person goes on
+constexpr double kGoesOnShare = 0.1;      // of the turns: the same person goes on
 constexpr double kInterruptShare = 0.12;  // of the turns: somebody talks over it
-constexpr double kLongest_s = 12.0;
+constexpr double kLongest_s = 7.0;
 constexpr double kShortest_s = 1.5;
 constexpr double kSpeechRate_hz = 16000.0;
 
