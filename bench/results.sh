@@ -187,6 +187,7 @@ measure_simulator() {
   say "Cost of simulated data"
   [ -f "$speech_folder/speech.csv" ] || gather_speech "$speech_folder"
   python3 bench/simulate_cost.py "$earpoint" "$speech_folder" >out/bench/simulate_cost.jsonl
+  python3 bench/session_cost.py "$earpoint" "$speech_folder" >out/bench/session_cost.jsonl
 }
 
 # Whether anything is lost or left where a command is killed.
