@@ -38,6 +38,7 @@ Json record_of(const SessionSimulationOptions& options, const std::string& scene
   json["snr_db"] = options.snr_db;
   json["frame_rate_hz"] = session.frame_rate_hz;
   json["image"] = {options.picture.width, options.picture.height};
+  json["samples"] = options.picture.samples_per_side * options.picture.samples_per_side;
   json["horizontal_fov_deg"] = degrees_from_radians(options.picture.horizontal_fov_rad);
   json["rays"] = options.sound.rays;
   return json;

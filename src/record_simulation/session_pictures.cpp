@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include <earpoint/core/error.h>
 #include <earpoint/core/parallel.h>
 #include <earpoint/record_simulation/session_pictures.h>
+#include <earpoint/record_simulation/session_speech.h>
 #include <earpoint/scene/scene.h>
 
 namespace earpoint {
@@ -14,7 +16,8 @@ namespace {
 
 constexpr int kTile = 8;  // regions begin at multiples: see SceneRenderer::render_region
 
-/// How people stir where they stand: slow swings of the body, wider while they speak.
+/// How people stir where they stand: now and then they shift their weight, and while they speak
+/// they swing.
 class Stirring {
  public:
   explicit Stirring(const SessionPlan& plan) : speech_(plan.people.size()) {
@@ -26,20 +29,35 @@ class Stirring {
   }
 
   [[nodiscard]] Stance stirred(Stance stance, int person, double time_s) const {
-    constexpr double kIdle_rad = radians_from_degrees(1.0);
     constexpr double kSpeaking_rad = radians_from_degrees(5.0);
-    constexpr double kStep_m = 0.008;
-    const double speaks = speaking(person, time_s);
+    constexpr double kShift_s = 0.8;
+    constexpr double kBetweenShifts_s = 5.0;
     const double phase = 2.4 * person;
-    const double slow = std::sin(2.0 * kPi * 0.17 * time_s + phase);
     const double quick = std::sin(2.0 * kPi * 0.83 * time_s + 1.7 * phase);
-    stance.yaw_rad += kIdle_rad * slow + speaks * kSpeaking_rad * quick;
-    stance.at.x += kStep_m * slow * std::cos(phase);
-    stance.at.y += kStep_m * slow * std::sin(phase);
+    stance.yaw_rad += speaking(person, time_s) * kSpeaking_rad * quick;
+    const double shifts = time_s / kBetweenShifts_s + phase;
+    const double number = std::floor(shifts);
+    const double done = std::min(1.0, (shifts - number) * kBetweenShifts_s / kShift_s);
+    const double eased = 0.5 - 0.5 * std::cos(kPi * done);
+    const Stance from = rest(person, static_cast<std::int64_t>(number) - 1);
+    const Stance to = rest(person, static_cast<std::int64_t>(number));
+    stance.at.x += from.at.x + eased * (to.at.x - from.at.x);
+    stance.at.y += from.at.y + eased * (to.at.y - from.at.y);
+    stance.yaw_rad += from.yaw_rad + eased * (to.yaw_rad - from.yaw_rad);
     return stance;
   }
 
  private:
+  /// How a person stands between two shifts, from where the path says.
+  static Stance rest(int person, std::int64_t number) {
+    constexpr double kYaw_rad = radians_from_degrees(2.0);
+    constexpr double kStep_m = 0.01;
+    RandomStream random(static_cast<std::uint64_t>(person), {static_cast<std::uint64_t>(number)});
+    const double x_m = random.uniform(-kStep_m, kStep_m);
+    const double y_m = random.uniform(-kStep_m, kStep_m);
+    return {{x_m, y_m}, random.uniform(-kYaw_rad, kYaw_rad)};
+  }
+
   /// From 0 to 1, up and down within 0.3 s around speech.
   [[nodiscard]] double speaking(int person, double time_s) const {
     constexpr double kFade_s = 0.3;
@@ -67,7 +85,7 @@ PixelRegion joined(const PixelRegion& a, const PixelRegion& b) {
 
 /// The body with a margin for its shadow.
 PixelRegion region_of(const BodyOutline& outline, const Camera& camera) {
-  constexpr double kMargin = 0.12;  // of the larger side
+  constexpr double kMargin = 0.05;  // of the larger side
   const PixelRegion& body = outline.pixels;
   const int margin = kTile + static_cast<int>(kMargin * std::max(body.width, body.height));
   PixelRegion region;
@@ -108,26 +126,37 @@ int share_of_region(const PixelRegion& region, int x, int y, const Camera& camer
   return share;
 }
 
-/// A camera, its exposure and its picture of the empty room.
+/// A camera and its last picture.
 struct FilmCamera {
   Camera camera;
   float exposure = 1.0F;
-  Image empty_room;
   int first_moment = 0;  ///< the session's moment of its first picture
   int frames = 0;
+  Image rgb;
+  Raster<std::int32_t> person;  ///< who is seen at the middle of a pixel; -1: nobody
+  std::vector<Stance> stances;  ///< by person, as they stand in the picture; empty: the empty room
+  std::vector<PixelRegion> regions;  ///< by person, where they are in it; empty where they are not
 };
 
-/// Takes pictures; const calls may come from many threads.
+/// People where they stand at a moment.
+struct Moment {
+  int number = 0;
+  std::vector<Stance> stances;
+  PeopledScene peopled;
+};
+
+/// Takes pictures in the order of time.
 class Film {
  public:
   Film(const PreparedScene& scene, const SessionPlan& plan, double frame_rate_hz,
-       const SessionPictureQuality& quality, std::uint64_t seed)
+       const SessionPictureQuality& quality, std::uint64_t seed, ThreadPool& pool)
       : scene_(scene),
         plan_(plan),
         frame_rate_hz_(frame_rate_hz),
         quality_{.samples_per_side = quality.samples_per_side},
         seed_(seed),
-        stirring_(plan) {
+        stirring_(plan),
+        pool_(pool) {
     for (std::size_t i = 0; i < plan.world_from_camera.size(); ++i) {
       FilmCamera& film = cameras_.emplace_back();
       film.camera = {.world_from_camera = plan.world_from_camera[i],
@@ -138,95 +167,117 @@ class Film {
           static_cast<int>(std::floor(plan.clocks[i].offset_s * frame_rate_hz + 1e-9));
       film.frames = frames_of(plan, static_cast<int>(i), frame_rate_hz);
       moments_ = std::max(moments_, film.first_moment + film.frames);
+      take_empty_room(film, seed + i);
     }
   }
 
   [[nodiscard]] int moments() const { return moments_; }
 
-  void take_empty_room(ThreadPool& pool) {
-    for (std::size_t i = 0; i < cameras_.size(); ++i) {
-      FilmCamera& film = cameras_[i];
-      film.exposure = scene_.renderer.found_exposure(film.camera, quality_, seed_ + i, pool);
-      film.empty_room =
-          scene_.renderer
-              .render_region(film.camera,
-                             {.width = film.camera.width, .height = film.camera.height}, quality_,
-                             film.exposure, seed_ + i, pool)
-              .rgb;
-    }
-  }
-
   /// The pictures of all cameras that run at a moment.
-  [[nodiscard]] std::vector<SessionFrame> take(int moment) const {
-    ThreadPool pool(1);
-    PeopledStage stage = stage_at(static_cast<double>(moment) / frame_rate_hz_);
-    const SceneRenderer renderer = scene_.renderer.extended(stage.scene, pool);
-    std::vector<SessionFrame> frames;
+  std::vector<SessionFrame> take(int number) {
+    const Moment moment = moment_of(number);
+    std::vector<std::size_t> running;
+    bool changes = false;
     for (std::size_t i = 0; i < cameras_.size(); ++i) {
-      const int frame = moment - cameras_[i].first_moment;
+      const int frame = number - cameras_[i].first_moment;
       if (frame < 0 || frame >= cameras_[i].frames) continue;
-      frames.push_back(take(static_cast<int>(i), frame, stage, renderer, pool));
+      running.push_back(i);
+      changes = changes || cameras_[i].stances != moment.stances;
     }
+    std::optional<SceneRenderer> renderer;
+    if (changes) renderer = scene_.renderer.extended(moment.peopled.scene, pool_);
+    std::vector<SessionFrame> frames(running.size());
+    pool_.run(std::ssize(running), [&](std::ptrdiff_t task, int) {
+      const std::size_t camera = running[static_cast<std::size_t>(task)];
+      frames[static_cast<std::size_t>(task)] =
+          take(static_cast<int>(camera), moment, renderer ? &*renderer : nullptr);
+    });
     return frames;
   }
 
  private:
-  struct PeopledStage {
-    Scene scene;
-    std::vector<std::uint32_t> instances;  // by person
-  };
+  void take_empty_room(FilmCamera& film, std::uint64_t seed) {
+    film.exposure = scene_.renderer.found_exposure(film.camera, quality_, seed, pool_);
+    film.rgb =
+        scene_.renderer
+            .render_region(film.camera, {.width = film.camera.width, .height = film.camera.height},
+                           quality_, film.exposure, seed, pool_)
+            .rgb;
+    film.person = Raster<std::int32_t>(film.camera.width, film.camera.height, 1, -1);
+    film.regions.resize(plan_.people.size());
+  }
 
-  [[nodiscard]] PeopledStage stage_at(double time_s) const {
-    PeopledStage stage{.scene = scene_.scene, .instances = {}};
+  [[nodiscard]] Moment moment_of(int number) const {
+    const double time_s = number / frame_rate_hz_;
+    Moment moment{.number = number, .stances = {}, .peopled = {scene_.scene, {}}};
     for (std::size_t i = 0; i < plan_.people.size(); ++i) {
       const SessionFigure& person = plan_.people[i];
       const Stance stance = stirring_.stirred(person.path.at(time_s), static_cast<int>(i), time_s);
-      stage.instances.push_back(
-          add_person(*person.figure, stance.at.x, stance.at.y, stance.yaw_rad, stage.scene)
-              .instance);
+      moment.stances.push_back(stance);
+      moment.peopled.people.push_back(add_person(*person.figure, stance.at.x, stance.at.y,
+                                                 stance.yaw_rad, moment.peopled.scene));
     }
-    return stage;
+    return moment;
   }
 
-  [[nodiscard]] SessionFrame take(int index, int number, const PeopledStage& stage,
-                                  const SceneRenderer& renderer, ThreadPool& pool) const {
-    const FilmCamera& film = cameras_[index];
-    SessionFrame frame{.camera = index, .frame = number, .rgb = film.empty_room, .boxes = {}};
-    std::vector<PixelRegion> regions;
+  SessionFrame take(int index, const Moment& moment, const SceneRenderer* renderer) {
+    FilmCamera& film = cameras_[index];
+    SessionFrame frame{
+        .camera = index, .frame = moment.number - film.first_moment, .rgb = {}, .boxes = {}};
+    std::vector<PixelRegion> changed;
     std::vector<int> areas;
-    for (std::size_t person = 0; person < stage.instances.size(); ++person) {
-      const auto outline = outline_of(stage.scene, stage.instances[person], film.camera);
+    for (std::size_t i = 0; i < moment.stances.size(); ++i) {
+      const auto outline =
+          outline_of(moment.peopled.scene, moment.peopled.people[i].instance, film.camera);
+      const PixelRegion region = outline ? region_of(*outline, film.camera) : PixelRegion{};
+      if (film.stances.empty() || !(film.stances[i] == moment.stances[i])) {
+        for (const PixelRegion& part : {film.regions[i], region}) {
+          if (part.width > 0) changed.push_back(part);
+        }
+      }
+      film.regions[i] = region;
       if (!outline) continue;
-      regions.push_back(region_of(*outline, film.camera));
       areas.push_back(outline->area);
       frame.boxes.push_back({.camera = index,
-                             .frame = number,
-                             .time_s = number / frame_rate_hz_,
-                             .person = static_cast<int>(person),
+                             .frame = frame.frame,
+                             .time_s = frame.frame / frame_rate_hz_,
+                             .person = static_cast<int>(i),
                              .box = outline->box,
                              .visible = 0.0});
     }
-    std::vector<std::int64_t> seen(stage.scene.instances.size());
-    for (const PixelRegion& region : apart(regions)) {
-      const View view = renderer.render_region(film.camera, region, quality_, film.exposure,
-                                               seed_ + static_cast<std::uint64_t>(index), pool);
-      for (int y = 0; y < region.height; ++y) {
-        for (int x = 0; x < region.width; ++x) {
-          const int share = share_of_region(region, x, y, film.camera);
-          for (int c = 0; c < 3; ++c) {
-            std::uint8_t& pixel = frame.rgb.at(region.x + x, region.y + y, c);
-            pixel = static_cast<std::uint8_t>(
-                (share * view.rgb.at(x, y, c) + (kTile - share) * pixel + kTile / 2) / kTile);
-          }
-          if (view.instance.at(x, y) >= 0) ++seen[view.instance.at(x, y)];
-        }
-      }
+    for (const PixelRegion& region : apart(changed)) retake(film, index, region, moment, *renderer);
+    film.stances = moment.stances;
+    std::vector<int> seen(moment.stances.size());
+    for (const std::int32_t person : film.person.pixels()) {
+      if (person >= 0) ++seen[person];
     }
     for (std::size_t i = 0; i < frame.boxes.size(); ++i) {
-      const auto pixels = seen[stage.instances[frame.boxes[i].person]];
+      const int pixels = seen[frame.boxes[i].person];
       frame.boxes[i].visible = std::min(1.0, static_cast<double>(pixels) / areas[i]);
     }
+    frame.rgb = film.rgb;
     return frame;
+  }
+
+  void retake(FilmCamera& film, int index, const PixelRegion& region, const Moment& moment,
+              const SceneRenderer& renderer) const {
+    ThreadPool alone(1);
+    const View view = renderer.render_region(film.camera, region, quality_, film.exposure,
+                                             seed_ + static_cast<std::uint64_t>(index), alone);
+    const auto first_person = static_cast<std::int32_t>(moment.peopled.people.front().instance);
+    for (int y = 0; y < region.height; ++y) {
+      for (int x = 0; x < region.width; ++x) {
+        const int share = share_of_region(region, x, y, film.camera);
+        for (int c = 0; c < 3; ++c) {
+          std::uint8_t& pixel = film.rgb.at(region.x + x, region.y + y, c);
+          pixel = static_cast<std::uint8_t>(
+              (share * view.rgb.at(x, y, c) + (kTile - share) * pixel + kTile / 2) / kTile);
+        }
+        // People were added last, one after the other.
+        film.person.at(region.x + x, region.y + y) =
+            std::max(-1, view.instance.at(x, y) - first_person);
+      }
+    }
   }
 
   const PreparedScene& scene_;
@@ -235,6 +286,7 @@ class Film {
   RenderQuality quality_;
   std::uint64_t seed_;
   Stirring stirring_;
+  ThreadPool& pool_;
   std::vector<FilmCamera> cameras_;
   int moments_ = 0;
 };
@@ -250,19 +302,11 @@ void film_session(const PreparedScene& scene, const SessionPlan& plan, double fr
                   const SessionPictureQuality& quality, std::uint64_t seed, int jobs,
                   ProgressSink& progress, const std::function<void(const SessionFrame&)>& sink) {
   ThreadPool pool(jobs);
-  Film film(scene, plan, frame_rate_hz, quality, seed);
-  film.take_empty_room(pool);
+  Film film(scene, plan, frame_rate_hz, quality, seed, pool);
   progress.begin("taking pictures", film.moments(), "moments");
-  for (int first = 0; first < film.moments(); first += jobs) {
-    const int count = std::min(jobs, film.moments() - first);
-    std::vector<std::vector<SessionFrame>> taken(static_cast<std::size_t>(count));
-    pool.run(count, [&](std::ptrdiff_t task, int) {
-      taken[static_cast<std::size_t>(task)] = film.take(first + static_cast<int>(task));
-      progress.advance(1.0);
-    });
-    for (const std::vector<SessionFrame>& moment : taken) {
-      for (const SessionFrame& frame : moment) sink(frame);
-    }
+  for (int moment = 0; moment < film.moments(); ++moment) {
+    for (const SessionFrame& frame : film.take(moment)) sink(frame);
+    progress.advance(1.0);
   }
   progress.finish();
 }

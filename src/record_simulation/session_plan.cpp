@@ -167,13 +167,14 @@ class SessionPlanner {
     return wrap_angle(std::atan2(middle.y - at.y, middle.x - at.x) + gaze_rad);
   }
 
-  // In front of the first person, at the height of a hand.
+  // In front of the first person, held up so that all cameras see it.
   void draw_clap() {
     plan_.clap_s = options_.most_offset_s + kClapAfterStart_s;
     const Pose mouth = plan_.people[0].world_from_mouth(plan_.clap_s);
     constexpr double kAhead_m = 0.35;
-    constexpr double kBelow_m = 0.3;
-    plan_.clap_m = mouth.position_m + rotate(mouth.orientation, {kAhead_m, 0.0, -kBelow_m});
+    constexpr double kHeight_m = 1.95;
+    plan_.clap_m = mouth.position_m + rotate(mouth.orientation, {kAhead_m, 0.0, 0.0});
+    plan_.clap_m.z = kHeight_m;
   }
 
   // One at a time, so that nobody walks into another.

@@ -32,9 +32,9 @@ int frames_of(const SessionPlan& plan, int camera, double frame_rate_hz);
 
 /// Takes the pictures of all cameras. A picture is a moment of session time that all cameras share:
 /// it is at most 10 ms (the camera's offset past a multiple of the time between pictures) and the
-/// clock's drift away from where its own clock says. Each camera keeps one exposure; only around
-/// people are its pictures traced anew, the rest is one picture of the empty room. People move a
-/// little where they stand, more so while they speak; the truth's tracks do not follow that.
+/// clock's drift away from where its own clock says. Each camera keeps one exposure; a picture is
+/// traced anew only around those who have moved since the last. People shift their weight where
+/// they stand, and swing while they speak; the truth's tracks do not follow that.
 /// @param sink  called in order of time, then of camera
 /// @param jobs  threads; have no effect on the pictures
 void film_session(const PreparedScene& scene, const SessionPlan& plan, double frame_rate_hz,
