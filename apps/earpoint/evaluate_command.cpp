@@ -65,7 +65,7 @@ Oracles, which are shown part of the answer (--oracles: all), from the lowest ru
   oracle-dry-direct  true dry speech and direct path, tail of noise with the true decay
   oracle-expected    the same, but the magnitudes to be expected over many such tails: best by Mag
   oracle-all         everything known: 0
-Data sets (docs/datasets.md): one of `earpoint simulate`, or a download of SoundSpaces-NVAS or Replay-NVAS,
+Data sets (docs/datasets.md): one of `earpoint simulate` or `earpoint record prepare`, or a download of SoundSpaces-NVAS or Replay-NVAS,
 named by the folder that holds data/synthetic_dataset/v16 or data/appen_dataset/v3, or by one of these.
 Pairs come from pairs-<split>.json. Where there is none, as in the downloads, they are drawn: every viewpoint
 of SoundSpaces-NVAS the target once, in random seconds; of Replay-NVAS as the released test draws them. The
@@ -147,10 +147,14 @@ std::unique_ptr<earpoint::EvaluationSet> recorded_set(const Options& options) {
   return earpoint::replay_evaluation_set(options.data, options.split, options.limit);
 }
 
-std::unique_ptr<earpoint::EvaluationSet> evaluation_set(const Options& options) {
+earpoint::DatasetLayout layout_of(const Options& options) {
   std::optional<earpoint::DatasetLayout> asked;
   if (!options.layout.empty()) asked = earpoint::layout_named(options.layout);
-  if (dataset_layout(options.data, asked) == earpoint::DatasetLayout::replay) {
+  return dataset_layout(options.data, asked);
+}
+
+std::unique_ptr<earpoint::EvaluationSet> evaluation_set(const Options& options) {
+  if (layout_of(options) == earpoint::DatasetLayout::replay) {
     return recorded_set(options);
   }
   earpoint::PairChoice pairs{.list = options.pairs, .draw = std::nullopt};
@@ -186,7 +190,9 @@ void run(const Options& options) {
   MethodRequest request = options.methods;
   request.data = options.data;
   request.enhance = options.enhance;
-  request.recorded = !set->knows_speaker();
+  request.layout = layout_of(options);
+  request.recorded = request.layout == earpoint::DatasetLayout::replay;
+  request.knows_speaker = set->knows_speaker();
   if (request.words.empty()) {
     request.words = {"input"};
     if (!options.enhance && set->knows_speaker()) request.words.emplace_back("dsp");

@@ -22,11 +22,12 @@ using earpoint::TransferIndex;
 constexpr const char* kBestWeights = "best.safetensors";
 
 MethodEntry transfer_function(const MethodRequest& request, const std::set<std::string>& scenes) {
-  const TransferIndex index = request.tf_index == "locations" ? TransferIndex::locations
-                              : request.tf_index == "relative"
-                                  ? TransferIndex::relative_pose
-                                  : earpoint::transfer_index_for(request.data, scenes);
-  return earpoint::transfer_function_method(request.data, index);
+  const TransferIndex index =
+      request.tf_index == "locations" ? TransferIndex::locations
+      : request.tf_index == "relative"
+          ? TransferIndex::relative_pose
+          : earpoint::transfer_index_for(request.data, request.layout, scenes);
+  return earpoint::transfer_function_method(request.data, request.layout, index);
 }
 
 MethodEntry method_of(const std::string& word, const MethodRequest& request,
@@ -36,9 +37,9 @@ MethodEntry method_of(const std::string& word, const MethodRequest& request,
     throw InputError("--methods " + word, "says what a place hears, not what was spoken",
                      "leave it out with --enhance");
   }
-  if (request.recorded && word == "tf") {
+  if (!request.knows_speaker && word == "tf") {
     throw InputError("--methods tf",
-                     "needs simulated data: recordings do not tell where speakers are",
+                     "must know where speakers are, which these recordings do not tell",
                      "leave it out");
   }
   if (word == "dsp") return earpoint::dsp_method();

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include <earpoint/dataset/dataset_folder.h>
 #include <earpoint/evaluate/method.h>
 
 /// What --methods and its companions ask for.
@@ -15,8 +16,10 @@ struct MethodRequest {
   std::filesystem::path data;  ///< where `tf` finds the training split
   std::string tf_index;        ///< locations, relative, or empty: by whether the scenes are known
   bool enhance = false;        ///< speech is asked for, not what a place hears
-  bool recorded = false;       ///< the data tell neither speakers' places nor responses
-  bool oracles = false;        ///< all of them as well, of recordings those that need no more
+  earpoint::DatasetLayout layout = earpoint::DatasetLayout::soundspaces;
+  bool recorded = false;      ///< the data tell no responses
+  bool knows_speaker = true;  ///< the data tell where speakers are
+  bool oracles = false;       ///< all of them as well, of recordings those that need no more
   /// `input` and every shipped model of the families gtf and vigas, or every run of `runs`,
   /// instead.
   bool ablations = false;

@@ -11,6 +11,7 @@
 
 #include <earpoint/audio/sound_file.h>
 #include <earpoint/core/file.h>
+#include <earpoint/record_testing/test_session.h>
 #include <earpoint/video/image_file.h>
 #include <earpoint/video/media.h>
 
@@ -59,6 +60,9 @@ void fill(const fs::path& folder) {
   fs::copy_file(EARPOINT_SOURCE_DIR "/src/scene/testdata/room.glb", folder / "flat.glb");
   write_file(folder / "room-walk.csv",
              "time_s,x,y,z,yaw_deg,pitch_deg,roll_deg\n0,5,1,1.6,90,0,0\n2,3,4,1.6,180,0,0\n");
+  TestSession session = make_test_session(
+      {.cameras = 3, .people = 1, .duration_s = 16.0, .reverberation_s = 0.0});
+  write_test_session(folder, session);
   fs::create_directory(folder / "speech");
   write_file(folder / "speech" / "speech.csv",
              "file,speaker,gender,split\n"

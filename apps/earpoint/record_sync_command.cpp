@@ -15,6 +15,8 @@
 #include <earpoint/record/session_truth.h>
 #include <earpoint/record/sync.h>
 #include <earpoint/record/sync_file.h>
+#include <earpoint/record/sync_plot.h>
+#include <earpoint/video/image_file.h>
 
 namespace earpoint {
 namespace {
@@ -38,6 +40,7 @@ struct Options {
   fs::path session;
   std::optional<fs::path> truth;
   std::optional<fs::path> output;
+  std::optional<fs::path> plot;
   bool json = false;
   bool quiet = false;
 };
@@ -57,6 +60,7 @@ void print_table(const SyncResult& result, const SyncErrors* errors) {
 }
 
 void run(const Options& options) {
+  if (options.plot) check_image_path(*options.plot);
   const Session session = read_session(options.session);
   std::optional<SessionTruth> truth;
   if (options.truth) truth = read_session_truth(*options.truth);
@@ -72,6 +76,9 @@ void run(const Options& options) {
     errors = compare_clocks(result, *truth, sounds.devices.front().sound.duration_s());
   }
   const SyncErrors* told = errors ? &*errors : nullptr;
+  if (options.plot) {
+    write_image(*options.plot, plot_sync(result, sounds.devices.front().sound.duration_s()));
+  }
   if (options.output) write_file(*options.output, std::string_view(json_of(result)));
   if (options.json) {
     fmt::print("{}", json_of(result, told));
@@ -90,6 +97,8 @@ void add_record_sync_command(CLI::App& record) {
   command->add_option("--truth", options->truth,
                       "truth.json of a simulated session, to tell how far clocks are off");
   command->add_option("-o,--output", options->output, "Write the clocks as JSON");
+  command->add_option("--plot", options->plot,
+                      "Picture (.png, .jpg) of what is left of times of arrival, by device");
   command->add_flag("--json", options->json, "Print JSON");
   command->add_flag("--quiet", options->quiet, "No progress");
   command->footer(kFooter);

@@ -1,13 +1,15 @@
-#include "npy.h"
-
 #include <bit>
 #include <cstdint>
 #include <cstring>
 #include <regex>
 #include <string>
+#include <string_view>
+
+#include <fmt/format.h>
 
 #include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
+#include <earpoint/dataset/npy.h>
 
 namespace earpoint {
 namespace {
@@ -62,6 +64,26 @@ NumberTable read_npy(const std::filesystem::path& path) {
   const std::byte* data = bytes.data() + start + header_size;
   table.values = width == 4 ? widen<float>(data, count) : widen<double>(data, count);
   return table;
+}
+
+void write_npy(const std::filesystem::path& path, const NumberTable& table) {
+  EARPOINT_CHECK(table.values.size() == table.rows * table.columns);
+  std::string header = fmt::format(
+      "{{'descr': '<f8', 'fortran_order': False, 'shape': ({}, {}), }}", table.rows, table.columns);
+  // Magic, version and length take 10 bytes; data begin at a multiple of 64.
+  constexpr std::size_t kPreamble = 10;
+  constexpr std::size_t kAlignment = 64;
+  const std::size_t end = kPreamble + header.size() + 1;
+  header.append((kAlignment - end % kAlignment) % kAlignment, ' ');
+  header += '\n';
+  std::string bytes("\x93NUMPY\x01\x00", 8);
+  bytes += static_cast<char>(header.size() & 0xFFU);
+  bytes += static_cast<char>(header.size() >> 8U);
+  bytes += header;
+  const std::size_t begin = bytes.size();
+  bytes.resize(begin + table.values.size() * sizeof(double));
+  std::memcpy(bytes.data() + begin, table.values.data(), table.values.size() * sizeof(double));
+  write_file(path, std::string_view(bytes));
 }
 
 }  // namespace earpoint

@@ -1,9 +1,7 @@
-#include "npy.h"
-#include "replay_splits.h"
-
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <set>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -14,7 +12,9 @@
 #include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
 #include <earpoint/dataset/json_field.h>
+#include <earpoint/dataset/npy.h>
 #include <earpoint/dataset/replay.h>
+#include <earpoint/dataset/replay_splits.h>
 #include <earpoint/video/image_file.h>
 #include <earpoint/video/media.h>
 
@@ -68,6 +68,18 @@ nlohmann::json parse_json(const fs::path& path) {
       nlohmann::json::parse(without_nan(read_text_file(path)), nullptr, false);
   if (document.is_discarded()) throw InputError(path.string(), "is not valid JSON");
   return document;
+}
+
+/// The scenes of a split: those of the published data set, unless the folder has a list of its own.
+std::set<std::string> scenes_of(const fs::path& splits, const std::string& split) {
+  const std::vector<std::string_view> published = replay_scenes(split);
+  if (!fs::exists(splits)) return {published.begin(), published.end()};
+  const nlohmann::json document = parse_json(splits);
+  std::set<std::string> scenes;
+  for (const JsonField& scene : JsonField(document, splits.string()).field(split).items()) {
+    scenes.insert(scene.text());
+  }
+  return scenes;
 }
 
 std::vector<float> mean_of_channels(const Waveform& sound) {
@@ -160,8 +172,15 @@ ReplayCameras read_replay_cameras(const fs::path& path) {
 }
 
 ReplayDataset::ReplayDataset(Options options) : options_(std::move(options)) {
-  const std::vector<std::string_view> scenes = replay_scenes(options_.split);
+  read_clips();
+  read_mouths();
+  cameras_ =
+      read_replay_cameras((options_.root / options_.folder).parent_path() / options_.camera_file);
+}
+
+void ReplayDataset::read_clips() {
   const fs::path folder = options_.root / options_.folder;
+  const std::set<std::string> scenes = scenes_of(folder / options_.splits_file, options_.split);
   const fs::path metadata = folder / options_.metadata_file;
   // Items keep the order of the file, which only an ordered document remembers.
   const std::string text = without_nan(read_text_file(metadata));
@@ -170,8 +189,8 @@ ReplayDataset::ReplayDataset(Options options) : options_(std::move(options)) {
   if (!ordered.is_object()) throw InputError(metadata.string(), "expected an object of clips");
   for (const auto& [key, value] : ordered.items()) {
     const std::string scene = fs::path(key).parent_path().filename().string();
-    if (std::find(scenes.begin(), scenes.end(), scene) == scenes.end()) continue;
-    ReplayClip clip{key, scene, {}};
+    if (!scenes.contains(scene)) continue;
+    ReplayClip clip{.folder = key, .scene = scene, .images = {}, .mouth_m = {}};
     const nlohmann::json plain = value;
     for (const JsonField& item : JsonField(plain, metadata.string() + ": " + key).items()) {
       clip.images.push_back(item.text());
@@ -183,8 +202,18 @@ ReplayDataset::ReplayDataset(Options options) : options_(std::move(options)) {
   }
   if (clips_.empty())
     throw InputError(metadata.string(), "holds no clip of the split " + options_.split);
+}
 
-  cameras_ = read_replay_cameras(folder.parent_path() / options_.camera_file);
+void ReplayDataset::read_mouths() {
+  const fs::path path = options_.root / options_.folder / options_.clips_file;
+  if (!fs::exists(path)) return;
+  const nlohmann::json document = parse_json(path);
+  const JsonField known(document, path.string());
+  for (ReplayClip& clip : clips_) {
+    if (!known.has(clip.folder)) continue;
+    const JsonField fields = known.field(clip.folder);
+    if (fields.has("mouth_m")) clip.mouth_m = fields.field("mouth_m").vector3();
+  }
 }
 
 ReplayChoice ReplayDataset::draw(const ReplayClip& clip, NumpyRandom& random) const {

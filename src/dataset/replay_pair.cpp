@@ -41,7 +41,13 @@ PairSample replay_pair(const ReplayDataset& dataset, const ReplayClip& clip,
   sample.source_from_target = inverse(sample.world_from_source) * world_from_target;
   sample.picture = std::make_shared<const Image>(image_of(loaded.source_rgb));
   const std::vector<double>& box = loaded.bboxes;
-  sample.speaker_box = Box{.x_min = box[0], .y_min = box[1], .x_max = box[2], .y_max = box[3]};
+  // Four zeros say that the speaker is out of sight.
+  if (std::ranges::any_of(box, [](double x) { return x != 0.0; })) {
+    sample.speaker_box = Box{.x_min = box[0], .y_min = box[1], .x_max = box[2], .y_max = box[3]};
+  }
+  if (clip.mouth_m) {
+    sample.speaker_m = transform_point(inverse(sample.world_from_source), *clip.mouth_m);
+  }
   sample.source = std::move(loaded.source);
   sample.target = std::move(loaded.target);
   return sample;

@@ -1,6 +1,5 @@
-#include "replay_splits.h"
-
 #include <earpoint/core/error.h>
+#include <earpoint/dataset/replay_splits.h>
 
 namespace earpoint {
 

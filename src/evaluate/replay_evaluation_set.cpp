@@ -42,7 +42,10 @@ class ReplayEvaluationSet : public EvaluationSet {
   }
   [[nodiscard]] int cluster(std::size_t pair) const override { return pairs_.at(pair).session; }
   [[nodiscard]] std::string pairs() const override { return "drawn as the released test does"; }
-  [[nodiscard]] bool knows_speaker() const override { return false; }
+  [[nodiscard]] bool knows_speaker() const override {
+    return std::ranges::all_of(pairs_,
+                               [](const Entry& entry) { return entry.clip->mouth_m.has_value(); });
+  }
   [[nodiscard]] PairSample sample(std::size_t pair) const override { return sample(pair, false); }
   [[nodiscard]] std::optional<PairTruth> truth(std::size_t /*pair*/) const override {
     return std::nullopt;

@@ -13,6 +13,7 @@
 #include <earpoint/core/random.h>
 #include <earpoint/dataset/dataset_folder.h>
 #include <earpoint/dataset/pair_sample.h>
+#include <earpoint/dataset/replay_pair.h>
 #include <earpoint/evaluate/transfer_function.h>
 
 namespace earpoint {
@@ -25,6 +26,8 @@ constexpr std::size_t kCacheBytes = std::size_t{256} << 20U;
 constexpr std::uint64_t kWindowSeed = 1;
 // The response's delays are dropped, so a target may lead its source only by what is between ears.
 constexpr FilterShape kShape{.before = 64, .after = 4000};
+// Recordings keep them: a target that is 6 m nearer leads by 280 samples.
+constexpr FilterShape kRecordedShape{.before = 320, .after = 4000};
 
 /// A place in the space in which the nearest is looked for: three points and three directions.
 using Features = std::array<double, 18>;
@@ -76,10 +79,46 @@ Pose world_from(const SoundSpacesViewpoint& viewpoint) {
           quaternion_from_euler({.yaw_rad = viewpoint.rotation_rad})};
 }
 
-/// The pairs of the training split, and their sounds.
+/// The pairs of a training split, and their sounds.
 class TrainingPairs {
  public:
-  TrainingPairs(const fs::path& folder, TransferIndex index)
+  virtual ~TrainingPairs() = default;
+  /// The sounds of the pair nearest to the question.
+  [[nodiscard]] virtual PairSample nearest(const Question& question) const = 0;
+  [[nodiscard]] virtual FilterShape shape() const = 0;
+};
+
+/// A pair of viewpoints of a clip, of either kind.
+template <typename Clip, typename Choice>
+struct TrainingPair {
+  const Clip* clip;
+  Choice choice;
+  Features features;
+};
+
+template <typename Clip, typename Choice>
+const TrainingPair<Clip, Choice>& nearest_of(const std::vector<TrainingPair<Clip, Choice>>& pairs,
+                                             const Question& question, TransferIndex index) {
+  const Features wanted = features_of(question.sample, index);
+  const TrainingPair<Clip, Choice>* best = nullptr;
+  double best_distance = std::numeric_limits<double>::infinity();
+  for (const auto& pair : pairs) {
+    if (index == TransferIndex::locations && pair.clip->scene != question.scene) continue;
+    const double distance = squared_distance(pair.features, wanted);
+    if (distance >= best_distance) continue;
+    best_distance = distance;
+    best = &pair;
+  }
+  if (best == nullptr) {
+    throw InputError("scene " + std::string(question.scene), "is not in the training split",
+                     "look up by relative pose (--tf-index relative)");
+  }
+  return *best;
+}
+
+class SimulatedTrainingPairs : public TrainingPairs {
+ public:
+  SimulatedTrainingPairs(const fs::path& folder, TransferIndex index)
       : dataset_(soundspaces_options(folder, "train")),
         sampler_(dataset_, kCacheBytes),
         index_(index) {
@@ -87,31 +126,13 @@ class TrainingPairs {
     if (entries_.empty()) throw InputError(folder.string(), "holds no training pairs");
   }
 
-  /// The sounds of the pair nearest to the question.
-  [[nodiscard]] PairSample nearest(const Question& question) const {
-    const Features wanted = features_of(question.sample, index_);
-    const Entry* best = nullptr;
-    double best_distance = std::numeric_limits<double>::infinity();
-    for (const Entry& entry : entries_) {
-      if (index_ == TransferIndex::locations && entry.clip->scene != question.scene) continue;
-      const double distance = squared_distance(entry.features, wanted);
-      if (distance >= best_distance) continue;
-      best_distance = distance;
-      best = &entry;
-    }
-    if (best == nullptr) {
-      throw InputError("scene " + std::string(question.scene), "is not in the training split",
-                       "look up by relative pose (--tf-index relative)");
-    }
-    return sample_of(*best);
+  [[nodiscard]] PairSample nearest(const Question& question) const override {
+    return sample_of(nearest_of(entries_, question, index_));
   }
+  [[nodiscard]] FilterShape shape() const override { return kShape; }
 
  private:
-  struct Entry {
-    const SoundSpacesClip* clip;
-    SoundSpacesChoice choice;
-    Features features;
-  };
+  using Entry = TrainingPair<SoundSpacesClip, SoundSpacesChoice>;
 
   void add(const SoundSpacesClip& clip) {
     const int viewpoints = static_cast<int>(clip.viewpoints.size());
@@ -164,11 +185,59 @@ class TrainingPairs {
   std::vector<Entry> entries_;
 };
 
+/// Of recordings whose speakers' places are known.
+class RecordedTrainingPairs : public TrainingPairs {
+ public:
+  RecordedTrainingPairs(const fs::path& folder, TransferIndex index)
+      : dataset_(replay_options(folder, "train")), index_(index) {
+    for (const ReplayClip& clip : dataset_.clips()) add(clip);
+    if (entries_.empty()) {
+      throw InputError(folder.string(),
+                       "its training clips do not tell where speakers are, which tf looks up by");
+    }
+  }
+
+  [[nodiscard]] PairSample nearest(const Question& question) const override {
+    const Entry& entry = nearest_of(entries_, question, index_);
+    return replay_pair(dataset_, *entry.clip, entry.choice, false);
+  }
+  [[nodiscard]] FilterShape shape() const override { return kRecordedShape; }
+
+ private:
+  using Entry = TrainingPair<ReplayClip, ReplayChoice>;
+
+  void add(const ReplayClip& clip) {
+    if (!clip.mouth_m) return;
+    std::vector<Pose> cameras;
+    for (const std::string& image : clip.images) {
+      cameras.push_back(world_from_camera(dataset_.camera(clip.scene, image)));
+    }
+    for (std::size_t source = 0; source < cameras.size(); ++source) {
+      for (std::size_t target = 0; target < cameras.size(); ++target) {
+        if (source == target) continue;
+        PairSample places;
+        places.world_from_source = cameras[source];
+        const Pose source_from_world = inverse(cameras[source]);
+        places.source_from_target = source_from_world * cameras[target];
+        places.speaker_m = transform_point(source_from_world, *clip.mouth_m);
+        entries_.push_back({&clip,
+                            {static_cast<int>(source), static_cast<int>(target)},
+                            features_of(places, index_)});
+      }
+    }
+  }
+
+  ReplayDataset dataset_;
+  TransferIndex index_;
+  std::vector<Entry> entries_;
+};
+
 class TransferFunctionMethod : public Method {
  public:
   explicit TransferFunctionMethod(std::shared_ptr<const TrainingPairs> pairs)
       : pairs_(std::move(pairs)),
-        fit_(kShape, 0, kPairSamples, {.regularisation = 1e-3, .steps = 60}) {}
+        shape_(pairs_->shape()),
+        fit_(shape_, 0, kPairSamples, {.regularisation = 1e-3, .steps = 60}) {}
 
   Waveform render(const Question& question) override {
     const Waveform& source = question.sample.source;
@@ -178,28 +247,41 @@ class TransferFunctionMethod : public Method {
       const std::vector<float> filter =
           fit_.fit(nearest.source.channel(ear), nearest.target.channel(ear));
       const std::vector<float> filtered = convolve(source.channel(ear), filter);
-      std::copy_n(filtered.begin() + kShape.before, source.samples(), result.channel(ear).begin());
+      std::copy_n(filtered.begin() + shape_.before, source.samples(), result.channel(ear).begin());
     }
     return result;
   }
 
  private:
   std::shared_ptr<const TrainingPairs> pairs_;
+  FilterShape shape_;
   FilterFit fit_;
 };
 
 }  // namespace
 
-TransferIndex transfer_index_for(const fs::path& folder, const std::set<std::string>& scenes) {
+TransferIndex transfer_index_for(const fs::path& folder, DatasetLayout layout,
+                                 const std::set<std::string>& scenes) {
   std::set<std::string> trained;
-  const SoundSpacesDataset dataset(soundspaces_options(folder, "train"));
-  for (const SoundSpacesClip& clip : dataset.clips()) trained.insert(clip.scene);
+  if (layout == DatasetLayout::replay) {
+    const ReplayDataset dataset(replay_options(folder, "train"));
+    for (const ReplayClip& clip : dataset.clips()) trained.insert(clip.scene);
+  } else {
+    const SoundSpacesDataset dataset(soundspaces_options(folder, "train"));
+    for (const SoundSpacesClip& clip : dataset.clips()) trained.insert(clip.scene);
+  }
   return std::ranges::includes(trained, scenes) ? TransferIndex::locations
                                                 : TransferIndex::relative_pose;
 }
 
-MethodEntry transfer_function_method(const fs::path& folder, TransferIndex index) {
-  const auto pairs = std::make_shared<const TrainingPairs>(folder, index);
+MethodEntry transfer_function_method(const fs::path& folder, DatasetLayout layout,
+                                     TransferIndex index) {
+  std::shared_ptr<const TrainingPairs> pairs;
+  if (layout == DatasetLayout::replay) {
+    pairs = std::make_shared<const RecordedTrainingPairs>(folder, index);
+  } else {
+    pairs = std::make_shared<const SimulatedTrainingPairs>(folder, index);
+  }
   return {.name = "tf",
           .what = index == TransferIndex::locations
                       ? "Wiener filters of the nearest training pair by true locations"

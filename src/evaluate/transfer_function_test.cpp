@@ -29,8 +29,8 @@ class TransferFunctionTest : public ::testing::Test {
     SilentProgress silent;
     EvaluationOptions options;
     options.jobs = 2;
-    const std::vector<MethodEntry> methods{input_method(),
-                                           transfer_function_method(folder_, index)};
+    const std::vector<MethodEntry> methods{
+        input_method(), transfer_function_method(folder_, DatasetLayout::soundspaces, index)};
     return make_table(evaluate(*set, methods, options, silent)).rows[1][Metric::mag].ratio->value;
   }
 
@@ -60,8 +60,10 @@ TEST_F(TransferFunctionTest, WhereItWasTrainedTheFilterCarriesOver) {
 }
 
 TEST_F(TransferFunctionTest, IndexFollowsWhetherTheScenesAreKnown) {
-  EXPECT_EQ(transfer_index_for(folder_, {"room"}), TransferIndex::locations);
-  EXPECT_EQ(transfer_index_for(folder_, {"room", "hall"}), TransferIndex::relative_pose);
+  EXPECT_EQ(transfer_index_for(folder_, DatasetLayout::soundspaces, {"room"}),
+            TransferIndex::locations);
+  EXPECT_EQ(transfer_index_for(folder_, DatasetLayout::soundspaces, {"room", "hall"}),
+            TransferIndex::relative_pose);
 }
 
 TEST_F(TransferFunctionTest, UnknownSceneCannotBeLookedUpByLocation) {
@@ -71,8 +73,10 @@ TEST_F(TransferFunctionTest, UnknownSceneCannotBeLookedUpByLocation) {
 
 TEST_F(TransferFunctionTest, DataWithoutTrainingSplitIsRefused) {
   fs::remove_all(folder_ / "train");
-  EXPECT_THROW((void)transfer_function_method(folder_, TransferIndex::locations), InputError);
-  EXPECT_THROW((void)transfer_index_for(folder_, {"room"}), InputError);
+  EXPECT_THROW(
+      (void)transfer_function_method(folder_, DatasetLayout::soundspaces, TransferIndex::locations),
+      InputError);
+  EXPECT_THROW((void)transfer_index_for(folder_, DatasetLayout::soundspaces, {"room"}), InputError);
 }
 
 }  // namespace

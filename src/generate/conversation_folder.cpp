@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <earpoint/audio/sound_file.h>
+#include <earpoint/core/atomic_folder.h>
 #include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
 #include <earpoint/video/image_file.h>
@@ -17,40 +18,6 @@ namespace fs = std::filesystem;
 
 constexpr const char* kClip = "clip.json";
 constexpr const char* kReport = "report.json";
-
-/// A folder that is filled aside: without commit() nothing of it is left.
-class AtomicFolder {
- public:
-  explicit AtomicFolder(fs::path path) : path_(std::move(path)) {
-    aside_ = path_.parent_path() / fmt::format(".{}.partial", path_.filename().string());
-    std::error_code error;
-    fs::remove_all(aside_, error);  // of a run that was killed
-    fs::create_directories(aside_, error);
-    if (error) throw InputError(path_.string(), "cannot be made: " + error.message());
-  }
-  ~AtomicFolder() {
-    if (committed_) return;
-    std::error_code ignored;
-    fs::remove_all(aside_, ignored);
-  }
-  AtomicFolder(const AtomicFolder&) = delete;
-  AtomicFolder& operator=(const AtomicFolder&) = delete;
-
-  [[nodiscard]] const fs::path& aside() const { return aside_; }
-
-  void commit() {
-    std::error_code error;
-    fs::remove_all(path_, error);  // it lacked a file
-    fs::rename(aside_, path_, error);
-    if (error) throw InputError(path_.string(), "cannot be made: " + error.message());
-    committed_ = true;
-  }
-
- private:
-  fs::path path_;
-  fs::path aside_;
-  bool committed_ = false;
-};
 
 std::string image_name(std::size_t viewpoint) { return fmt::format("view_{}.png", viewpoint); }
 

@@ -69,7 +69,7 @@ Pose pose_from_opencv(const std::array<Vector3, 3>& rows, const Vector3& transla
   return {centre, quaternion_from_axes(rows[2], -rows[0], -rows[1])};
 }
 
-Pose in_our_world(const Pose& pose, const SessionFrame& frame) {
+Pose in_our_world(const Pose& pose, const CalibrationFrame& frame) {
   return {rotate(frame.ours_from_theirs, pose.position_m * frame.metres_per_unit),
           normalized(frame.ours_from_theirs * pose.orientation)};
 }
@@ -175,7 +175,7 @@ std::map<std::string, Lens> read_colmap_lenses(const fs::path& path) {
   return lenses;
 }
 
-void apply_colmap(const fs::path& folder, const SessionFrame& frame, Session& session) {
+void apply_colmap(const fs::path& folder, const CalibrationFrame& frame, Session& session) {
   const std::map<std::string, Lens> lenses = read_colmap_lenses(folder / "cameras.txt");
   const fs::path images = folder / "images.txt";
   const auto lines = colmap_lines(read_text_file(images));
@@ -227,8 +227,8 @@ void apply_camera_positions(const JsonField& field, const fs::path& path, Sessio
 
 }  // namespace
 
-SessionFrame session_frame(const JsonField& session) {
-  SessionFrame frame;
+CalibrationFrame calibration_frame(const JsonField& session) {
+  CalibrationFrame frame;
   if (session.has("units")) frame.metres_per_unit = metres_per_unit(session.field("units"));
   if (session.has("up")) frame.ours_from_theirs = up_turned_to_z(session.field("up"));
   if (!session.has("frame")) return frame;
@@ -239,7 +239,7 @@ SessionFrame session_frame(const JsonField& session) {
   return frame;
 }
 
-Vector3 position_of(const JsonField& field, const SessionFrame& frame) {
+Vector3 position_of(const JsonField& field, const CalibrationFrame& frame) {
   return rotate(frame.ours_from_theirs, field.vector3() * frame.metres_per_unit);
 }
 
@@ -266,7 +266,7 @@ Lens lens_of(const JsonField& field) {
   return lens;
 }
 
-Pose pose_of(const JsonField& field, const SessionFrame& frame) {
+Pose pose_of(const JsonField& field, const CalibrationFrame& frame) {
   field.expect_only({"rotation", "translation"});
   const std::array<Vector3, 3> rows = rotation_rows(field.field("rotation"));
   const Vector3 translation = field.field("translation").vector3();
@@ -278,7 +278,7 @@ Pose pose_of(const JsonField& field, const SessionFrame& frame) {
   return in_our_world({translation, orientation}, frame);
 }
 
-void apply_calibration(const JsonField& field, const SessionFrame& frame, Session& session) {
+void apply_calibration(const JsonField& field, const CalibrationFrame& frame, Session& session) {
   field.expect_only({"colmap", "camera_positions"});
   const auto existing = [&](const char* key) {
     fs::path path = session.file.parent_path() / field.field(key).text();

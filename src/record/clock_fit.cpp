@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include <earpoint/core/error.h>
 #include <earpoint/spatial/rigid_sphere.h>
@@ -24,14 +25,17 @@ struct Round {
   double width_s;            ///< of Cauchy's weights
   double place_deviation_m;  ///< of the prior on places, horizontally
 };
-constexpr std::array<Round, 8> kRounds{{{5e-3, 0.5},
-                                        {5e-3, 1.0},
-                                        {3e-3, 1.5},
-                                        {2e-3, 2.0},
-                                        {1e-3, 3.0},
+constexpr std::array<Round, 9> kRounds{{{15e-3, 0.5},
+                                        {10e-3, 1.0},
+                                        {5e-3, 1.5},
+                                        {3e-3, 2.0},
+                                        {2e-3, 3.0},
+                                        {1e-3, 4.0},
                                         {0.6e-3, 4.0},
                                         {0.4e-3, 4.0},
                                         {0.3e-3, 4.0}}};
+constexpr std::size_t kFineRound = 4;  ///< where clocks begin that are good already
+constexpr int kMostPasses = 3;
 constexpr int kStepsPerRound = 4;
 
 /// A clock as the fit has it: session = offset + (1 + slope / kDriftTime_s) (device - middle).
@@ -61,9 +65,9 @@ class Fit {
   }
 
   ClockFit run() {
-    for (const Round& round : kRounds) {
-      for (int step = 0; step < kStepsPerRound; ++step) improve(round);
-    }
+    refine_from(0);
+    // Once places are known, a camera that is caught at a wrong offset can be told.
+    for (int pass = 0; pass < kMostPasses && recentre(); ++pass) refine_from(kFineRound);
     return result();
   }
 
@@ -145,6 +149,57 @@ class Fit {
       places_[e] = places_[e] + move;
     }
     normal_ = std::move(reduced);
+  }
+
+  void refine_from(std::size_t first) {
+    for (std::size_t round = first; round < kRounds.size(); ++round) {
+      for (int step = 0; step < kStepsPerRound; ++step) improve(kRounds[round]);
+    }
+  }
+
+  /// Moves each camera to the offset that most of its times support, be they chosen or not: the fit
+  /// itself cannot leave an offset at which reflections agree.
+  /// @return whether any was moved
+  bool recentre() {
+    bool moved = false;
+    constexpr double kReach_s = 12e-3;
+    constexpr double kBin_s = 0.1e-3;
+    constexpr std::ptrdiff_t kHalf = 120;  // bins
+    constexpr std::ptrdiff_t kSpread = 3;
+    constexpr double kMuch = 0.6;
+    std::vector<std::vector<double>> support(devices_.size(), std::vector<double>(2 * kHalf + 1));
+    for (std::size_t e = 0; e < events_.size(); ++e) {
+      const SoundEvent& event = events_[e];
+      const double anchor_s = session_s(event.anchor, event.anchor_s);
+      for (const HeardEvent& heard : event.heard) {
+        const double expected = anchor_s + lateness_s(event, heard, places_[e]);
+        for (const HeardTime& time : heard.times) {
+          const double residual = session_s(heard.device, time.device_s) - expected;
+          if (std::abs(residual) >= kReach_s) continue;
+          support[heard.device][kHalf + std::lround(residual / kBin_s)] += time.height;
+        }
+      }
+    }
+    for (std::size_t d = 1; d < devices_.size(); ++d) {
+      const auto around = [&](std::ptrdiff_t bin) {
+        const auto first = support[d].begin() + kHalf + bin - kSpread;
+        return std::accumulate(first, first + 2 * kSpread + 1, 0.0);
+      };
+      std::ptrdiff_t best = -kHalf + kSpread;
+      for (std::ptrdiff_t bin = best; bin <= kHalf - kSpread; ++bin) {
+        if (around(bin) > around(best)) best = bin;
+      }
+      if (around(best) <= 0.0) continue;  // a near microphone
+      // A wall behind a camera reflects everybody's voice equally late, but nothing comes before
+      // the direct sound: the first offset that much supports, up to its top.
+      std::ptrdiff_t first = -kHalf + kSpread;
+      while (around(first) < kMuch * around(best)) ++first;
+      while (first < best && around(first + 1) >= around(first)) ++first;
+      if (std::abs(first) <= kSpread) continue;
+      clocks_[d].offset_s -= static_cast<double>(first) * kBin_s;
+      moved = true;
+    }
+    return moved;
   }
 
   void add_clock_priors(NormalEquations& equations) const {

@@ -191,6 +191,9 @@ CoarseClock coarse_clock(std::span<const float> device, std::span<const float> r
 std::optional<Clap> find_clap(const Waveform& sound, double from_s, double to_s) {
   constexpr double kStep_s = 0.0005;
   constexpr std::ptrdiff_t kBefore = 60;
+  constexpr std::ptrdiff_t kRise = 6;  // the loudest step comes up to 3 ms after the first
+  constexpr double kOfTop = 0.1;
+  constexpr double kNothing = 1e-12;
   const double rate = sound.sample_rate_hz();
   const auto hop = static_cast<std::ptrdiff_t>(std::lround(kStep_s * rate));
   const auto begin =
@@ -202,13 +205,16 @@ std::optional<Clap> find_clap(const Waveform& sound, double from_s, double to_s)
   std::optional<Clap> clap;
   double best = 0.0;
   for (std::ptrdiff_t i = kBefore; i < std::ssize(power); ++i) {
-    const double before = *std::max_element(power.begin() + i - kBefore, power.begin() + i);
+    const double before =
+        *std::max_element(power.begin() + i - kBefore, power.begin() + i - kRise) + kNothing;
     // Loud and steep: speech rises slowly, clicks of a connector are weak.
-    const double score = std::sqrt(power[i]) * std::log10(1.0 + power[i] / (before + 1e-12));
+    const double score = std::sqrt(power[i]) * std::log10(1.0 + power[i] / before);
     if (score <= best) continue;
     best = score;
-    clap = Clap{static_cast<double>(begin + i * hop) / rate,
-                10.0 * std::log10((power[i] + 1e-12) / (before + 1e-12))};
+    std::ptrdiff_t first = i - kRise;
+    while (power[first] < kOfTop * power[i]) ++first;
+    clap =
+        Clap{static_cast<double>(begin + first * hop) / rate, 10.0 * std::log10(power[i] / before)};
   }
   return clap;
 }

@@ -27,7 +27,7 @@ struct CoarseClock {
                                        std::span<const float> reference);
 
 /// A match below this is none: noise against noise over ten minutes reaches about 5.
-inline constexpr double kLeastSignificance = 8.0;
+inline constexpr double kLeastSignificance = 6.5;
 
 /// A clap: the steepest rise of sound within a stretch of time.
 struct Clap {

@@ -36,8 +36,8 @@ fs::path media_path(const JsonField& field, const fs::path& session_file) {
   return session_file.parent_path() / path;
 }
 
-SessionCamera camera_of(const JsonField& json, const Session& session, const SessionFrame& frame,
-                        std::set<std::string>& names) {
+SessionCamera camera_of(const JsonField& json, const Session& session,
+                        const CalibrationFrame& frame, std::set<std::string>& names) {
   json.expect_only({"name", "video", "intrinsics", "extrinsics"});
   SessionCamera camera;
   camera.name = name_of(json, names);
@@ -59,7 +59,7 @@ SessionPerson person_of(const JsonField& json, const Session& session,
   return person;
 }
 
-void read_clap(const JsonField& root, const SessionFrame& frame, Session& session) {
+void read_clap(const JsonField& root, const CalibrationFrame& frame, Session& session) {
   if (root.has("clap_s")) {
     session.clap_s = root.field("clap_s").number();
     if (*session.clap_s < 0.0) root.field("clap_s").fail("0 or more");
@@ -120,7 +120,7 @@ Session read_session(const fs::path& path) {
       root.field("split").fail("train, val or test");
     }
   }
-  const SessionFrame frame = session_frame(root);
+  const CalibrationFrame frame = calibration_frame(root);
   std::set<std::string> names;
   for (const JsonField& item : root.field("cameras").items()) {
     session.cameras.push_back(camera_of(item, session, frame, names));

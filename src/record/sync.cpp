@@ -92,6 +92,7 @@ class Synchronizer {
       matched_.push_back(device);
       result_.devices.push_back({.clock = coarse.clock,
                                  .is_camera = device.is_camera,
+                                 .duration_s = device.sound.duration_s(),
                                  .method = first ? SyncMethod::reference : SyncMethod::onsets,
                                  .windows = 0,
                                  .deviation_s = {},

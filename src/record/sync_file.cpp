@@ -18,7 +18,8 @@ constexpr const char* kMicrophone = "microphone";
 Json json_of_device(const SyncedDevice& device) {
   Json json{{"name", device.clock.name},         {"kind", device.is_camera ? kCamera : kMicrophone},
             {"offset_s", device.clock.offset_s}, {"drift_ppm", device.clock.drift_ppm},
-            {"method", name_of(device.method)},  {"windows", device.windows}};
+            {"duration_s", device.duration_s},   {"method", name_of(device.method)},
+            {"windows", device.windows}};
   if (device.deviation_s) json["deviation_ms"] = 1e3 * *device.deviation_s;
   if (device.clap_s) json["clap_s"] = *device.clap_s;
   return json;
@@ -34,14 +35,15 @@ SyncMethod method_of(const JsonField& field) {
 }
 
 SyncedDevice device_of(const JsonField& json) {
-  json.expect_only(
-      {"name", "kind", "offset_s", "drift_ppm", "method", "windows", "deviation_ms", "clap_s"});
+  json.expect_only({"name", "kind", "offset_s", "drift_ppm", "duration_s", "method", "windows",
+                    "deviation_ms", "clap_s"});
   SyncedDevice device;
   device.clock = {json.field("name").text(), json.field("offset_s").number(),
                   json.field("drift_ppm").number()};
   const std::string kind = json.field("kind").text();
   if (kind != kCamera && kind != kMicrophone) json.field("kind").fail("camera or microphone");
   device.is_camera = kind == kCamera;
+  device.duration_s = json.field("duration_s").number();
   device.method = method_of(json.field("method"));
   device.windows = json.field("windows").integer();
   if (json.has("deviation_ms")) device.deviation_s = 1e-3 * json.field("deviation_ms").number();

@@ -18,7 +18,7 @@ namespace {
 constexpr float kCameraGain = 0.35F;
 constexpr float kMicrophoneGain = 0.1F;
 
-constexpr int kReach = 32;  // samples to either side
+constexpr std::ptrdiff_t kReach = 32;  // samples to either side
 constexpr int kPhases = 1024;
 constexpr double kCutoff = 0.96;  // of the Nyquist frequency
 constexpr double kKaiser = 9.0;
@@ -87,8 +87,8 @@ class SincReader {
 };
 
 const SincReader& reader() {
-  static const SincReader kReader;
-  return kReader;
+  static const SincReader only;
+  return only;
 }
 
 }  // namespace

@@ -36,7 +36,7 @@ std::vector<float> filter_of(const Spectrum& spectrum) {
   RealFft<float> fft(kTaps);
   std::vector<float> taps(kTaps);
   fft.inverse(spectrum, taps);
-  std::ranges::rotate(taps, taps.begin() + kTaps / 2);
+  std::rotate(taps.begin(), taps.begin() + kTaps / 2, taps.end());
   for (int i = 0; i < kTaps; ++i) {
     taps[i] *= static_cast<float>(0.5 - 0.5 * std::cos(2.0 * kPi * i / kTaps));
   }

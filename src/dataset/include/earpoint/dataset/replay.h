@@ -3,6 +3,7 @@
 #include <array>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -35,6 +36,9 @@ struct ReplayClip {
   std::string folder;               ///< relative to the root
   std::string scene;                ///< e.g. "SC-1027"
   std::vector<std::string> images;  ///< e.g. "1.png"; the camera's number is the name
+  /// Where the speaker's mouth is: metres, in the cameras' frame; of data that
+  /// `earpoint record prepare` made, where it was found.
+  std::optional<Vector3> mouth_m;
 };
 
 /// Which sample is made of a clip: two of its images, by index.
@@ -51,6 +55,10 @@ class ReplayDataset {
     std::filesystem::path folder = "data/appen_dataset/v3";  ///< under root
     std::string split = "test";                              ///< train, val or test
     std::string metadata_file = "metadata_v2.json";
+    /// Of prepared data, beside the metadata: which scenes are in which split, and what is known of
+    /// clips. Without them, as in the download, splits are the published ones.
+    std::string splits_file = "splits.json";
+    std::string clips_file = "clips.json";
     std::string camera_file = "camera_positions_fixed_rotation.json";  ///< beside the folder
     /// As the released loader: a view that cannot be read becomes a black picture and six seconds
     /// of silence. Without it such a view is an error, since a data set with holes should be
@@ -80,6 +88,8 @@ class ReplayDataset {
     ImagePlanes rgb;
     Waveform sound;
   };
+  void read_clips();
+  void read_mouths();
   [[nodiscard]] View read_view(const std::filesystem::path& image) const;
 
   Options options_;

@@ -4,6 +4,7 @@
 #include <set>
 #include <string>
 
+#include <earpoint/dataset/dataset_folder.h>
 #include <earpoint/evaluate/method.h>
 
 namespace earpoint {
@@ -20,6 +21,7 @@ enum class TransferIndex {
 /// @return locations if every one of the scenes is in the training split, else relative_pose
 /// @throws InputError if the data set has no training split
 [[nodiscard]] TransferIndex transfer_index_for(const std::filesystem::path& folder,
+                                               DatasetLayout layout,
                                                const std::set<std::string>& scenes);
 
 /// The paper's "TF Estimator + Nearest Neighbor": of all pairs of the training split the nearest to
@@ -31,8 +33,9 @@ enum class TransferIndex {
 /// as 2 sin(t / 2) metres.
 /// Source: Novel-View Acoustic Synthesis, CVPR 2023, section 6, baseline 2.
 /// @param folder  of the data set; its split `train` is read
-/// @throws InputError if there is none
+/// @throws InputError if there is none, or it does not tell where speakers are, as the published
+///         Replay-NVAS does not
 [[nodiscard]] MethodEntry transfer_function_method(const std::filesystem::path& folder,
-                                                   TransferIndex index);
+                                                   DatasetLayout layout, TransferIndex index);
 
 }  // namespace earpoint

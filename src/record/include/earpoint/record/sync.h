@@ -23,6 +23,7 @@ enum class SyncMethod {
 struct SyncedDevice {
   DeviceClock clock;  ///< against session time, which is the first camera's clock
   bool is_camera = false;
+  double duration_s = 0.0;  ///< of its recording, on its own clock
   SyncMethod method = SyncMethod::onsets;
   int windows = 0;                    ///< stretches of speech that it was found by
   std::optional<double> deviation_s;  ///< one standard deviation of the offset, as the fit has it
@@ -64,7 +65,7 @@ struct SyncOptions {
 /// clocks to some ten milliseconds. Then voices are found again, half a second at a time, from the
 /// near microphone of who speaks alone in every ear of every camera, by GCC-PHAT. How long a voice
 /// travels depends on where it is, which is not known: places and clocks are found together, such
-/// that all ears agree (docs/method of clock_fit.h). Without near microphones the first camera
+/// that all ears agree. Without near microphones the first camera
 /// stands for them.
 /// @throws InputError if no device matches the first camera
 [[nodiscard]] SyncResult synchronize(const DeviceSounds& sounds, const SyncOptions& options,

@@ -18,4 +18,7 @@ struct NumberTable {
 /// Source: NumPy Enhancement Proposal 1, the .npy format, versions 1 to 3.
 NumberTable read_npy(const std::filesystem::path& path);
 
+/// Writes a table as 8-byte floats in C order. @throws InputError if it cannot be written
+void write_npy(const std::filesystem::path& path, const NumberTable& table);
+
 }  // namespace earpoint

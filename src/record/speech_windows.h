@@ -1,0 +1,35 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+namespace earpoint {
+
+/// What near microphones say of one second.
+enum class WindowKind {
+  speech,
+  silent,  ///< nobody speaks
+  noisy,   ///< a knock or a clap
+};
+
+struct SpeechWindow {
+  WindowKind kind = WindowKind::silent;
+  int speaker = 0;           ///< the microphone that is loudest, each re its own loud speech
+  bool overlapping = false;  ///< somebody else speaks too
+};
+
+/// A second of one near microphone.
+struct NearLevel {
+  float level_db = 0.0F;  ///< root mean square
+  float peak_db = 0.0F;
+};
+
+/// Judges windows by the energy of near microphones, as the paper does; its thresholds are not
+/// published. Each microphone has its own: somebody speaks above the middle between the levels that
+/// 10 % and 95 % of its windows stay below; a second one does within 12 dB of the latter. A window
+/// is noisy where a microphone's peak is 6 dB above what 99 % of the peaks stay below.
+/// @param levels  [microphone][window], at least one microphone
+[[nodiscard]] std::vector<SpeechWindow> judge_windows(
+    std::span<const std::vector<NearLevel>> levels);
+
+}  // namespace earpoint
