@@ -6,7 +6,7 @@ usage: bench/write_results.py MEASURED RESULTS.md [--measured-only]
 MEASURED holds vigas.md, gtf_bench.json, training.json, training_gtf.json, oracle_errors.md, render_speed.jsonl,
 render_memory.jsonl, demo.jsonl, trace_gates.md, learning_curves-single.md, learning_curves-novel.md,
 rt60_error.json, home_reverberation.jsonl, compare_tracers.json, kills.json,
-camera_bench.jsonl, simulate_cost.jsonl, session_cost.jsonl, evaluate-single.json, evaluate-novel.json, ablations-single.json, ablations-novel.json, generalisation.json,
+camera_bench.jsonl, simulate_cost.jsonl, session_cost.jsonl, evaluate-single.json, evaluate-novel.json, evaluate-recorded.json, ablations-single.json, ablations-novel.json, generalisation.json,
 generalisation_heads.json, ambient-single.json, ambient-novel.json and enhance-novel.json; a section
 whose file is missing stays as it is in RESULTS.md, or says so where it is new; with --measured-only it
 is left out.
@@ -241,6 +241,10 @@ SECTIONS = [
     ("Methods in unseen homes", "evaluate-novel.json", evaluation_table,
      EVALUATION_WORDS + "Homes and speakers of the test split are in no other split. gtf has a third training "
      "behind it (see *A loss by ear*), which that of one home has not."),
+    ("Methods in recorded sessions", "evaluate-recorded.json", evaluation_table,
+     "`earpoint evaluate --layout replay` on the test sessions of twelve that `earpoint record simulate` made in one "
+     "flat and `earpoint record prepare` cut into clips; no session is in two splits. The gtf that ships, which "
+     "learned nothing of them."),
     ("Learning curves in one home", "learning_curves-single.md", None,
      "`bench/learning_curves.py`: Mag on 256 validation pairs while `earpoint train` runs on one core "
      "beside others, so minutes are upper bounds. gtf goes on from where gtf-magnitude ends, with the depth "
