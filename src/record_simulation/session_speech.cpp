@@ -122,6 +122,7 @@ class TurnListener {
     mouth.directivity = speech_directivity();
     mouth.body = peopled.people[person].instance;
     std::vector<Vector3> listeners;
+    listeners.reserve(devices.size());
     for (const int device : devices) listeners.push_back(devices_.pose(device, time_s).position_m);
     ThreadPool pool(1);
     TraceResult traced = trace(AcousticScene(peopled.scene), {&mouth, 1}, listeners,
@@ -259,7 +260,7 @@ SessionSound hear_speech(const PreparedScene& scene, const SessionPlan& plan,
   progress.begin("tracing speech", static_cast<double>(plan.turns.size()), "turns");
   // A few at a time are heard by all threads and then added in their order: sums do not depend on
   // who was first.
-  const auto together = static_cast<std::size_t>(2 * jobs);
+  const auto together = 2 * static_cast<std::size_t>(jobs);
   for (std::size_t first = 0; first < plan.turns.size(); first += together) {
     const std::size_t count = std::min(together, plan.turns.size() - first);
     std::vector<std::vector<HeardPart>> heard(count);
@@ -283,6 +284,7 @@ void add_clap(const PreparedScene& scene, const SessionPlan& plan,
   const Devices devices(plan);
   const PeopledScene peopled = scene_with_people(scene.scene, plan, plan.clap_s);
   std::vector<Vector3> listeners;
+  listeners.reserve(static_cast<std::size_t>(devices.count()));
   for (int device = 0; device < devices.count(); ++device) {
     listeners.push_back(devices.pose(device, plan.clap_s).position_m);
   }

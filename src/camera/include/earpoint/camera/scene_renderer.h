@@ -79,10 +79,11 @@ class SceneRenderer {
   /// @param region    inside of the picture, not empty
   /// @param exposure  what the light is multiplied by, quality.exposure beside it; > 0
   /// @return  the region's pixels
-  /// @throws std::logic_error if the camera, the quality, the region or the exposure is out of range
+  /// @throws std::logic_error if the camera, the quality, the region or the exposure is out of
+  /// range
   [[nodiscard]] View render_region(const Camera& camera, const PixelRegion& region,
-                                   const RenderQuality& quality, float exposure,
-                                   std::uint64_t seed, ThreadPool& pool) const;
+                                   const RenderQuality& quality, float exposure, std::uint64_t seed,
+                                   ThreadPool& pool) const;
 
   /// The light itself, before exposure and tone mapping.
   /// @return radiance, linear red, green, blue; shape [height][width][3]
