@@ -68,7 +68,8 @@ void run(const Options& options) {
   StreamProgress bar(stderr);
   ProgressSink& progress = options.quiet ? static_cast<ProgressSink&>(silent) : bar;
   const DeviceSounds sounds = read_device_sounds(session, progress);
-  const SyncResult result = synchronize(sounds, {.clap_s = session.clap_s}, progress);
+  const SyncResult result =
+      synchronize(sounds, {.clap_s = session.clap_s, .clap_m = session.clap_m}, progress);
   for (const std::string& note : result.notes) fmt::print(stderr, "earpoint: {}\n", note);
 
   std::optional<SyncErrors> errors;

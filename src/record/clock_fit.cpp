@@ -15,10 +15,11 @@ namespace {
 constexpr double kTypicalError_s = 0.15e-3;
 constexpr double kFits_s = 0.6e-3;          ///< a residual beyond this is another sound
 constexpr double kHeightDeviation_m = 0.3;  ///< of mouths, who sit or stand
-constexpr double kClockDeviation_s = 0.02;
+/// Of clocks to begin with, the reference's too: else what it mishears would move all others.
+constexpr double kClockDeviation_s = 0.01;
 /// Drift is a parameter as the offset that it makes in 100 s, so that both are of one size.
 constexpr double kDriftTime_s = 100.0;
-constexpr double kDriftDeviation_s = 100e-6 * kDriftTime_s;
+constexpr double kDriftDeviation_s = 50e-6 * kDriftTime_s;
 
 /// How tolerant the fit is, from the first round to the last.
 struct Round {
@@ -80,7 +81,7 @@ class Fit {
 
   [[nodiscard]] double anchor_travel_s(const SoundEvent& event, const Vector3& place) const {
     const FitDevice& anchor = devices_[event.anchor];
-    if (!event.anchor_ear) return anchor.near_distance_m / kSpeedOfSound_m_s;
+    if (!event.anchor_ear) return anchor.near_distance_m / kSoundMetresPerSecond;
     return travel_time_s(place, *anchor.world_from_head, *event.anchor_ear);
   }
 
@@ -134,9 +135,6 @@ class Fit {
       places.push_back(place_equations(e, round, size));
       places.back().eliminate_from(reduced);
     }
-    // The reference's clock stays.
-    reduced.fix(0);
-    reduced.fix(1);
     const std::vector<double> step = reduced.solve();
     for (std::size_t d = 0; d < devices_.size(); ++d) {
       clocks_[d].offset_s += step[2 * d];
@@ -180,7 +178,7 @@ class Fit {
         }
       }
     }
-    for (std::size_t d = 1; d < devices_.size(); ++d) {
+    for (std::size_t d = 0; d < devices_.size(); ++d) {
       const auto around = [&](std::ptrdiff_t bin) {
         const auto first = support[d].begin() + kHalf + bin - kSpread;
         return std::accumulate(first, first + 2 * kSpread + 1, 0.0);
@@ -200,6 +198,11 @@ class Fit {
       moved = true;
     }
     return moved;
+  }
+
+  /// Session time over the device's own.
+  [[nodiscard]] double rate_of(std::size_t device) const {
+    return 1.0 + clocks_[device].slope_s / kDriftTime_s;
   }
 
   void add_clock_priors(NormalEquations& equations) const {
@@ -232,12 +235,19 @@ class Fit {
   [[nodiscard]] ClockFit result() const {
     ClockFit fit;
     fit.positions = places_;
-    const std::vector<double> variances = normal_.variances();
+    // Session time is the reference's, which cannot deviate from itself.
+    NormalEquations against_reference = normal_;
+    against_reference.fix(0);
+    against_reference.fix(1);
+    const std::vector<double> variances = against_reference.variances();
+    const double reference_rate = rate_of(0);
+    const double reference_s = clocks_[0].offset_s - reference_rate * devices_[0].middle_s;
     for (std::size_t d = 0; d < devices_.size(); ++d) {
       DeviceClock clock = devices_[d].clock;
-      const double rate = 1.0 + clocks_[d].slope_s / kDriftTime_s;
-      clock.drift_ppm = (1.0 / rate - 1.0) * 1e6;
-      clock.offset_s = clocks_[d].offset_s - rate * devices_[d].middle_s;
+      const double rate = rate_of(d) / reference_rate;
+      clock.drift_ppm = d == 0 ? 0.0 : (1.0 / rate - 1.0) * 1e6;
+      const double begin_s = clocks_[d].offset_s - rate_of(d) * devices_[d].middle_s;
+      clock.offset_s = (begin_s - reference_s) / reference_rate;
       fit.clocks.push_back(clock);
       fit.deviations_s.push_back(d == 0 ? 0.0 : std::sqrt(variances[2 * d]));
     }
@@ -268,7 +278,7 @@ double travel_time_s(const Vector3& source_m, const Pose& world_from_head, int e
   const double distance_m = std::max(norm(to_source), 1e-3);
   const Vector3 left = rotate(world_from_head.orientation, {0, 1, 0});
   const double towards_left = std::clamp(dot(to_source, left) / distance_m, -1.0, 1.0);
-  return distance_m / kSpeedOfSound_m_s +
+  return distance_m / kSoundMetresPerSecond +
          rigid_sphere_delays_s(distance_m, towards_left)[static_cast<std::size_t>(ear)];
 }
 

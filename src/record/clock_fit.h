@@ -10,7 +10,7 @@
 
 namespace earpoint {
 
-inline constexpr double kSpeedOfSound_m_s = 343.0;
+inline constexpr double kSoundMetresPerSecond = 343.0;
 
 /// When an ear of a camera may have heard the sound of an event.
 struct HeardTime {
@@ -22,6 +22,7 @@ struct HeardTime {
 struct HeardEvent {
   std::size_t device = 0;  ///< a camera
   int ear = 0;
+  double expected_s = 0.0;  ///< about when, on the camera's clock
   std::vector<HeardTime> times;
 };
 

@@ -25,7 +25,7 @@ class DelayFinder {
   void set_template(std::span<const float> sound);
 
   /// @param sound  shape [template_samples + search_samples]
-  /// @return  the highest peaks by falling height, at most four; none if either is silent
+  /// @return  the highest peaks by falling height, at most six; none if either is silent
   [[nodiscard]] std::vector<DelayCandidate> find(std::span<const float> sound);
 
  private:

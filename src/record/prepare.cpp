@@ -184,7 +184,8 @@ class Preparation {
     const fs::path stored = folder_ / "sync.json";
     if (!fs::exists(stored)) {
       const DeviceSounds sounds = read_device_sounds(session_, progress_);
-      const SyncResult found = synchronize(sounds, {.clap_s = session_.clap_s}, progress_);
+      const SyncResult found =
+          synchronize(sounds, {.clap_s = session_.clap_s, .clap_m = session_.clap_m}, progress_);
       write_file(stored, std::string_view(json_of(found)));
     }
     sync_ = read_sync(stored);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -18,7 +19,7 @@ constexpr double kClapAround_s = 0.06;
 constexpr double kClapRise_db = 15.0;
 constexpr int kLeastCameras = 3;  ///< that a place is found by
 constexpr int kLeastEars = 4;     ///< of an event, so that its place tells something
-constexpr std::size_t kFirstEvents = 120;
+constexpr std::size_t kFirstEvents = 300;
 constexpr std::size_t kMostEvents = 600;
 
 /// The point nearest to where all cameras look.
@@ -59,13 +60,14 @@ class Synchronizer {
     match_onsets();
     match_claps();
     refine();
-    for (const SyncedDevice& device : result_.devices) {
+    for (std::size_t d = 0; d < result_.devices.size(); ++d) {
+      const SyncedDevice& device = result_.devices[d];
       if (device.method != SyncMethod::onsets) continue;
+      const bool placed = !device.is_camera || matched_[d].world_from_head;
       result_.notes.push_back(
           fmt::format("{} {} is synchronised by onsets alone, to some ten milliseconds: {}",
                       device.is_camera ? "camera" : "near microphone of", device.clock.name,
-                      device.is_camera ? "it is not calibrated, or too few others are"
-                                       : "its voice is heard alone too rarely"));
+                      placed ? "voices are heard alone too rarely" : "it is not calibrated"));
     }
     return std::move(result_);
   }
@@ -124,6 +126,28 @@ class Synchronizer {
           find_clap(sound(d).sound, expected_s - kClapAround_s, expected_s + kClapAround_s);
       if (clap && clap->rise_db > kClapRise_db) device.clap_s = clap->time_s;
     }
+    if (options_.clap_m && matched_.front().world_from_head) start_from_clap(*options_.clap_m);
+  }
+
+  /// Where the clapper's place is known, clocks begin by when it was heard, less its way; near
+  /// microphones are taken to be as far from it as people sit.
+  void start_from_clap(const Vector3& clap_m) {
+    constexpr double kToMicrophone_m = 1.5;
+    if (!result_.devices.front().clap_s) return;
+    const auto way_s = [&](const DeviceSound& device) {
+      const double metres = device.world_from_head
+                                ? norm(device.world_from_head->position_m - clap_m)
+                                : kToMicrophone_m;
+      return metres / kSoundMetresPerSecond;
+    };
+    const double emitted_s = *result_.devices.front().clap_s - way_s(matched_.front());
+    for (std::size_t d = 1; d < matched_.size(); ++d) {
+      SyncedDevice& device = result_.devices[d];
+      if (!device.clap_s || (device.is_camera && !matched_[d].world_from_head)) continue;
+      by_clap_.insert(device.clock.name);
+      device.clock.offset_s +=
+          emitted_s + way_s(matched_[d]) - session_time_s(device.clock, *device.clap_s);
+    }
   }
 
   void refine() {
@@ -155,6 +179,7 @@ class Synchronizer {
                        .middle_s = 0.5 * device.sound.duration_s()});
     }
     const Vector3 centre = centre_of_attention(devices);
+    remove_ways_from(centre, start);
     VoiceEvents finder(devices, centre);
     std::vector<SoundEvent> events;
     ClockFit found;
@@ -162,7 +187,8 @@ class Synchronizer {
       double search_s;
       std::size_t events;
     };
-    for (const Pass pass : {Pass{0.05, kFirstEvents}, Pass{0.016, kMostEvents}}) {
+    for (const Pass pass :
+         {Pass{0.016, kFirstEvents}, Pass{0.016, kMostEvents}, Pass{0.01, kMostEvents}}) {
       events = finder.find(clocks_of(start), pass.search_s, pass.events, progress_);
       std::erase_if(events,
                     [](const SoundEvent& event) { return std::ssize(event.heard) < kLeastEars; });
@@ -173,8 +199,24 @@ class Synchronizer {
     store(usable, events, found);
   }
 
+  /// Onsets were matched as if sound took no time; most of it came from around there. Clocks that
+  /// begin by the clap have their ways removed.
+  void remove_ways_from(const Vector3& centre_m, std::vector<FitDevice>& devices) const {
+    const auto way_s = [&](const FitDevice& device) {
+      return device.world_from_head
+                 ? norm(device.world_from_head->position_m - centre_m) / kSoundMetresPerSecond
+                 : 0.0;
+    };
+    const double reference_s = way_s(devices.front());
+    for (FitDevice& device : devices) {
+      if (by_clap_.contains(device.clock.name)) continue;
+      device.clock.offset_s += way_s(device) - reference_s;
+    }
+  }
+
   static std::vector<DeviceClock> clocks_of(const std::vector<FitDevice>& devices) {
     std::vector<DeviceClock> clocks;
+    clocks.reserve(devices.size());
     for (const FitDevice& device : devices) clocks.push_back(device.clock);
     return clocks;
   }
@@ -212,6 +254,7 @@ class Synchronizer {
   SyncOptions options_;
   ProgressSink& progress_;
   std::vector<DeviceSound> matched_;
+  std::set<std::string> by_clap_;  ///< devices whose clocks begin by the clap
   SyncResult result_;
 };
 

@@ -12,8 +12,8 @@ namespace earpoint {
 namespace {
 
 constexpr double kLevelHop_s = 0.1;
-constexpr float kBelowLoud_db = 18.0F;  ///< speech within this of its loud parts counts
-constexpr float kAloneBy_db = 8.0F;     ///< over every other voice, each re its own loud parts
+constexpr float kBelowLoud_db = 20.0F;  ///< speech within this of its loud parts counts
+constexpr float kAloneBy_db = 5.0F;     ///< over every other voice, each re its own loud parts
 
 std::vector<float> levels_of(const Waveform& sound) {
   const auto hop = static_cast<std::ptrdiff_t>(kLevelHop_s * sound.sample_rate_hz());
@@ -52,6 +52,60 @@ std::span<const float> samples_at(const Waveform& sound, int channel, std::ptrdi
   return sound.channel(channel).subspan(first, count);
 }
 
+/// How much later than expected a time is.
+double lag_s(const HeardEvent& heard, const HeardTime& time) {
+  return time.device_s - heard.expected_s;
+}
+
+/// The height of the peak that both agree in; 0 if there is none.
+double agreement(const HeardEvent& heard, const HeardTime& time, const HeardEvent& other) {
+  constexpr double kSame_s = 0.4e-3;
+  double highest = 0.0;
+  for (const HeardTime& theirs : other.times) {
+    if (std::abs(lag_s(other, theirs) - lag_s(heard, time)) > kSame_s) continue;
+    highest = std::max(highest, theirs.height);
+  }
+  return highest;
+}
+
+/// Weighs peaks by how often they come in the same ear within a second or two, for a voice stays
+/// where it is and noise does not; of those that do, the first is taken for the direct sound.
+void weigh_by_neighbours(std::vector<SoundEvent>& events) {
+  constexpr double kAround_s = 1.5;
+  constexpr double kStrong = 0.5;
+  constexpr double kLater = 0.7;
+  const std::vector<SoundEvent> plain = events;
+  for (std::size_t e = 0; e < events.size(); ++e) {
+    for (HeardEvent& heard : events[e].heard) {
+      std::vector<double> support(heard.times.size());
+      double most = 0.0;
+      for (std::size_t t = 0; t < heard.times.size(); ++t) {
+        for (const SoundEvent& other : plain) {
+          if (other.anchor != events[e].anchor ||
+              std::abs(other.anchor_s - events[e].anchor_s) > kAround_s) {
+            continue;
+          }
+          for (const HeardEvent& theirs : other.heard) {
+            if (theirs.device != heard.device || theirs.ear != heard.ear) continue;
+            support[t] += agreement(heard, heard.times[t], theirs);
+          }
+        }
+        most = std::max(most, support[t]);
+      }
+      double first_s = 1e9;
+      for (std::size_t t = 0; t < heard.times.size(); ++t) {
+        heard.times[t].height = support[t] / most;
+        if (heard.times[t].height >= kStrong) {
+          first_s = std::min(first_s, heard.times[t].device_s);
+        }
+      }
+      for (HeardTime& time : heard.times) {
+        time.height = time.device_s == first_s ? 1.0 : kLater * time.height;
+      }
+    }
+  }
+}
+
 }  // namespace
 
 VoiceEvents::VoiceEvents(const std::vector<DeviceSound>& devices, const Vector3& centre_m)
@@ -71,7 +125,7 @@ std::vector<VoiceEvents::Moment> VoiceEvents::moments(
     const std::vector<DeviceClock>& clocks) const {
   std::vector<Moment> found;
   const double end_s = devices_.front().sound.duration_s();
-  for (double time_s = 0.5 * kEvent_s; time_s < end_s; time_s += kEvent_s) {
+  for (double time_s = 0.5 * kEvent_s; time_s < end_s; time_s += 0.5 * kEvent_s) {
     float loudest = -kBelowLoud_db;
     float second = -120.0F;
     std::size_t speaker = devices_.size();
@@ -123,7 +177,7 @@ std::vector<SoundEvent> VoiceEvents::find(const std::vector<DeviceClock>& clocks
       const double travel_s =
           anchor.is_camera
               ? 0.0
-              : norm(camera.world_from_head->position_m - centre_m_) / kSpeedOfSound_m_s;
+              : norm(camera.world_from_head->position_m - centre_m_) / kSoundMetresPerSecond;
       const double expected_s = device_time_s(clocks[d], session_s + travel_s);
       const auto first =
           static_cast<std::ptrdiff_t>(std::lround((expected_s - 0.5 * kEvent_s) * kSyncRateHz)) -
@@ -132,7 +186,7 @@ std::vector<SoundEvent> VoiceEvents::find(const std::vector<DeviceClock>& clocks
         if (d == moment.anchor && ear == event.anchor_ear) continue;
         const auto heard = samples_at(camera.sound, ear, first, length + 2 * reach);
         if (heard.empty()) continue;
-        HeardEvent found{.device = d, .ear = ear, .times = {}};
+        HeardEvent found{.device = d, .ear = ear, .expected_s = expected_s, .times = {}};
         for (const DelayCandidate& candidate : finder.find(heard)) {
           found.times.push_back(
               {(static_cast<double>(first) + candidate.lag_samples + 0.5 * length) / kSyncRateHz,
@@ -144,6 +198,7 @@ std::vector<SoundEvent> VoiceEvents::find(const std::vector<DeviceClock>& clocks
     events.push_back(std::move(event));
   }
   progress.finish();
+  weigh_by_neighbours(events);
   return events;
 }
 

@@ -56,7 +56,8 @@ struct SyncResult {
 };
 
 struct SyncOptions {
-  std::optional<double> clap_s;  ///< as Session has it
+  std::optional<double> clap_s;   ///< as Session has them
+  std::optional<Vector3> clap_m;
 };
 
 /// Finds every device's offset and drift.
