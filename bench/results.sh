@@ -57,6 +57,20 @@ train_methods() {
   done
 }
 
+# Recordings as Replay-NVAS has them: twelve sessions in one flat, split by session, and the clips that are
+# cut from them. About an hour on two cores.
+record_sessions() {
+  local earpoint=$1 session
+  say "Recording simulated sessions into out/data/sessions, and their clips into out/data/recorded"
+  "$earpoint" record simulate --scenarios 12 --minutes 1.5 --size 384x216 --seed 21 --out out/data/sessions
+  for session in out/data/sessions/scenario-*/session.json; do
+    "$earpoint" record prepare "$session" --out out/data/recorded
+  done
+  say "Methods side by side in recorded sessions"
+  "$earpoint" evaluate --data out/data/recorded --layout replay --methods input,gtf --json \
+    >out/bench/evaluate-recorded.json
+}
+
 # Every method side by side on the frozen test pairs, into out/bench; what was not trained has no row.
 # Usage: evaluate_methods EARPOINT DATA...
 evaluate_methods() {
@@ -154,6 +168,7 @@ measure_simulator() {
   say "Cost of simulated data"
   [ -f "$speech_folder/speech.csv" ] || gather_speech "$speech_folder"
   python3 bench/simulate_cost.py "$earpoint" "$speech_folder" >out/bench/simulate_cost.jsonl
+  python3 bench/session_cost.py "$earpoint" "$speech_folder" >out/bench/session_cost.jsonl
 }
 
 # Whether anything is lost or left where a command is killed.
@@ -221,6 +236,7 @@ results() {
   train_methods "$earpoint"
   evaluate_methods "$earpoint" novel single
   evaluate_beyond "$earpoint"
+  record_sessions "$earpoint"
   for data in single novel; do
     python3 bench/learning_curves.py "out/runs/$data" "docs/images/learning-curves-$data.svg" \
       >"out/bench/learning_curves-$data.md"

@@ -7,7 +7,8 @@ MEASURED holds vigas.md, gtf_bench.json, training.json, training_gtf.json, oracl
 render_memory.jsonl, demo.json, trace_gates.md, learning_curves-single.md, learning_curves-novel.md,
 rt60_error.json, active_speaker.json, people_detection.jsonl, home_reverberation.jsonl, compare_tracers.json, kills.json,
 change_of_results.md,
-camera_bench.jsonl, simulate_cost.jsonl, evaluate-single.json, evaluate-novel.json, ablations-single.json, ablations-novel.json, generalisation.json,
+camera_bench.jsonl, simulate_cost.jsonl, session_cost.jsonl, evaluate-single.json, evaluate-novel.json, evaluate-recorded.json,
+ablations-single.json, ablations-novel.json, generalisation.json,
 generalisation_heads.json, ambient-single.json, ambient-novel.json, context-novel.json, separation-novel.md and enhance-novel.json; a section
 whose file is missing stays as it is in RESULTS.md, or says so where it is new; with --measured-only it
 is left out.
@@ -282,6 +283,14 @@ def simulation_table(text):
     return "\n".join(rows)
 
 
+def session_table(text):
+    run = json.loads(text.splitlines()[-1])
+    return "\n".join([
+        "| core-seconds per minute | of them sound | minutes that two cores make in an hour |", "|---|---|---|",
+        f"| {run['core_s_per_minute']:.0f} | {run['core_s_per_minute_without_pictures']:.0f} "
+        f"| {run['minutes_per_hour_on_two_cores']:.0f} |"])
+
+
 EVALUATION_WORDS = (
     "`earpoint evaluate --oracles --json` on the frozen pairs of the test split. Intervals are drawn by home "
     "where there are several, else by conversation, since the clips of one share room, places and voices. "
@@ -301,6 +310,10 @@ SECTIONS = [
     ("Methods in unseen homes, with sound before", "context-novel.json", evaluation_table,
      "`earpoint evaluate --context 4 --json`: the same pairs, but `dsp` and networks hear the four seconds before "
      "the second that is compared too, in overlapping windows that are cross-faded, as in a long recording."),
+    ("Methods in recorded sessions", "evaluate-recorded.json", evaluation_table,
+     "`earpoint evaluate --layout replay` on the test sessions of twelve that `earpoint record simulate` made in one "
+     "flat and `earpoint record prepare` cut into clips; no session is in two splits. The gtf that ships, which "
+     "learned nothing of them."),
     ("Learning curves in one home", "learning_curves-single.md", None,
      "`bench/learning_curves.py`: Mag on 256 validation pairs while `earpoint train` runs on one core "
      "beside others, so minutes are upper bounds. Of gtf the natural texture is validated, whose losses Mag does "
@@ -400,6 +413,10 @@ SECTIONS = [
      "each; two speakers and four viewpoints a conversation, 5000 rays from each mouth, 256 x 256 "
      "pixels. The plan of a conversation, its acoustics (bodies put into the scene), trace, responses "
      "and light serve all of its viewpoints."),
+    ("Cost of simulated sessions", "session_cost.jsonl", session_table,
+     "`bench/session_cost.py`: processor time of `earpoint record simulate`, half a minute with three people "
+     "and eight cameras of 480 x 270 pixels at 5 pictures a second. The flat, drawn once for all sessions, is "
+     "in it; sound is what is left with next to no pictures."),
     ("Reverberation of homes", "home_reverberation.jsonl", reverberation_table,
      "`home_reverberation`: homes of the seeds 0 to 119, 500 and 1000 Hz. By Eyring's formula, the "
      "mean over a home's rooms by volume; and T30 of a traced response between two places 1 m or "

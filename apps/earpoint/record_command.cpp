@@ -7,6 +7,7 @@ void add_record_command(CLI::App& app) {
       "record", "Recorded sessions: several cameras with binaural sound, people with microphones.");
   record->require_subcommand(1);
   add_record_prepare_command(*record);
+  add_record_simulate_command(*record);
   add_record_sync_command(*record);
 }
 

@@ -21,6 +21,10 @@ void check_quality(const RenderQuality& quality) {
   EARPOINT_CHECK(quality.exposure > 0.0F);
 }
 
+PixelRegion whole_picture(const Camera& camera) {
+  return {.width = camera.width, .height = camera.height};
+}
+
 struct TracedView {
   View view;
   PixelBuffers buffers;
@@ -58,8 +62,9 @@ struct SceneRenderer::Parts {
     return {surfaces, tracer, patches, lights, guide, sky};
   }
 
-  [[nodiscard]] TracedView trace(const Camera& camera, const RenderQuality& quality,
-                                 std::uint64_t seed, ThreadPool& pool) const;
+  [[nodiscard]] TracedView trace(const Camera& camera, const PixelRegion& region,
+                                 const RenderQuality& quality, std::uint64_t seed,
+                                 ThreadPool& pool) const;
 
   Surfaces surfaces;
   RayTracer tracer;
@@ -71,15 +76,18 @@ struct SceneRenderer::Parts {
   SolvedLight solved;
 };
 
-TracedView SceneRenderer::Parts::trace(const Camera& camera, const RenderQuality& quality,
-                                       std::uint64_t seed, ThreadPool& pool) const {
+TracedView SceneRenderer::Parts::trace(const Camera& camera, const PixelRegion& region,
+                                       const RenderQuality& quality, std::uint64_t seed,
+                                       ThreadPool& pool) const {
   check_camera(camera);
   check_quality(quality);
+  EARPOINT_CHECK(region.x >= 0 && region.width > 0 && region.x + region.width <= camera.width);
+  EARPOINT_CHECK(region.y >= 0 && region.height > 0 && region.y + region.height <= camera.height);
   const LitScene lit = lit_scene();
-  const ViewSampler sampler(lit, solved, camera, quality.samples_per_side, seed);
+  const ViewSampler sampler(lit, solved, camera, region, quality.samples_per_side, seed);
   TracedView traced;
-  traced.view.depth_m = FloatImage(camera.width, camera.height, 1);
-  traced.view.instance = Raster<std::int32_t>(camera.width, camera.height, 1);
+  traced.view.depth_m = FloatImage(region.width, region.height, 1);
+  traced.view.instance = Raster<std::int32_t>(region.width, region.height, 1);
   traced.buffers = sampler.make_buffers();
   pool.run(sampler.tiles(), [&](std::ptrdiff_t tile, int) {
     sampler.trace_middles(static_cast<int>(tile), traced.buffers, traced.view);
@@ -125,16 +133,30 @@ View SceneRenderer::render(const Camera& camera, const RenderQuality& quality,
 
 View SceneRenderer::render(const Camera& camera, const RenderQuality& quality, std::uint64_t seed,
                            ThreadPool& pool) const {
-  TracedView traced = parts_->trace(camera, quality, seed, pool);
+  TracedView traced = parts_->trace(camera, whole_picture(camera), quality, seed, pool);
   const float exposure =
       quality.exposure * find_exposure(put_together(traced.buffers, traced.light));
   traced.view.rgb = develop(traced.buffers, traced.light, exposure, pool);
   return std::move(traced.view);
 }
 
+float SceneRenderer::found_exposure(const Camera& camera, const RenderQuality& quality,
+                                    std::uint64_t seed, ThreadPool& pool) const {
+  return find_exposure(radiance(camera, quality, seed, pool));
+}
+
+View SceneRenderer::render_region(const Camera& camera, const PixelRegion& region,
+                                  const RenderQuality& quality, float exposure, std::uint64_t seed,
+                                  ThreadPool& pool) const {
+  EARPOINT_CHECK(exposure > 0.0F);
+  TracedView traced = parts_->trace(camera, region, quality, seed, pool);
+  traced.view.rgb = develop(traced.buffers, traced.light, quality.exposure * exposure, pool);
+  return std::move(traced.view);
+}
+
 FloatImage SceneRenderer::radiance(const Camera& camera, const RenderQuality& quality,
                                    std::uint64_t seed, ThreadPool& pool) const {
-  const TracedView traced = parts_->trace(camera, quality, seed, pool);
+  const TracedView traced = parts_->trace(camera, whole_picture(camera), quality, seed, pool);
   return put_together(traced.buffers, traced.light);
 }
 

@@ -203,6 +203,32 @@ TEST(SceneRenderer, FindsAnExposureForDarkAndBrightRooms) {
   }
 }
 
+TEST(SceneRenderer, ARegionHoldsThePixelsOfTheWholePicture) {
+  Scene scene = wall_in_front();
+  add_box(scene, "box", InstanceKind::furniture, {3, -1, -1}, {3.5, 1, 0.5}, kRed);
+  const SceneRenderer renderer(scene);
+  ThreadPool pool(1);
+  const Camera camera{.width = 96, .height = 64};
+  // Without smoothing, which ends at the region's edges.
+  const RenderQuality quality{.samples_per_side = 2, .denoise = false};
+  const View whole = renderer.render(camera, quality, 5, pool);
+  const PixelRegion region{.x = 24, .y = 16, .width = 41, .height = 30};
+  const float exposure = renderer.found_exposure(camera, quality, 5, pool);
+  const View part = renderer.render_region(camera, region, quality, exposure, 5, pool);
+  ASSERT_EQ(part.rgb.width(), region.width);
+  ASSERT_EQ(part.rgb.height(), region.height);
+  for (int y = 0; y < region.height; ++y) {
+    for (int x = 0; x < region.width; ++x) {
+      EXPECT_EQ(part.instance.at(x, y), whole.instance.at(region.x + x, region.y + y));
+      // One ray rounds differently where the view's corner is added up in another order.
+      EXPECT_NEAR(part.rgb.at(x, y), whole.rgb.at(region.x + x, region.y + y), 1.0);
+    }
+  }
+  EXPECT_THROW((void)renderer.render_region(camera, {.x = 90, .width = 8, .height = 8}, quality,
+                                            exposure, 5, pool),
+               std::logic_error);
+}
+
 TEST(SceneRenderer, LightsASceneThatHasNoLight) {
   const Scene scene = make_shoebox({8, 4, 2.6}, all_bands(0.2F), all_bands(0.2F));
   const Camera camera{

@@ -33,15 +33,19 @@ int even_bits(int number) { return (number & 1) | (number >> 1 & 2) | (number >>
 }  // namespace
 
 ViewSampler::ViewSampler(const LitScene& scene, const SolvedLight& solved, const Camera& camera,
-                         int side, std::uint64_t seed)
+                         const PixelRegion& region, int side, std::uint64_t seed)
     : scene_(scene),
       solved_(solved),
-      width_(camera.width),
-      height_(camera.height),
+      width_(region.width),
+      height_(region.height),
+      x_(region.x),
+      y_(region.y),
+      picture_width_(camera.width),
+      picture_height_(camera.height),
       side_(side),
       seed_(hash_words(static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32))),
-      tiles_across_(split_evenly(camera.width, kTile)),
-      tiles_down_(split_evenly(camera.height, kTile)),
+      tiles_across_(split_evenly(region.width, kTile)),
+      tiles_down_(split_evenly(region.height, kTile)),
       pixel_angle_(static_cast<float>(1.0 / focal_length_pixels(camera))),
       eye_(float3(camera.world_from_camera.position_m)) {
   const Quaternion& turn = camera.world_from_camera.orientation;
@@ -68,7 +72,8 @@ ViewSampler::PixelPlace ViewSampler::place_in_tile(int tile, int number) const {
 }
 
 Float3 ViewSampler::direction_through(double x, double y) const {
-  return float3(front_ + left_ * (0.5 * width_ - x) + up_ * (0.5 * height_ - y));
+  return float3(front_ + left_ * (0.5 * picture_width_ - (x_ + x)) +
+                up_ * (0.5 * picture_height_ - (y_ + y)));
 }
 
 std::uint32_t ViewSampler::seed_of(std::uint32_t purpose) const {
@@ -109,8 +114,8 @@ void ViewSampler::aim(int tile, int first, Lanes& lanes) const {
     Lane& lane = lanes.at[i];
     lane.used = number < kTile * kTile * samples && places[i].x < width_ && places[i].y < height_;
     lane.pixel = static_cast<std::uint32_t>(places[i].y * width_ + places[i].x);
-    lanes.indices[i] = morton_index(static_cast<std::uint32_t>(places[i].x),
-                                    static_cast<std::uint32_t>(places[i].y)) *
+    lanes.indices[i] = morton_index(static_cast<std::uint32_t>(x_ + places[i].x),
+                                    static_cast<std::uint32_t>(y_ + places[i].y)) *
                            static_cast<std::uint32_t>(samples) +
                        static_cast<std::uint32_t>(number % samples);
   }

@@ -20,9 +20,11 @@ class ViewSampler {
   static constexpr int kTile = 8;  ///< pixels along each side
 
   /// @param solved  of the same scene; both must outlive the sampler
+  /// @param region  the part of the camera's picture to trace; a multiple of kTile to the right of
+  ///                and below the whole picture's corner its samples are those of the whole picture
   /// @param side    samples along each side of a pixel
-  ViewSampler(const LitScene& scene, const SolvedLight& solved, const Camera& camera, int side,
-              std::uint64_t seed);
+  ViewSampler(const LitScene& scene, const SolvedLight& solved, const Camera& camera,
+              const PixelRegion& region, int side, std::uint64_t seed);
 
   [[nodiscard]] int tiles() const { return tiles_across_ * tiles_down_; }
 
@@ -70,7 +72,7 @@ class ViewSampler {
     int y = 0;
   };
 
-  // The pixel that is the `number`-th of its tile on the Morton curve.
+  // The pixel that is the `number`-th of its tile on the Morton curve; counted in the region.
   [[nodiscard]] PixelPlace place_in_tile(int tile, int number) const;
   [[nodiscard]] Float3 direction_through(double x, double y) const;
   [[nodiscard]] std::uint32_t seed_of(std::uint32_t purpose) const;
@@ -87,8 +89,12 @@ class ViewSampler {
 
   const LitScene& scene_;
   const SolvedLight& solved_;
-  int width_;
+  int width_;  // of the region
   int height_;
+  int x_;  // of the region in the picture
+  int y_;
+  int picture_width_;
+  int picture_height_;
   int side_;
   std::uint32_t seed_;
   int tiles_across_;

@@ -22,6 +22,16 @@ struct PixelPosition {
   double y = 0.0;
 };
 
+/// A rectangle of whole pixels of a picture.
+struct PixelRegion {
+  int x = 0;  ///< of its left column
+  int y = 0;  ///< of its top row
+  int width = 0;
+  int height = 0;
+
+  friend constexpr bool operator==(const PixelRegion&, const PixelRegion&) = default;
+};
+
 /// @throws std::logic_error if a size or the field of view is out of range
 void check_camera(const Camera& camera);
 

@@ -68,6 +68,23 @@ class SceneRenderer {
   [[nodiscard]] View render(const Camera& camera, const RenderQuality& quality, std::uint64_t seed,
                             ThreadPool& pool) const;
 
+  /// What render() multiplies the light of this view by before it is shown, for quality.exposure 1:
+  /// the pictures of a film are to keep one.
+  [[nodiscard]] float found_exposure(const Camera& camera, const RenderQuality& quality,
+                                     std::uint64_t seed, ThreadPool& pool) const;
+
+  /// A part of a picture: where little moves, a film needs no more of most of its pictures. The
+  /// samples are those of the whole picture where the region begins at multiples of 8 pixels; only
+  /// the smoothing of the light ends at the region's edges.
+  /// @param region    inside of the picture, not empty
+  /// @param exposure  what the light is multiplied by, quality.exposure beside it; > 0
+  /// @return  the region's pixels
+  /// @throws std::logic_error if the camera, the quality, the region or the exposure is out of
+  /// range
+  [[nodiscard]] View render_region(const Camera& camera, const PixelRegion& region,
+                                   const RenderQuality& quality, float exposure, std::uint64_t seed,
+                                   ThreadPool& pool) const;
+
   /// The light itself, before exposure and tone mapping.
   /// @return radiance, linear red, green, blue; shape [height][width][3]
   [[nodiscard]] FloatImage radiance(const Camera& camera, const RenderQuality& quality,
