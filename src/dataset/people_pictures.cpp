@@ -1,4 +1,4 @@
-#include "json_field.h"
+#include <earpoint/dataset/json_field.h>
 
 #include <algorithm>
 #include <array>

@@ -80,7 +80,8 @@ PeopleInClip find_people(const RenderSource& source, const SoundSurvey& survey,
                    : search.detector == nullptr ? "none"
                                                 : search.detector->name();
   People people(source, search.detector);
-  SourceStream stream(source.sound, survey, kRate_hz, kAmbientCutoff_hz);
+  SourceStream stream(read_blocks(source.sound), survey, kRate_hz,
+                      {.cutoff_hz = kAmbientCutoff_hz});
   std::optional<VoiceDirection> direction;
   if (found.hears_direction && search.detector != nullptr) {
     direction.emplace(HrtfSet::load(kRate_hz));
