@@ -1,5 +1,3 @@
-#include <earpoint/dataset/json_field.h>
-
 #include <algorithm>
 #include <array>
 
@@ -8,6 +6,7 @@
 
 #include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
+#include <earpoint/dataset/json_field.h>
 #include <earpoint/dataset/people_pictures.h>
 #include <earpoint/dataset/soundspaces_metadata.h>
 

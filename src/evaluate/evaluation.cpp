@@ -137,8 +137,8 @@ class Evaluation {
                   const PairSample& told, const Clip& clip) const {
     const MethodEntry& entry = methods_[method];
     try {
-      return ask(*worker.methods[method], entry, entry.is_oracle ? sample : told,
-                 clip.result.scene, clip.truth ? &*clip.truth : nullptr);
+      return ask(*worker.methods[method], entry, entry.is_oracle ? sample : told, clip.result.scene,
+                 clip.truth ? &*clip.truth : nullptr);
     } catch (const InputError& error) {
       throw InputError("method " + entry.name, error.what());
     }

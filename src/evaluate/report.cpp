@@ -193,8 +193,8 @@ std::string clip_card(const ChosenClip& chosen, const EvaluationSet& set,
   std::vector<SoundRow> rows;
   for (std::size_t m = 0; m < methods.size(); ++m) {
     if (methods[m].is_oracle) continue;
-    sounds.push_back({methods[m].name,
-                      ask(*methods[m].make(), methods[m], sample, clip.scene, nullptr)});
+    sounds.push_back(
+        {methods[m].name, ask(*methods[m].make(), methods[m], sample, clip.scene, nullptr)});
     rows.push_back({dot(m, methods[m].name), &clip.honest[m]});
   }
   sounds.push_back({"truth", sample.target});

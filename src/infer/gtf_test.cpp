@@ -9,9 +9,9 @@
 
 #include <gtest/gtest.h>
 
-#include <earpoint/core_testing/allocation_count.h>
 #include <earpoint/core/pose.h>
 #include <earpoint/core/random.h>
+#include <earpoint/core_testing/allocation_count.h>
 #include <earpoint/infer/gtf.h>
 
 namespace earpoint {

@@ -1,11 +1,10 @@
-#include <earpoint/core_testing/allocation_count.h>
-
 #include <cstdlib>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include <earpoint/core_testing/allocation_count.h>
 #include <earpoint/infer/vigas.h>
 #include <earpoint/model/checkpoint.h>
 #include <earpoint/model/weights.h>

@@ -37,9 +37,9 @@ std::unique_ptr<AcousticSynthesizer> make_synthesizer(const std::string& model,
     case NetworkKind::gtf: {
       const GtfWeights weights = gtf_weights(std::move(file), model);
       if (options.texture && !weights.description.texture) refuse_texture(model);
-      return std::make_unique<GtfSynthesizer>(weights, options.horizontal_fov_rad,
-                                              GtfUse{.texture = options.texture.value_or(1.0),
-                                                     .limits_level = !options.enhances});
+      return std::make_unique<GtfSynthesizer>(
+          weights, options.horizontal_fov_rad,
+          GtfUse{.texture = options.texture.value_or(1.0), .limits_level = !options.enhances});
     }
     case NetworkKind::vam:
       return std::make_unique<VamSynthesizer>(vam_weights(std::move(file), model), model,

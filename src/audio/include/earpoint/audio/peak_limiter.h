@@ -44,11 +44,11 @@ class PeakLimiter {
 
   int channels_;
   int sample_rate_hz_;
-  std::ptrdiff_t ahead_;       // samples
-  double release_;             // share of a reduction that is left from sample to sample
-  std::vector<float> held_;    // [channels][ahead_], a ring
-  std::vector<Wish> minima_;   // of the gains wanted ahead, growing; a ring of ahead_ + 1
-  std::size_t first_ = 0;      // of minima_
+  std::ptrdiff_t ahead_;      // samples
+  double release_;            // share of a reduction that is left from sample to sample
+  std::vector<float> held_;   // [channels][ahead_], a ring
+  std::vector<Wish> minima_;  // of the gains wanted ahead, growing; a ring of ahead_ + 1
+  std::size_t first_ = 0;     // of minima_
   std::size_t minima_held_ = 0;
   std::vector<double> reductions_;  // the last ahead_ + 1, a ring
   double reduction_ = 0.0;          // 1 - gain, falling slowly

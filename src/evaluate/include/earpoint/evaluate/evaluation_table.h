@@ -70,8 +70,8 @@ struct EvaluationSubject {
   PairTarget target = PairTarget::viewpoint;
   std::optional<double> ambient_db;  ///< as with_ambient() has it
   AmbientSeparation separation = AmbientSeparation::bandpass;
-  double context_s = 0.0;  ///< of sound before the window
-  std::string boxes = "true";        ///< what methods were told; as boxes_named() knows it
+  double context_s = 0.0;      ///< of sound before the window
+  std::string boxes = "true";  ///< what methods were told; as boxes_named() knows it
 };
 
 /// @return the JSON of `earpoint evaluate --json`; docs/formats.md describes it
