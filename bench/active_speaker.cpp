@@ -300,8 +300,10 @@ nlohmann::json report(const Bench& bench, const std::vector<Case>& cases) {
     row["to_deg"] = kAngles[i + 1];
     json["by_angle"].push_back(row);
   }
-  for (const auto& [from, to] :
+  for (const auto& step :
        {std::pair{0.0, 0.7}, std::pair{0.7, 0.9}, std::pair{0.9, 0.99}, std::pair{0.99, 1.01}}) {
+    const double from = step.first;  // clang takes no structured bindings into lambdas
+    const double to = step.second;
     nlohmann::json row =
         shares(cases, [&](const Case& one) { return one.certainty >= from && one.certainty < to; });
     row["from"] = from;

@@ -49,7 +49,7 @@ void write_pictures(const fs::path& path) {
     for (int x = 0; x < kWidth; ++x) {
       const double grain = 4.0 * random.normal();
       for (int c = 0; c < 3; ++c) {
-        room.at(x, y, c) = static_cast<std::uint8_t>(100 + x / 20 + y / 15 + 10 * c + grain);
+        room.at(x, y, c) = static_cast<std::uint8_t>(100 + x / 20.0 + y / 15.0 + 10 * c + grain);
       }
     }
   }
@@ -61,7 +61,7 @@ void write_pictures(const fs::path& path) {
 }
 
 fs::path make_session(const fs::path& folder) {
-  const fs::path file = folder / "session" / "session.json";
+  fs::path file = folder / "session" / "session.json";
   if (fs::exists(file)) return file;
   TestSession made = make_test_session({.cameras = 8, .people = 3, .duration_s = kDuration_s});
   write_test_session(folder / "session", made);

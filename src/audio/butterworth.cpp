@@ -178,7 +178,7 @@ void filter_zero_phase(std::span<const SecondOrderSection> sections, std::span<c
   std::copy_n(extended.begin() + edge, samples, out.begin());
 }
 
-SectionFilter::SectionFilter(std::vector<SecondOrderSection> sections) {
+SectionFilter::SectionFilter(std::span<const SecondOrderSection> sections) {
   for (const SecondOrderSection& section : sections) running_.push_back({section});
 }
 

@@ -63,7 +63,7 @@ class Fields {
 
   /// @return the file's path from here
   [[nodiscard]] fs::path file(const char* key, const fs::path& folder) const {
-    const fs::path path = folder / text(key);
+    fs::path path = folder / text(key);
     if (!fs::is_regular_file(path)) {
       throw InputError(name(key), fmt::format("{} is not there", path.string()));
     }

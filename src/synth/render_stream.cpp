@@ -122,7 +122,7 @@ struct RenderStream::State {
     model.resize(static_cast<std::size_t>(kEars * shape.model));
     mixed.resize(model.size());
     for (std::vector<float>* buffer : {&primary, &ambient, &result}) {
-      buffer->resize(static_cast<std::size_t>(kEars * D::kHop));
+      buffer->resize(std::size_t{kEars} * D::kHop);
     }
   }
 

@@ -49,9 +49,9 @@ class Interpolator {
   Interpolator() {
     for (int phase = 0; phase <= kPhases; ++phase) {
       for (int tap = 0; tap < kTaps; ++tap) {
-        const double t = tap - (kTaps / 2 - 1) - static_cast<double>(phase) / kPhases;
+        const double t = tap - (kTaps / 2.0 - 1.0) - static_cast<double>(phase) / kPhases;
         const double sinc = t == 0.0 ? 1.0 : std::sin(kPi * t) / (kPi * t);
-        const double window = 0.5 + 0.5 * std::cos(kPi * t / (kTaps / 2));
+        const double window = 0.5 + 0.5 * std::cos(kPi * t / (kTaps / 2.0));
         table_[phase][tap] = static_cast<float>(sinc * window);
       }
     }
@@ -183,7 +183,7 @@ Path path_to_ear(const Vector3& source, const Pose& head, int ear) {
 class Renderer {
  public:
   Renderer(const TestSessionOptions& options, RandomStream& random, SessionTruth& truth)
-      : options_(options), truth_(truth), spoken_(talk_in_turns(options, random, truth)) {
+      : options_(options), spoken_(talk_in_turns(options, random, truth)) {
     clap_.resize(static_cast<std::size_t>(0.2 * kRate));
     for (std::size_t n = 0; n < clap_.size(); ++n) {
       const double fade = std::exp(-static_cast<double>(n) / (0.004 * kRate));
@@ -297,7 +297,6 @@ class Renderer {
   }
 
   const TestSessionOptions& options_;
-  const SessionTruth& truth_;
   Interpolator interpolator_;
   std::vector<std::vector<float>> spoken_;
   std::vector<float> clap_;

@@ -51,7 +51,7 @@ void filter_zero_phase(std::span<const SecondOrderSection> sections, std::span<c
 /// The same sections as a causal filter for a live stream, sample by sample, from silence.
 class SectionFilter {
  public:
-  explicit SectionFilter(std::vector<SecondOrderSection> sections);
+  explicit SectionFilter(std::span<const SecondOrderSection> sections);
 
   double process(double sample);
   /// Back to silence.
