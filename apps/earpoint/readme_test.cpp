@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <earpoint/audio/sound_file.h>
 #include <earpoint/core/file.h>
@@ -73,7 +74,8 @@ void fill(const fs::path& folder) {
 }
 
 TEST(Readme, EveryCommandWorksAsItStands) {
-  const fs::path folder = fs::path(testing::TempDir()) / "readme_commands";
+  const fs::path folder =
+      fs::path(testing::TempDir()) / ("readme_commands." + std::to_string(::getpid()));
   fs::remove_all(folder);
   fs::create_directories(folder);
   fill(folder);

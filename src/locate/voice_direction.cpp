@@ -29,8 +29,8 @@ constexpr double kLargestRise = 3.0;
 constexpr double kWeakest = 0.01;
 constexpr double kLoudnessRise = 0.1;
 constexpr double kLoudnessFall = 0.01;
-// Of one nat of rise in one bin. Fitted on the training and validation homes of a simulated data
-// set by the likelihood of who truly spoke.
+// Of one nat of rise in one bin. Fitted on the validation homes of a simulated data set by the
+// likelihood of who truly spoke.
 constexpr double kVote = 0.005;
 constexpr double kTiny = 1e-20;
 

@@ -126,6 +126,7 @@ void write_contents(const MYSOFA_HRTF& sofa, Writer& writer) {
   std::span<const char> rest = writer.bytes();
   while (!rest.empty()) {
     const ssize_t written = write(to_parent, rest.data(), rest.size());
+    if (written < 0 && errno == EINTR) continue;
     if (written <= 0) _exit(kRefused);
     rest = rest.subspan(written);
   }

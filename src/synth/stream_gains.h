@@ -16,9 +16,10 @@ class StreamLevel {
   /// @param hop_s  length of a hop
   explicit StreamLevel(double hop_s);
 
-  /// @param result  the power of this hop's result
-  /// @param source  the power of what it was made of
-  /// @return the gain of the amplitude that keeps the result within bounds
+  /// @param source  the power of what the hop's result was made of, both ears together
+  /// @param bounds  of the result's power over the source's
+  /// @param result  the power of the hop's result
+  /// @return the gain of the amplitude that keeps the last second's result within bounds
   float next(double source, const LevelBounds& bounds, double result);
   void reset();
 
@@ -32,6 +33,8 @@ class StreamLevel {
 /// last quarter of a second.
 class StreamBandGain {
  public:
+  /// @param sample_rate_hz  the model's
+  /// @param hop_s           length of a hop
   StreamBandGain(int sample_rate_hz, double hop_s);
 
   /// @param source, result  planar, [2][hop samples], of the same moment
