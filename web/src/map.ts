@@ -120,7 +120,7 @@ export class SceneMap {
   private drawSpeaker(pen: CanvasRenderingContext2D): void {
     const { position_m, told } = this.clip.speaker;
     const [x, y] = this.toPage(position_m[0], position_m[1]);
-    pen.fillStyle = colour('--left');
+    pen.fillStyle = colour('--speaker');
     pen.beginPath();
     pen.arc(x, y, 8, 0, 2 * Math.PI);
     pen.fill();
