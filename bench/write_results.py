@@ -11,10 +11,12 @@ camera_bench.jsonl, simulate_cost.jsonl, session_cost.jsonl, evaluate-single.jso
 ablations-single.json, ablations-novel.json, generalisation.json,
 generalisation_heads.json, ambient-single.json, ambient-novel.json, context-novel.json, separation-novel.md and enhance-novel.json; a section
 whose file is missing stays as it is in RESULTS.md, or says so where it is new; with --measured-only it
-is left out.
+is left out. Each section says on which day and after which commit its file was written.
 """
+import datetime
 import os
 import platform
+import subprocess
 import sys
 
 from evaluation_tables import enhancement_table, evaluation_table
@@ -173,6 +175,16 @@ SECTIONS = [
 ]
 
 
+def stamp(path):
+    """When a file was measured, and the last commit before that where this is a checkout."""
+    seconds = os.path.getmtime(path)
+    commit = subprocess.run(["git", "log", "-1", f"--before={int(seconds)}", "--format=%h"],
+                            capture_output=True, text=True, check=False,
+                            cwd=os.path.dirname(os.path.abspath(__file__))).stdout.strip()
+    day = datetime.datetime.fromtimestamp(seconds, datetime.timezone.utc).date()
+    return f"*Measured on {day}{' at ' + commit if commit else ''}.*"
+
+
 def sections_of(path):
     """The sections that a page has, by title."""
     if not os.path.exists(path):
@@ -197,8 +209,11 @@ def main():
         if content is None and title in earlier:
             text += [f"## {title}", "", earlier[title], ""]
             continue
-        measured = "*Not measured yet.*" if content is None else table(content) if table else content
-        text += [f"## {title}", "", words, "", measured, ""]
+        if content is None:
+            text += [f"## {title}", "", words, "", "*Not measured yet.*", ""]
+            continue
+        text += [f"## {title}", "", words, "", stamp(os.path.join(folder, name)), "",
+                 table(content) if table else content, ""]
     with open(output, "w") as file:
         file.write("\n".join(text))
 
