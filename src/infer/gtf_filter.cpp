@@ -162,11 +162,15 @@ void GtfFilter::turn_phases(std::span<const Complex> spectrum, std::span<Complex
     for (int bin = edges_[band]; bin < edges_[band + 1]; ++bin) {
       const Complex left = spectrum[bin];
       const Complex right = spectrum[D::kBins + bin];
-      const Complex voice = product(left, gather_[bin]) + product(right, gather_[D::kBins + bin]);
+      const Complex voiced[kEars] = {product(left, gather_[bin]),
+                                     product(right, gather_[D::kBins + bin])};
+      const Complex voice = voiced[0] + voiced[1];
       for (int ear = 0; ear < kEars; ++ear) {
         const int at = ear * D::kBins + bin;
         const float share = share_[ear * description_.bands + band];
-        filtered[at] = product(voice, spread_[at]) * (0.5F * share) + spectrum[at] * (1.0F - share);
+        const Complex rest =
+            description_.ear_delays ? product(voiced[ear], spread_[at]) : spectrum[at];
+        filtered[at] = product(voice, spread_[at]) * (0.5F * share) + rest * (1.0F - share);
       }
     }
   }

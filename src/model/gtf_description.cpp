@@ -39,6 +39,9 @@ void check_senses(const GtfDescription& d, std::string_view where) {
   if (d.delays && !d.geometry) {
     throw InputError(where, "delays: expected false, as there is no geometry, found true");
   }
+  if (d.ear_delays && !d.delays) {
+    throw InputError(where, "ear_delays: expected false, as delays is, found true");
+  }
 }
 
 std::vector<double> numbers_in(const Json& list, std::string_view where, std::string_view field) {
@@ -136,6 +139,7 @@ std::string to_json(const GtfDescription& d) {
             {"summary_width", d.summary_width},
             {"conditioning_width", d.conditioning_width}};
   // Left out where they are as in the first networks, whose files stay the same bytes.
+  if (d.ear_delays) json["ear_delays"] = true;
   if (d.phase_rounds > 0) json["phase_rounds"] = d.phase_rounds;
   if (d.texture) json["texture"] = true;
   if (d.dry_voice) json["dry_voice"] = true;
@@ -169,6 +173,7 @@ GtfDescription gtf_description_from_json(std::string_view text, std::string_view
   d.locator_width = reader.integer("locator_width");
   d.summary_width = reader.integer("summary_width");
   d.conditioning_width = reader.integer("conditioning_width");
+  if (reader.has("ear_delays")) d.ear_delays = reader.boolean("ear_delays");
   if (reader.has("phase_rounds")) d.phase_rounds = reader.integer("phase_rounds");
   if (reader.has("texture")) d.texture = reader.boolean("texture");
   if (reader.has("dry_voice")) d.dry_voice = reader.boolean("dry_voice");

@@ -55,12 +55,14 @@ TEST(GtfDescription, JsonRoundTrips) {
   d.phase_rounds = 3;
   d.texture = d.dry_voice = true;
   EXPECT_EQ(gtf_description_from_json(to_json(d), "x"), d);
+  d.geometry = d.delays = d.ear_delays = true;
+  EXPECT_EQ(gtf_description_from_json(to_json(d), "x"), d);
   EXPECT_EQ(gtf_description_from_json(to_json(GtfDescription{}), "x"), GtfDescription{});
 }
 
 TEST(GtfDescription, WhatTheFirstNetworksDidNotHaveIsLeftOutOfTheirFiles) {
   const std::string json = to_json(GtfDescription{});
-  for (const char* key : {"phase_rounds", "texture", "dry_voice"}) {
+  for (const char* key : {"ear_delays", "phase_rounds", "texture", "dry_voice"}) {
     EXPECT_EQ(json.find(key), std::string::npos) << key;
   }
 }
@@ -78,6 +80,8 @@ TEST(GtfDescription, JsonMistakesAreNamed) {
   expect(refusal_with("\"bands\":40", "\"bands\":200"), "bands: too many for 257 bins");
   expect(refusal_with("\"picture_px\":64", "\"picture_px\":60"), "a multiple of 32, found 60");
   expect(refusal_with("\"geometry\":true", "\"geometry\":false"), "delays: expected false");
+  expect(refusal_with("\"delays\":true", "\"delays\":false,\"ear_delays\":true"),
+         "ear_delays: expected false");
   expect(refusal_with("[0.08,0.25]", "[0.08,\"0.25\"]"), "'tails_s': expected numbers");
   expect(refusal_with("\"layers\":6", "\"layers\":6,\"phase_rounds\":17"),
          "phase_rounds: expected 0 to 16, found 17");

@@ -93,9 +93,9 @@ HWY_INLINE Vector inner_turned(Complex a, Complex b) {
 
 /// One vector of frames of both ears, as they are before and after they are moved.
 struct Mixed {
-  Complex source[2];
   Complex voiced[2];  ///< the source's ears turned to the speaker
-  Complex moved[2];
+  Complex moved[2];   ///< both of them together, turned to the target's ears
+  Complex rest[2];    ///< of the phase: the source's ears, moved or not
   Complex mixed[2];
   Vector length[2];  ///< of mixed
 };
@@ -104,15 +104,18 @@ HWY_INLINE Mixed mix(const BinRows& rows, const BinTurns& turns, std::ptrdiff_t 
   const Lanes d;
   Mixed m;
   for (int ear = 0; ear < 2; ++ear) {
-    m.source[ear] = {hn::LoadU(d, rows.spectrum[2 * ear] + t),
-                     hn::LoadU(d, rows.spectrum[2 * ear + 1] + t)};
-    m.voiced[ear] = turned(m.source[ear], turns.source_cosine[ear], turns.source_sine[ear]);
+    m.rest[ear] = {hn::LoadU(d, rows.spectrum[2 * ear] + t),
+                   hn::LoadU(d, rows.spectrum[2 * ear + 1] + t)};
+    m.voiced[ear] = turned(m.rest[ear], turns.source_cosine[ear], turns.source_sine[ear]);
   }
   const Complex voice = plus(m.voiced[0], m.voiced[1]);
   for (int ear = 0; ear < 2; ++ear) {
     m.moved[ear] = turned(voice, turns.target_cosine[ear], -turns.target_sine[ear]);
+    if (turns.moves_ears) {
+      m.rest[ear] = turned(m.voiced[ear], turns.target_cosine[ear], -turns.target_sine[ear]);
+    }
     m.mixed[ear] = plus(scaled(m.moved[ear], hn::Set(d, 0.5F * turns.share[ear])),
-                        scaled(m.source[ear], hn::Set(d, 1.0F - turns.share[ear])));
+                        scaled(m.rest[ear], hn::Set(d, 1.0F - turns.share[ear])));
     m.length[ear] = hn::Sqrt(hn::Add(inner(m.mixed[ear], m.mixed[ear]), hn::Set(d, kPowerFloor)));
   }
   return m;
@@ -155,6 +158,7 @@ void mix_row_back(const BinRows& rows, const BinTurns& turns, std::ptrdiff_t row
   for (std::ptrdiff_t t = 0; t < row; t += lanes()) {
     const Mixed m = mix(rows, turns, t);
     Complex by_voice{hn::Zero(d), hn::Zero(d)};
+    Complex by_voiced[2] = {by_voice, by_voice};
     for (int ear = 0; ear < 2; ++ear) {
       const Complex slope{hn::LoadU(d, by_spectrum[2 * ear] + t),
                           hn::LoadU(d, by_spectrum[2 * ear + 1] + t)};
@@ -180,13 +184,19 @@ void mix_row_back(const BinRows& rows, const BinTurns& turns, std::ptrdiff_t row
       const Complex by_mixed = scaled(across, hn::Mul(magnitude, near));
       const Vector half = hn::Set(d, 0.5F);
       by_share[ear] = hn::Add(by_share[ear], hn::Sub(hn::Mul(half, inner(m.moved[ear], by_mixed)),
-                                                     inner(m.source[ear], by_mixed)));
+                                                     inner(m.rest[ear], by_mixed)));
       const Complex by_moved = scaled(by_mixed, hn::Set(d, 0.5F * turns.share[ear]));
       by_target[ear] = hn::Sub(by_target[ear], inner_turned(m.moved[ear], by_moved));
       by_voice = plus(by_voice, turned(by_moved, turns.target_cosine[ear], turns.target_sine[ear]));
+      if (turns.moves_ears) {
+        const Complex by_rest = scaled(by_mixed, hn::Set(d, 1.0F - turns.share[ear]));
+        by_target[ear] = hn::Sub(by_target[ear], inner_turned(m.rest[ear], by_rest));
+        by_voiced[ear] = turned(by_rest, turns.target_cosine[ear], turns.target_sine[ear]);
+      }
     }
     for (int ear = 0; ear < 2; ++ear) {
-      by_source[ear] = hn::Add(by_source[ear], inner_turned(m.voiced[ear], by_voice));
+      by_source[ear] = hn::Add(by_source[ear],
+                               inner_turned(m.voiced[ear], plus(by_voice, by_voiced[ear])));
     }
   }
   for (int ear = 0; ear < 2; ++ear) {

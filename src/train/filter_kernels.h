@@ -63,11 +63,12 @@ struct BinRows {
 struct BinTurns {
   float source_cosine[2], source_sine[2];
   float target_cosine[2], target_sine[2];
-  float share[2];  ///< of the moved voice in the phase
+  float share[2];        ///< of the moved voice in the phase
+  bool moves_ears;       ///< whether the rest is each ear's own sound moved, or unmoved
 };
 
 /// (max(filtered, 0) + 1e-3) * exp(gain between -3 and 2) with the phase of
-/// share / 2 * moved voice + (1 - share) * source.
+/// share / 2 * moved voice + (1 - share) * rest, which is the source's ear, moved or not.
 /// @param spectrum  receives left real, imaginary; right
 void mix_bin(const BinRows& rows, const BinTurns& turns, std::ptrdiff_t row,
              float* const* spectrum);

@@ -39,11 +39,13 @@ struct Extent {
   KernelShape kernels;
   FrameExtent frames;
   std::vector<std::int64_t> band_of_bin;
+  bool moves_ears;
 
   Extent(const GtfDescription& d, std::int64_t samples)
       : kernels{d.past_frames, d.future_frames, d.tails_s, gtf_band_edges(d.bands).value()},
         frames{samples},
-        band_of_bin(kBins) {
+        band_of_bin(kBins),
+        moves_ears(d.ear_delays) {
     for (int band = 0; band < d.bands; ++band) {
       std::fill(band_of_bin.begin() + kernels.edges[band],
                 band_of_bin.begin() + kernels.edges[band + 1], band);
@@ -64,6 +66,7 @@ float* of_clip(const at::Tensor& tensor, std::int64_t clip) {
 BinTurns turns_of(const Extent& e, std::int64_t bin, const float* share, const float* source_s,
                   const float* target_s) {
   BinTurns turns{};
+  turns.moves_ears = e.moves_ears;
   const auto bands = static_cast<std::int64_t>(e.kernels.bands());
   for (int ear = 0; ear < 2; ++ear) {
     turns.source_cosine[ear] = std::cos(omega(bin) * source_s[ear]);
@@ -145,6 +148,7 @@ class FilterPass : public torch::autograd::Function<FilterPass> {
     context->saved_data["kernels"] =
         std::vector<std::int64_t>{e.kernels.past, e.kernels.future, e.kernels.bands()};
     context->saved_data["tails"] = e.kernels.tails_s;
+    context->saved_data["ear_delays"] = e.moves_ears;
     context->save_for_backward({state, kernel_weight, gain_weight, share, source_s, target_s,
                                 spectrum, magnitudes, filtered, gains});
     return mixed;
@@ -213,6 +217,7 @@ class FilterPass : public torch::autograd::Function<FilterPass> {
     d.future_frames = static_cast<int>(sizes[1]);
     d.bands = static_cast<int>(sizes[2]);
     d.tails_s = context->saved_data["tails"].toDoubleVector();
+    d.ear_delays = context->saved_data["ear_delays"].toBool();
     return {d, context->saved_data["extent"].toInt()};
   }
 

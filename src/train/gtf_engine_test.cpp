@@ -90,6 +90,7 @@ TEST(GtfEngine, RendersWhatTheLearnerPredictsWithRoundsOfPhasesAndATexture) {
   d.picture_px = 32;
   d.phase_rounds = 2;
   d.texture = true;
+  d.ear_delays = true;
   d.dry_voice = true;  // which rendering does not look at
   // Rounds pass on to neighbours what rounding makes of the phase of a bin that is nearly nothing.
   expect_engines_prediction(d, true, 5123, 1e-4);

@@ -216,7 +216,7 @@ TEST(GtfLearner, GradientIsTheSlopeOfTheLossOfABatchInParts) { expect_slope(smal
 TEST(GtfLearner, GradientIsTheSlopeOfTheLossWithPhaseRoundsTexturesAndADryVoice) {
   GtfDescription d = small();
   d.phase_rounds = 2;
-  d.texture = d.dry_voice = true;
+  d.ear_delays = d.texture = d.dry_voice = true;
   // Two parts, one of either texture. The phases of bins that are nearly nothing turn far within a
   // step; gtf_passes_test holds the gradient of the rounds to 0.2 %.
   expect_slope(d, 6, 0.05);

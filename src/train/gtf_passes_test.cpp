@@ -260,12 +260,15 @@ at::Tensor torch_filter(const D& d, const at::Tensor& source, const FilterTensor
       (torch_filtered(d, magnitude_of(spectrum), kernels).relu() + 1e-3) * gains.exp();
   const at::Tensor voice = (spectrum * delaying(-x.source_s)).sum(at::IntArrayRef({1}), true);
   const at::Tensor share = x.share.index_select(2, bands).unsqueeze(3);
-  const at::Tensor mixed = voice * delaying(x.target_s) * share * 0.5 + spectrum * (1 - share);
+  const at::Tensor rest =
+      d.ear_delays ? spectrum * delaying(-x.source_s) * delaying(x.target_s) : spectrum;
+  const at::Tensor mixed = voice * delaying(x.target_s) * share * 0.5 + rest * (1 - share);
   return magnitudes * mixed / magnitude_of(mixed);
 }
 
-TEST_P(FilterPass, ValueAndGradientAreThoseOfItsFormula) {
+void expect_the_formula(bool ear_delays) {
   D d;
+  d.ear_delays = ear_delays;
   d.channels = 12;
   d.bands = 12;
   d.past_frames = 2;
@@ -292,6 +295,10 @@ TEST_P(FilterPass, ValueAndGradientAreThoseOfItsFormula) {
     expect_same(ours.all()[i]->grad(), theirs.all()[i]->grad(), names[i], i < 6 ? 1e-4 : 1e-3);
   }
 }
+
+TEST_P(FilterPass, ValueAndGradientAreThoseOfItsFormula) { expect_the_formula(false); }
+
+TEST_P(FilterPass, ValueAndGradientAreThoseOfItsFormulaWithEarsMoved) { expect_the_formula(true); }
 
 at::Tensor torch_rounds(const at::Tensor& start, int rounds) {
   const at::Tensor magnitude =
