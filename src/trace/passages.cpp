@@ -98,8 +98,8 @@ std::vector<FacingPair> find_facing_pairs(const SceneGeometry& scene,
   std::vector<FacingPair> found;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     for (std::size_t j = i + 1; j < pairs.size(); ++j) {
-      if (std::optional<FacingPair> facing = face_up(scene, edges, pairs, i, j)) {
-        found.push_back(*std::move(facing));
+      if (const std::optional<FacingPair> facing = face_up(scene, edges, pairs, i, j)) {
+        found.push_back(*facing);
       }
     }
   }
