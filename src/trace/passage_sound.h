@@ -18,8 +18,9 @@ struct PassagePlace {
 };
 
 /// All sound that passes, of a line source that makes H0(2) in free field: modes across the passage
-/// are matched, at both ends, to the sound of a half-space with a rigid wall (as for slits in Mechel,
-/// Formulas of Acoustics, 2008). Exact but for the number of modes, for places 0.2 m off the passage.
+/// are matched, at both ends, to the sound of a half-space with a rigid wall (as for slits in
+/// Mechel, Formulas of Acoustics, 2008). Exact but for the number of modes, for places 0.2 m off
+/// the passage.
 /// @param source    x < 0
 /// @param receiver  x > depth
 std::complex<double> sound_through_passage(const Passage& passage, const PassagePlace& source,
