@@ -1,6 +1,7 @@
 #include "band_pulses.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
 
@@ -9,7 +10,13 @@
 namespace earpoint {
 namespace {
 
-constexpr int kBandsPerPulse = 2;
+// Bands that share a later pulse. Low ones, where waves are long against walls, have their own: a
+// quarter of its centre's period says a band's phase best.
+struct BandRange {
+  int first = 0;
+  int last = 0;
+};
+constexpr std::array<BandRange, 6> kShared = {{{0, 0}, {1, 1}, {2, 2}, {3, 3}, {4, 5}, {6, 7}}};
 
 // The mean over the band, as loud as the band. Where the parts of the band cancel, it stays less
 // loud, so that its phase does not jump.
@@ -37,8 +44,7 @@ double mean_cosine(double lag) {
 
 std::vector<BandPulse> band_pulses(const DiffractionSpectrum& spectrum) {
   std::vector<BandPulse> pulses(1);
-  for (int first = 0; first < kOctaveBands; first += kBandsPerPulse) {
-    const int last = first + kBandsPerPulse - 1;
+  for (const auto& [first, last] : kShared) {
     const double middle_hz = std::sqrt(static_cast<double>(kOctaveBandCentresHz[first]) *
                                        static_cast<double>(kOctaveBandCentresHz[last]));
     BandPulse later{.later_s = 0.25 / middle_hz, .gain = {}};

@@ -2,6 +2,7 @@
 
 #include "band_pulses.h"
 #include "face_reflections.h"
+#include "passage_ways.h"
 
 #include <algorithm>
 #include <cmath>
@@ -30,13 +31,6 @@ struct Connection {
   bool straight_is_free = false;
   std::span<const Arrival> mirrored;
   double speed_m_per_s = 0.0;
-};
-
-// A way that sound takes.
-struct Way {
-  double distance_m = 0.0;
-  Vector3 leaves_to;
-  Vector3 comes_from;
 };
 
 // The way round one edge.
@@ -136,10 +130,15 @@ DiffractionSpectrum sound_along(const Connection& connection, const FaceWay& way
                             connection.speed_m_per_s);
 }
 
+DiffractionSpectrum sound_along(const Connection& connection, const PassageWay& way) {
+  return sound_of_both_sides(way, connection.speed_m_per_s);
+}
+
 // The ways round a group of edges; their sound is one wave.
 struct GroupWays {
   std::vector<EdgeWay> round_edges;
   std::vector<FaceWay> over_faces;
+  std::vector<PassageWay> through_passages;
   Way shortest;
 };
 
@@ -172,6 +171,7 @@ DiffractionSpectrum sum_sound(const Connection& connection, const GroupWays& way
   };
   for (const EdgeWay& way : ways.round_edges) add(way);
   for (const FaceWay& way : ways.over_faces) add(way);
+  for (const PassageWay& way : ways.through_passages) add(way);
   return sum;
 }
 
@@ -265,6 +265,15 @@ std::vector<Arrival> diffracted_arrivals(const SceneGeometry& scene, const Sourc
     if (!ways) continue;
     shortest_m = std::min(shortest_m, ways->shortest.distance_m);
     groups.push_back(std::move(*ways));
+  }
+  for (const FacingPair& facing : scene.facing_pairs()) {
+    std::optional<PassageWay> way = way_through(scene, facing, connection.from, connection.to);
+    if (!way) continue;
+    const Way shortest = way->shortest;
+    groups.push_back({.round_edges = {},
+                      .over_faces = {},
+                      .through_passages = {*std::move(way)},
+                      .shortest = shortest});
   }
   for (const GroupWays& ways : groups) {
     const double share = share_of_detour(ways.shortest.distance_m, shortest_m, straight_m);

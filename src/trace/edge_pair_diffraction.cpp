@@ -1,5 +1,7 @@
 #include "edge_pair_diffraction.h"
 
+#include "complex_angle.h"
+
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -14,48 +16,17 @@ namespace {
 using Complex = std::complex<double>;
 constexpr Complex kI{0.0, 1.0};
 
-// Integrals over the complex angle run along a straight line through 0 that is turned by this
-// slope, on which waves die away, and by the trapezoidal rule, whose error falls exponentially.
-constexpr double kSlope = 0.3;
-constexpr double kCoarsestStep = 0.35;
-constexpr double kFarthest = 7.0;  // along the line; wedges answer with exp(-2/3 of the angle)
-constexpr double kSilent = 1e-4;   // of what the line begins with
-constexpr double kSharp = 8.0;     // the rule misses less than exp(-8) of poles further away
+constexpr double kSharp =
+    8.0;  // the trapezoidal rule misses less than exp(-8) of poles further away
 
 // Each pass of the face leaves at most a third (270 degrees, a face far below a wave).
 constexpr int kPasses = 4;
-
-// Points of the line, of waves from one place up to both ends of the way.
-class Line {
- public:
-  explicit Line(double longest_phase)
-      : step_(std::min(kCoarsestStep, std::sqrt(1.42 / longest_phase)) * Complex(1.0, -kSlope)) {}
-
-  [[nodiscard]] Complex step() const { return step_; }
-
-  // A function of cosh(angle) at the points from 0 on, until it has died away; `least` or more.
-  template <typename Wave>
-  [[nodiscard]] std::vector<Complex> sample(const Wave& wave, std::size_t least) const {
-    std::vector<Complex> samples;
-    const Complex turn = std::exp(step_);
-    for (Complex power = 1.0; step_.real() * static_cast<double>(samples.size()) < kFarthest;
-         power *= turn) {
-      samples.push_back(wave((power + 1.0 / power) / 2.0));
-      if (samples.size() < least) continue;
-      if (std::norm(samples.back()) < kSilent * kSilent * std::norm(samples.front())) break;
-    }
-    return samples;
-  }
-
- private:
-  Complex step_;
-};
 
 // What a wedge does to a plane wave along one of its faces, over the difference of the complex
 // angles of both waves, at the line's points; even.
 class Kernel {
  public:
-  Kernel(double index, const Line& line, std::size_t points) {
+  Kernel(double index, const ComplexAngleLine& line, std::size_t points) {
     const Complex turn = std::exp(index * line.step());
     Complex power = 1.0;
     for (std::size_t i = 0; i < points; ++i, power *= turn) {
@@ -95,7 +66,7 @@ struct Corner {
 // line's angles; by reciprocity, on the face, of what the place sends.
 // @param wave  of the hyperbolic cosine of the angle between them, a sum that dies away
 template <typename Wave>
-std::vector<Complex> bend(const Corner& corner, double angle_rad, const Line& line,
+std::vector<Complex> bend(const Corner& corner, double angle_rad, const ComplexAngleLine& line,
                           std::size_t points, const Wave& wave) {
   double behind_rad = kPi - angle_rad;
   if (std::abs(behind_rad) < kOnBoundary_rad) behind_rad = kOnBoundary_rad;
@@ -125,8 +96,8 @@ std::vector<Complex> bend(const Corner& corner, double angle_rad, const Line& li
   return result;
 }
 
-std::vector<Complex> couple(const Corner& corner, const FacePoint& place, const Line& line,
-                            double wave_number, std::size_t points) {
+std::vector<Complex> couple(const Corner& corner, const FacePoint& place,
+                            const ComplexAngleLine& line, double wave_number, std::size_t points) {
   const double phase = wave_number * place.radius_m;
   return bend(corner, place.angle_rad, line, points,
               [&](const Complex& cosh) { return std::exp(-kI * phase * cosh); });
@@ -175,7 +146,7 @@ ByEdge pass_face(const EdgeFace& face, const std::array<Corner, 2>& corners,
     if (is_seen(place)) longest_m = std::max(longest_m, place.radius_m);
   }
   longest_m += source.radius_m + face.width_m;
-  const Line line(wave_number * longest_m);
+  const ComplexAngleLine line(wave_number * longest_m);
   const std::vector<Complex> crossing = line.sample(
       [&](const Complex& cosh) { return std::exp(-kI * wave_number * face.width_m * cosh); }, 0);
   const std::size_t points = crossing.size();
@@ -269,7 +240,7 @@ DiffractionSpectrum share_in_sight(const EdgeFace& face, int edge, const FacePla
       const Complex distance_m = std::sqrt(sum_m2 + product_m2 * cosh);
       return std::exp(-kI * wave_number * (distance_m - shortest_m)) / distance_m;
     };
-    const Line line(wave_number * shortest_m);
+    const ComplexAngleLine line(wave_number * shortest_m);
     const Complex endless =
         bend(corner_of(face, edge, i / kFrequenciesPerBand), place.angle_rad, line, 1, wave)[0];
     const Complex parts = share[i] * std::polar(1.0, -wave_number * later_m);
@@ -330,6 +301,22 @@ DiffractionSpectrum diffract_over_face(const EdgeFace& face, const FacePlace& so
     spectrum[i] *= in_counts * in_share[i] + (1.0 - in_counts) * out_share[i];
   }
   return spectrum;
+}
+
+std::complex<double> line_sound_over_face(const EdgeFace& face,
+                                          const std::array<FacePoint, 2>& source,
+                                          const std::array<FacePoint, 2>& receiver, int band,
+                                          double wave_number) {
+  const std::array<Corner, 2> corners{corner_of(face, 0, band), corner_of(face, 1, band)};
+  Complex sum = 0.0;
+  for (int start = 0; start < 2; ++start) {
+    if (!is_seen(source[start])) continue;
+    for (const Complex& part :
+         pass_face(face, corners, source[start], receiver, start, wave_number)) {
+      sum += part;
+    }
+  }
+  return sum;
 }
 
 }  // namespace earpoint

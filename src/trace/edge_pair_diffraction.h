@@ -3,6 +3,7 @@
 #include "wedge_diffraction.h"
 
 #include <array>
+#include <complex>
 #include <vector>
 
 namespace earpoint {
@@ -45,5 +46,13 @@ struct FacePlace {
 DiffractionSpectrum diffract_over_face(const EdgeFace& face, const FacePlace& source,
                                        const FacePlace& receiver, double reference_m,
                                        double speed_m_per_s);
+
+/// The same orders for a line source that makes H0(2) in free field, and endless edges.
+/// @param source, receiver  as both edges have them
+/// @param band  of the faces' reflections
+std::complex<double> line_sound_over_face(const EdgeFace& face,
+                                          const std::array<FacePoint, 2>& source,
+                                          const std::array<FacePoint, 2>& receiver, int band,
+                                          double wave_number);
 
 }  // namespace earpoint

@@ -8,13 +8,12 @@
 namespace earpoint {
 namespace {
 
-constexpr double kStretch_m = 0.25;    // what hides less of an edge may go unnoticed
-constexpr double kEnd_m = 2e-3;        // from either end, it is looked at too
-constexpr double kBorder_m = 2e-4;     // how well the borders of what is in sight are found
-constexpr double kClearance_m = 5e-3;  // how far from the edge it is looked at
+constexpr double kStretch_m = 0.25;  // what hides less of an edge may go unnoticed
+constexpr double kEnd_m = 2e-3;      // from either end, it is looked at too
+constexpr double kBorder_m = 2e-4;   // how well the borders of what is in sight are found
 
 bool is_in_air(const DiffractionEdge& edge, const EdgePoint& point) {
-  return point.radius_m > kClearance_m &&
+  return point.radius_m > kEdgeClearance_m &&
          point.angle_rad < edge.wedge.open_angle_rad + kOnBoundary_rad;
 }
 
@@ -49,7 +48,7 @@ class EdgeLook {
  private:
   [[nodiscard]] bool sees(double z) const {
     ++rays_cast_;
-    return !scene_.rays().occluded(place_, point_on_edge(edge_, z, kClearance_m), mask_);
+    return !scene_.rays().occluded(place_, point_on_edge(edge_, z, kEdgeClearance_m), mask_);
   }
 
   // Between a place that is hidden and one in sight.

@@ -7,6 +7,9 @@
 
 namespace earpoint {
 
+/// How far from an edge it is looked for, into the middle of its air.
+constexpr double kEdgeClearance_m = 5e-3;
+
 /// Which parts of the scene's edges can be seen from a place.
 class EdgeView {
  public:

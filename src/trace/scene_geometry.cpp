@@ -120,6 +120,7 @@ SceneGeometry::SceneGeometry(const Scene& scene)
   edges_ = find_diffraction_edges(*this);
   edge_pairs_ = find_edge_pairs(edges_);
   edge_groups_ = group_edges(edges_.size(), edge_pairs_);
+  facing_pairs_ = find_facing_pairs(*this, edges_, edge_pairs_);
 }
 
 LayerMask SceneGeometry::mask_without(std::optional<std::uint32_t> body) const {

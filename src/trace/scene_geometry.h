@@ -1,6 +1,7 @@
 #pragma once
 
 #include "diffraction_edges.h"
+#include "passages.h"
 #include "triangle_tree.h"
 
 #include <array>
@@ -69,6 +70,8 @@ class SceneGeometry {
   [[nodiscard]] const std::vector<EdgePair>& edge_pairs() const { return edge_pairs_; }
   [[nodiscard]] const std::vector<EdgeGroup>& edge_groups() const { return edge_groups_; }
 
+  [[nodiscard]] const std::vector<FacingPair>& facing_pairs() const { return facing_pairs_; }
+
   /// How far a ray starts above the surface that it leaves, so that it does not hit it again.
   [[nodiscard]] double surface_offset_m() const { return surface_offset_m_; }
 
@@ -84,6 +87,7 @@ class SceneGeometry {
   std::vector<DiffractionEdge> edges_;
   std::vector<EdgePair> edge_pairs_;
   std::vector<EdgeGroup> edge_groups_;
+  std::vector<FacingPair> facing_pairs_;
 };
 
 }  // namespace earpoint

@@ -9,18 +9,13 @@
 #include <earpoint/core/pose.h>
 
 namespace earpoint::gates {
-namespace {
-
-// One inside, zero outside, in octaves from the centre.
 double band_weight(double octaves_away, double half_width) {
   constexpr double kFlank = 0.5;  // wide enough that the filter rings less than rooms decay
-  const double into_flank = (octaves_away - (half_width - kFlank / 2.0)) / kFlank;
+  const double into_flank = (std::abs(octaves_away) - (half_width - kFlank / 2.0)) / kFlank;
   if (into_flank <= 0.0) return 1.0;
   if (into_flank >= 1.0) return 0.0;
   return 0.5 + 0.5 * std::cos(kPi * into_flank);
 }
-
-}  // namespace
 
 std::vector<double> band_of(std::span<const float> response, int sample_rate_hz, double centre_hz,
                             double octaves) {

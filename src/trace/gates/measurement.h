@@ -9,6 +9,10 @@ namespace earpoint::gates {
 
 /// How an impulse response is measured by the gates: written apart from the code under test.
 
+/// @param half_width  of a band, octaves
+/// @return  what `band_of` leaves of a pressure so many octaves from the band's centre
+double band_weight(double octaves_away, double half_width);
+
 /// A band of one octave around a centre (or a narrower one), cut out by a zero-phase filter with
 /// cosine flanks of half an octave.
 /// @param octaves  its width
