@@ -33,7 +33,7 @@ TEST(MakeStudy, FolderIsTheWholeStudy) {
 
 TEST(MakeStudy, EveryClipIsFromAnotherConversation) {
   const TestFolder folder;
-  const Study study = make_test_study(folder.path(), test_request(StudyDesign::mushra));
+  const Study study = copy_test_study(folder.path(), StudyDesign::mushra);
   std::set<std::string> conversations;
   for (const StudyClip& clip : study.clips) {
     EXPECT_TRUE(conversations.insert(clip.pair.substr(0, clip.pair.find(':'))).second) << clip.pair;
@@ -62,7 +62,7 @@ TEST(MakeStudy, SameSeedSameBytesAndAnotherSeedOtherClips) {
 
 TEST(MakeStudy, SoundsOfAClipAreEquallyLoud) {
   const TestFolder folder;
-  const Study study = make_test_study(folder.path(), test_request(StudyDesign::mushra));
+  const Study study = copy_test_study(folder.path(), StudyDesign::mushra);
   for (const StudyClip& clip : study.clips) {
     const Waveform reference = read_sound(folder.path() / "study" / clip.reference);
     const double aim = loudness_lkfs(reference).value();
@@ -90,7 +90,7 @@ TEST(MakeStudy, KeptLoudnessKeepsWhatMethodsDid) {
 
 TEST(MakeStudy, AnchorsAreTheReferenceInMonoAndWithExchangedEars) {
   const TestFolder folder;
-  const Study study = make_test_study(folder.path(), test_request(StudyDesign::mushra));
+  const Study study = copy_test_study(folder.path(), StudyDesign::mushra);
   const StudyClip& clip = study.clips.front();
   const auto heard = [&](std::string_view condition) {
     const auto sound = std::ranges::find(clip.sounds, condition, &StudySound::condition);
@@ -110,7 +110,7 @@ TEST(MakeStudy, AnchorsAreTheReferenceInMonoAndWithExchangedEars) {
 
 TEST(MakeStudy, ControlsHoldTheReferenceAndNoDesignOfRatingsHasControls) {
   const TestFolder folder;
-  const Study choice = make_test_study(folder.path(), test_request(StudyDesign::choice));
+  const Study choice = copy_test_study(folder.path(), StudyDesign::choice);
   int controls = 0;
   for (const StudyClip& clip : choice.clips) {
     const bool has_truth =
@@ -120,13 +120,13 @@ TEST(MakeStudy, ControlsHoldTheReferenceAndNoDesignOfRatingsHasControls) {
   }
   EXPECT_EQ(controls, 2);
   fs::remove_all(folder.path() / "study");
-  const Study mushra = make_test_study(folder.path(), test_request(StudyDesign::mushra));
+  const Study mushra = copy_test_study(folder.path(), StudyDesign::mushra);
   EXPECT_EQ(mushra.clips.size(), 6U);
 }
 
 TEST(MakeStudy, TellsHeadphonesFromLoudspeakers) {
   const TestFolder folder;
-  const Study study = make_test_study(folder.path(), test_request(StudyDesign::choice));
+  const Study study = copy_test_study(folder.path(), StudyDesign::choice);
   std::set<int> quietest;
   for (const HeadphoneTrial& trial : study.headphones) {
     const Waveform sound = read_sound(folder.path() / "study" / trial.file);
@@ -179,7 +179,7 @@ TEST(MakeStudy, RefusesAFolderInUseOraclesAndTooFewPairs) {
 
 TEST(Study, RefusesFilesOutsideOfItsFolderAndMissingOnes) {
   const TestFolder folder;
-  Study study = make_test_study(folder.path(), test_request(StudyDesign::choice));
+  Study study = copy_test_study(folder.path(), StudyDesign::choice);
   const fs::path place = folder.path() / "study";
   const std::string good = study.clips[0].reference;
   for (const char* file : {"/etc/passwd", "../data/dataset.json", "clips/none.wav"}) {

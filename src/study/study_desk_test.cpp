@@ -15,7 +15,7 @@ using nlohmann::json;
 class StudyDeskTest : public testing::Test {
  protected:
   void SetUp() override {
-    study_ = make_test_study(folder_.path(), test_request(StudyDesign::choice));
+    study_ = copy_test_study(folder_.path(), StudyDesign::choice);
     open();
   }
   void open() {
@@ -153,7 +153,7 @@ TEST_F(StudyDeskTest, ALabelTakesPartOnce) {
 
 TEST(StudyDesk, RatesEverySoundFrom0To100) {
   const TestFolder folder;
-  make_test_study(folder.path(), test_request(StudyDesign::mushra));
+  copy_test_study(folder.path(), StudyDesign::mushra);
   StudyDesk desk(folder.path() / "study");
   const std::string id = json::parse(desk.join("").body)["participant"];
   const Study study = read_study(folder.path() / "study");

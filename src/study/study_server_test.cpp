@@ -28,7 +28,7 @@ using nlohmann::json;
 class ServedStudy {
  public:
   explicit ServedStudy(StudyDesign design) {
-    study = make_test_study(folder.path(), test_request(design));
+    study = copy_test_study(folder.path(), design);
     server = std::make_unique<StudyServer>(folder.path() / "study");
     port = server->bind(0);
     thread = std::thread([this] { server->run(); });
@@ -193,7 +193,7 @@ class ServerProcess {
 
 TEST(StudyServer, EveryAnswerThatWasTakenOutlivesAKill) {
   const TestFolder folder;
-  make_test_study(folder.path(), test_request(StudyDesign::choice));
+  copy_test_study(folder.path(), StudyDesign::choice);
   const std::filesystem::path place = folder.path() / "study";
   std::string self;
   int taken = 0;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -81,7 +83,7 @@ inline StudyRequest test_request(StudyDesign design) {
           .baselines = {"input"}};
 }
 
-/// Makes the study of test_request() in `folder`/study, out of a tiny data set beside it.
+/// Makes the study of a request in `folder`/study, out of a tiny data set beside it.
 inline Study make_test_study(const std::filesystem::path& folder, const StudyRequest& request) {
   const std::filesystem::path data = folder / "data";
   if (!std::filesystem::exists(data)) write_tiny_dataset(data, {.clips = 8});
@@ -89,6 +91,19 @@ inline Study make_test_study(const std::filesystem::path& folder, const StudyReq
                                        request.duration_s);
   SilentProgress progress;
   return make_study(*material, test_methods(), request, folder / "study", progress);
+}
+
+/// Puts the study of test_request() in `folder`/study; it is made once for all tests.
+inline Study copy_test_study(const std::filesystem::path& folder, StudyDesign design) {
+  static std::array<std::unique_ptr<TestFolder>, 2> made;
+  auto& place = made.at(static_cast<std::size_t>(design));
+  if (!place) {
+    place = std::make_unique<TestFolder>();
+    make_test_study(place->path(), test_request(design));
+  }
+  std::filesystem::copy(place->path() / "study", folder / "study",
+                        std::filesystem::copy_options::recursive);
+  return read_study(folder / "study");
 }
 
 }  // namespace earpoint

@@ -15,7 +15,7 @@ std::size_t count(const std::string& text, const std::string& part) {
 
 TEST(Webmushra, HasAPageForEveryClipAndScale) {
   const TestFolder folder;
-  const Study study = make_test_study(folder.path(), test_request(StudyDesign::mushra));
+  const Study study = copy_test_study(folder.path(), StudyDesign::mushra);
   const std::string yaml = webmushra_yaml(study, "configs/study");
   EXPECT_EQ(count(yaml, "type: mushra"), 2U * 7U);
   EXPECT_EQ(count(yaml, "- random"), 2U);
@@ -27,7 +27,7 @@ TEST(Webmushra, HasAPageForEveryClipAndScale) {
 
 TEST(Webmushra, ComparesPairsWhereTheDesignIsAChoice) {
   const TestFolder folder;
-  const Study study = make_test_study(folder.path(), test_request(StudyDesign::choice));
+  const Study study = copy_test_study(folder.path(), StudyDesign::choice);
   const std::string yaml = webmushra_yaml(study, "configs/study");
   EXPECT_EQ(count(yaml, "type: paired_comparison"), 7U);
   EXPECT_EQ(yaml.find("control"), std::string::npos);

@@ -14,6 +14,13 @@ function tell(problem: unknown): void {
   byId('problem').textContent = problem ? (problem as Error).message : '';
 }
 
+/** Begins with somebody new. */
+function startButton(text: string): HTMLButtonElement {
+  const button = make('button', { type: 'button', textContent: text });
+  button.onclick = () => { localStorage.removeItem(STORED); location.reload(); };
+  return button;
+}
+
 /** Leads a participant from step to step. */
 class Study {
   private readonly context = new AudioContext();
@@ -109,8 +116,7 @@ class Study {
 
   private showFailed(): void {
     byId('progress-text').textContent = '';
-    const again = make('button', { type: 'button', className: 'main', textContent: 'Start again with headphones' });
-    again.onclick = () => { localStorage.removeItem(STORED); location.reload(); };
+    const again = startButton('Start again with headphones');
     show(make('h2', { textContent: 'The headphone check did not work' }),
       make('p', { textContent: 'This study needs headphones with a left and a right side. Put them on, switch off effects such as '
         + 'surround or mono, and start again.' }), again);
@@ -139,7 +145,8 @@ class Study {
 
   private showThanks(): void {
     byId('progress-text').textContent = '';
-    show(make('h2', { textContent: 'Thank you' }), make('p', { textContent: 'Your answers are stored. You can close this page.' }));
+    show(make('h2', { textContent: 'Thank you' }), make('p', { textContent: 'Your answers are stored. You can close this page.' }),
+      make('div', { className: 'buttons' }, make('span'), startButton('Another person takes part')));
   }
 
   private onKey(event: KeyboardEvent): void {
