@@ -12,8 +12,8 @@
 #include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
 #include <earpoint/study/simulated_participant.h>
-#include <earpoint/study/study_report.h>
 #include <earpoint/study/study_desk.h>
+#include <earpoint/study/study_report.h>
 #include <earpoint/study/study_server.h>
 
 namespace earpoint {
@@ -148,7 +148,8 @@ void add_study_command(CLI::App& app) {
 
 void add_study_serve_command(CLI::App& study) {
   auto arguments = std::make_shared<ServeArguments>();
-  CLI::App* command = study.add_subcommand("serve", "Serve a study's page and store what it is answered.");
+  CLI::App* command =
+      study.add_subcommand("serve", "Serve a study's page and store what it is answered.");
   add_folder(*command, arguments->folder);
   command->add_option("--port", arguments->port, "Of http://127.0.0.1; 0 takes any that is free")
       ->check(CLI::Range(0, 65535))
@@ -178,8 +179,9 @@ void add_study_report_command(CLI::App& study) {
   auto arguments = std::make_shared<ReportArguments>();
   CLI::App* command = study.add_subcommand("report", "Say what a study comes to.");
   add_folder(*command, arguments->folder);
-  command->add_option("-o,--output", arguments->output,
-                      "Folder for a page with the table, the answers as CSV and the results as JSON");
+  command->add_option(
+      "-o,--output", arguments->output,
+      "Folder for a page with the table, the answers as CSV and the results as JSON");
   command->add_flag("--json", arguments->json, "Print the results as JSON");
   command->footer(kReportFooter);
   command->callback([arguments] { run_report(*arguments); });

@@ -69,8 +69,8 @@ void run(const Arguments& arguments) {
   request.baselines = {arguments.baselines.begin(), arguments.baselines.end()};
   request.jobs = arguments.jobs > 0 ? arguments.jobs : available_cores();
   const DatasetLayout layout = dataset_layout(arguments.data, std::nullopt);
-  const auto material = study_material(arguments.data, layout, request.split, arguments.pairs,
-                                       request.duration_s);
+  const auto material =
+      study_material(arguments.data, layout, request.split, arguments.pairs, request.duration_s);
   std::set<std::string> scenes;
   for (std::size_t pair = 0; pair < material->size(); ++pair) scenes.insert(material->scene(pair));
   MethodRequest methods;
@@ -88,8 +88,8 @@ void run(const Arguments& arguments) {
     const std::string place = "configs/" + name_of_folder(arguments.output);
     write_file(arguments.output / "webmushra.yaml", webmushra_yaml(study, place));
   }
-  fmt::print("{}: {} clips, {} methods, design {}\n", arguments.output.string(),
-             study.clips.size(), study.methods.size(), name_of(study.design));
+  fmt::print("{}: {} clips, {} methods, design {}\n", arguments.output.string(), study.clips.size(),
+             study.methods.size(), name_of(study.design));
 }
 
 }  // namespace
@@ -122,8 +122,10 @@ void add_study_make_command(CLI::App& study) {
   command->add_option("--count", request.count, "Clips")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  command->add_option("--controls", request.controls, "Further clips of the design choice that "
-                      "have the reference among the sounds")
+  command
+      ->add_option("--controls", request.controls,
+                   "Further clips of the design choice that "
+                   "have the reference among the sounds")
       ->check(CLI::Range(0, 100))
       ->capture_default_str();
   command->add_option("--seconds", request.duration_s, "Length of every sound")

@@ -187,8 +187,7 @@ bool AnswerStore::add_answer(const std::string& participant, int step, int revis
   return true;
 }
 
-std::vector<Answer> AnswerStore::answers(const std::string& participant,
-                                         bool all_revisions) const {
+std::vector<Answer> AnswerStore::answers(const std::string& participant, bool all_revisions) const {
   Statement row(state_->database,
                 "SELECT step, revision, content, seconds, received FROM answers "
                 "WHERE participant = ? ORDER BY step, revision");

@@ -19,9 +19,9 @@ constexpr const char* kHost = "127.0.0.1";
 
 void refuse(httplib::Response& response, int status, const std::string& why) {
   response.status = status;
-  response.set_content(nlohmann::json{{"error", why}}.dump(
-                           -1, ' ', false, nlohmann::json::error_handler_t::replace),
-                       "application/json");
+  response.set_content(
+      nlohmann::json{{"error", why}}.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace),
+      "application/json");
 }
 
 LocalServer::LocalServer(std::size_t most_body) {

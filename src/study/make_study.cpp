@@ -219,8 +219,8 @@ class StudyMaker {
     if (drawn.clip.is_control) candidates.resize(std::min(candidates.size(), methods_.size()));
     for (std::size_t m = 0; m < methods_.size(); ++m) {
       if (drawn.clip.is_control && candidates.size() == methods_.size()) break;
-      candidates.push_back({methods_[m].name, ask(*askers[m], methods_[m], sample,
-                                                  drawn.clip.scene, nullptr)});
+      candidates.push_back(
+          {methods_[m].name, ask(*askers[m], methods_[m], sample, drawn.clip.scene, nullptr)});
     }
     return candidates;
   }
@@ -309,8 +309,7 @@ Study make_study(const StudyMaterial& material, std::span<const MethodEntry> met
               .training = std::move(drawn.back().clip),
               .headphones = write_headphone_trials(made.aside())};
   for (const MethodEntry& method : methods) {
-    study.methods.push_back(
-        {method.name, method.what, request.baselines.contains(method.name)});
+    study.methods.push_back({method.name, method.what, request.baselines.contains(method.name)});
   }
   drawn.pop_back();
   for (DrawnClip& clip : drawn) study.clips.push_back(std::move(clip.clip));

@@ -55,8 +55,8 @@ TEST(MakeStudy, SameSeedSameBytesAndAnotherSeedOtherClips) {
   fs::remove_all(folder.path() / "study");
   request.seed = 4;
   const Study other = make_test_study(folder.path(), request);
-  const auto same = std::ranges::equal(first.clips, other.clips, {}, &StudyClip::pair,
-                                       &StudyClip::pair);
+  const auto same =
+      std::ranges::equal(first.clips, other.clips, {}, &StudyClip::pair, &StudyClip::pair);
   EXPECT_FALSE(same);
 }
 
@@ -163,8 +163,8 @@ TEST(MakeStudy, RefusesAFolderInUseOraclesAndTooFewPairs) {
     EXPECT_NE(std::string(error.what()).find("--count"), std::string::npos) << error.what();
   }
   EXPECT_FALSE(fs::exists(folder.path() / "study"));
-  const auto material = study_material(folder.path() / "data", DatasetLayout::soundspaces, "test",
-                                       {}, 1.0);
+  const auto material =
+      study_material(folder.path() / "data", DatasetLayout::soundspaces, "test", {}, 1.0);
   std::vector<MethodEntry> methods = test_methods();
   methods[1].is_oracle = true;
   SilentProgress progress;

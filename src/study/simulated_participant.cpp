@@ -29,8 +29,8 @@ constexpr std::array<SimulatedRule, 3> kRules{SimulatedRule::mag, SimulatedRule:
 /// Decodes a sound file's bytes.
 Waveform decoded(const std::string& bytes) {
   static std::atomic<int> count = 0;
-  const fs::path path = fs::temp_directory_path() /
-                        fmt::format("earpoint-heard-{}-{}.wav", ::getpid(), ++count);
+  const fs::path path =
+      fs::temp_directory_path() / fmt::format("earpoint-heard-{}-{}.wav", ::getpid(), ++count);
   write_file(path, std::string_view(bytes));
   Waveform sound = read_sound(path);
   fs::remove(path);
@@ -116,8 +116,7 @@ class SimulatedParticipant {
       const std::ptrdiff_t length = sound.samples() / 3;
       for (std::ptrdiff_t i = third * length; i < (third + 1) * length; ++i) {
         const double left = sound.channel(0)[i];
-        const double heard =
-            options_.has_loudspeakers ? 0.5 * (left + sound.channel(1)[i]) : left;
+        const double heard = options_.has_loudspeakers ? 0.5 * (left + sound.channel(1)[i]) : left;
         energies[third] += heard * heard;
       }
     }

@@ -139,8 +139,8 @@ DeskReply StudyDesk::join(const std::string& body) {
   } catch (const InputError& error) {
     return refusal(400, error.what());
   }
-  const auto participant = store_.add(
-      label, simulated, [&](int number) { return text_of(plan_steps(study_, number)); });
+  const auto participant =
+      store_.add(label, simulated, [&](int number) { return text_of(plan_steps(study_, number)); });
   if (!participant) return refusal(409, fmt::format("{} has taken part already", label));
   return reply({{"participant", participant->id}});
 }

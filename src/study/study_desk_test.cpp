@@ -132,12 +132,11 @@ TEST_F(StudyDeskTest, GivesTheSoundsInTheOrderOfTheParticipant) {
 
 TEST_F(StudyDeskTest, RefusesBadRequestsInALine) {
   const std::string id = join();
-  for (const char* body :
-       {"nonsense", "[]", "{}", R"({"choice": 3, "revision": 0})",
-        R"({"choice": -1, "revision": 0})", R"({"choice": 1.5, "revision": 0})",
-        R"({"choice": "1", "revision": 0})", R"({"choice": 1})",
-        R"({"choice": 1, "revision": 0, "seconds": -1})",
-        R"({"choice": 1, "revision": 0, "seconds": "long"})"}) {
+  for (const char* body : {"nonsense", "[]", "{}", R"({"choice": 3, "revision": 0})",
+                           R"({"choice": -1, "revision": 0})", R"({"choice": 1.5, "revision": 0})",
+                           R"({"choice": "1", "revision": 0})", R"({"choice": 1})",
+                           R"({"choice": 1, "revision": 0, "seconds": -1})",
+                           R"({"choice": 1, "revision": 0, "seconds": "long"})"}) {
     EXPECT_EQ(desk_->answer(id, 0, body).status, 400) << body;
   }
   EXPECT_EQ(state(id)["at"], 0);

@@ -94,13 +94,12 @@ std::string bars(const Study& study, const StudyGroup& group, const std::string&
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const StudyRow& row = *rows[i];
     const double y = kBarHeight * (static_cast<double>(i) + 0.5);
-    svg += fmt::format(
-        "<text x=\"{}\" y=\"{:.1f}\" text-anchor=\"end\" fill=\"#1d2430\">{}</text>", kBarLeft - 8,
-        y + 4.5, escaped(row.condition));
+    svg += fmt::format("<text x=\"{}\" y=\"{:.1f}\" text-anchor=\"end\" fill=\"#1d2430\">{}</text>",
+                       kBarLeft - 8, y + 4.5, escaped(row.condition));
     if (!row.value) continue;
-    svg += fmt::format("<rect x=\"{}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"14\" fill=\"{}\"/>",
-                       kBarLeft, y - 7.0, x(row.value->value) - kBarLeft,
-                       color_of(i, row.condition));
+    svg +=
+        fmt::format("<rect x=\"{}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"14\" fill=\"{}\"/>",
+                    kBarLeft, y - 7.0, x(row.value->value) - kBarLeft, color_of(i, row.condition));
     if (!row.value->range) continue;
     svg += fmt::format(
         "<line x1=\"{0:.1f}\" x2=\"{1:.1f}\" y1=\"{2:.1f}\" y2=\"{2:.1f}\" stroke=\"#1d2430\" "
@@ -135,13 +134,14 @@ std::string comparisons(const StudyGroup& group) {
     html += votes_cell(c.by_answer) + votes_cell(c.by_participant) + votes_cell(c.by_clip) +
             power_cell(c.by_answer) + power_cell(c.by_participant) + "</tr>";
   }
-  return html + fmt::format(
-                    "</table></div><p class=\"soft\">Exact two-sided sign tests, ties left out, not "
-                    "corrected for their number. By answer takes all answers as independent, which "
-                    "they are not; by participant and by clip count one vote each. Power: how "
-                    "likely the test finds a true preference of {:.0f}&thinsp;%; below it the "
-                    "smallest preference that it finds with 80&thinsp;%.</p>",
-                    100.0 * kPowerShare);
+  return html +
+         fmt::format(
+             "</table></div><p class=\"soft\">Exact two-sided sign tests, ties left out, not "
+             "corrected for their number. By answer takes all answers as independent, which "
+             "they are not; by participant and by clip count one vote each. Power: how "
+             "likely the test finds a true preference of {:.0f}&thinsp;%; below it the "
+             "smallest preference that it finds with 80&thinsp;%.</p>",
+             100.0 * kPowerShare);
 }
 
 std::string left_out(const StudyGroup& group) {
@@ -164,7 +164,7 @@ std::string screening(const Study& study, const StudyGroup& group) {
             estimate_cell(row.before_screening, unit_of(study), false) + "</tr>";
   }
   html += "</table></details>";
-  if (group.by_place.empty()) return html;
+  if (group.by_place.empty() || group.answers == 0) return html;
   html += "<p class=\"soft\">Choices by the sound's place on the page:";
   for (std::size_t place = 0; place < group.by_place.size(); ++place) {
     html += fmt::format(" {}: {:.0f}&thinsp;%", static_cast<char>('A' + place),
@@ -174,13 +174,14 @@ std::string screening(const Study& study, const StudyGroup& group) {
 }
 
 std::string group_section(const Study& study, const StudyGroup& group) {
-  std::string html = fmt::format("<h2>{}</h2>", group.is_simulated
-                                                    ? "Simulated participants, not people: " +
-                                                          escaped(group.name.substr(11))
-                                                    : "People");
+  std::string html = fmt::format(
+      "<h2>{}</h2>", group.is_simulated
+                         ? "Simulated participants, not people: " + escaped(group.name.substr(11))
+                         : "People");
   html += fmt::format("<p>{} of {} participants count, with {} answers.</p>", group.counted,
                       group.participants.size(), group.answers);
   html += "<div class=\"card\">" + table(study, group) + "</div>";
+  if (group.answers == 0) return html + screening(study, group);
   for (const std::string& scale : scales_of(group)) {
     html += fmt::format("<div class=\"card\">{}{}</div>",
                         scale.empty() ? "" : "<h3>" + escaped(scale) + "</h3>",
@@ -192,8 +193,8 @@ std::string group_section(const Study& study, const StudyGroup& group) {
 }  // namespace
 
 std::string study_page(const Study& study, std::span<const StudyGroup> groups) {
-  const auto clips = std::ranges::count_if(
-      study.clips, [](const StudyClip& clip) { return !clip.is_control; });
+  const auto clips =
+      std::ranges::count_if(study.clips, [](const StudyClip& clip) { return !clip.is_control; });
   std::string body = fmt::format(
       "<h1>{}</h1><p class=\"soft\">{} clips of {} s from {} ({}, {}), seed {}, loudness {}. {} "
       "Intervals hold 95&thinsp;%, drawn over participants and clips.</p>",

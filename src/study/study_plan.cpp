@@ -36,7 +36,8 @@ void append_block(const Study& study, std::string_view scale, RandomStream& rand
   std::vector<const StudyClip*> clips;
   for (const StudyClip& clip : study.clips) clips.push_back(&clip);
   shuffle(clips, random);
-  const auto first = std::ranges::find_if(clips, [](const auto* clip) { return !clip->is_control; });
+  const auto first =
+      std::ranges::find_if(clips, [](const auto* clip) { return !clip->is_control; });
   if (first != clips.end()) std::iter_swap(clips.begin(), first);
   for (const StudyClip* clip : clips) {
     steps.push_back(step_of(Kind::trial, *clip, scale, random));
@@ -61,10 +62,8 @@ std::vector<StudyStep> plan_steps(const Study& study, int participant) {
   RandomStream random(study.seed, {1, static_cast<std::uint64_t>(participant)});
   std::vector<StudyStep> steps;
   for (std::size_t trial = 0; trial < study.headphones.size(); ++trial) {
-    steps.push_back({.kind = Kind::headphones,
-                     .item = fmt::format("{}", trial),
-                     .scale = {},
-                     .order = {}});
+    steps.push_back(
+        {.kind = Kind::headphones, .item = fmt::format("{}", trial), .scale = {}, .order = {}});
   }
   shuffle(steps, random);
   if (study.design == StudyDesign::choice) {

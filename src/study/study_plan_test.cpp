@@ -17,8 +17,7 @@ Study study_of(StudyDesign design, int clips, int controls) {
   study.methods = {{"a", "", true}, {"b", "", false}, {"c", "", false}};
   const std::vector<StudySound> sounds{{.condition = "a"}, {.condition = "b"}, {.condition = "c"}};
   for (int i = 0; i < clips + controls; ++i) {
-    study.clips.push_back(
-        {.id = fmt::format("{}", i), .sounds = sounds, .is_control = i >= clips});
+    study.clips.push_back({.id = fmt::format("{}", i), .sounds = sounds, .is_control = i >= clips});
   }
   study.training = {.id = "training", .sounds = sounds};
   study.headphones.resize(kHeadphoneTrials);

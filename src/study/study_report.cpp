@@ -25,8 +25,8 @@ Json json_of(const std::optional<Estimate>& estimate) {
 Json json_of(const SignVotes& votes) {
   Json detectable = nullptr;
   if (votes.detectable) detectable = *votes.detectable;
-  return {{"wins", votes.wins},   {"losses", votes.losses}, {"ties", votes.ties},
-          {"p", votes.p},         {"power", votes.power},   {"detectable_share", detectable}};
+  return {{"wins", votes.wins}, {"losses", votes.losses}, {"ties", votes.ties},
+          {"p", votes.p},       {"power", votes.power},   {"detectable_share", detectable}};
 }
 
 Json json_of(const StudyParticipant& participant) {
@@ -65,14 +65,10 @@ Json json_of(const StudyGroup& group) {
                            {"by_participant", json_of(comparison.by_participant)},
                            {"by_clip", json_of(comparison.by_clip)}});
   }
-  return {{"name", group.name},
-          {"simulated", group.is_simulated},
-          {"counted", group.counted},
-          {"answers", group.answers},
-          {"rows", std::move(rows)},
-          {"comparisons", std::move(comparisons)},
-          {"by_place", group.by_place},
-          {"participants", std::move(participants)}};
+  return {{"name", group.name},         {"simulated", group.is_simulated},
+          {"counted", group.counted},   {"answers", group.answers},
+          {"rows", std::move(rows)},    {"comparisons", std::move(comparisons)},
+          {"by_place", group.by_place}, {"participants", std::move(participants)}};
 }
 
 /// A cell of a CSV file.
@@ -86,18 +82,21 @@ std::string cell(const std::string& text) {
   return quoted + "\"";
 }
 
-std::string row_text(const Study& study, const StudyRow& row) {
+std::string estimate_text(const Study& study, const std::optional<Estimate>& estimate) {
+  if (!estimate) return "none";
   const bool is_share = study.design == StudyDesign::choice;
   const double factor = is_share ? 100.0 : 1.0;
-  const char* unit = is_share ? " %" : "";
-  std::string text = fmt::format("  {:<16}", row.condition);
-  if (!row.value) return text + "none\n";
-  text += fmt::format("{:5.1f}{}", factor * row.value->value, unit);
-  if (row.value->range) {
-    text += fmt::format("  [{:.1f}, {:.1f}]", factor * row.value->range->low,
-                        factor * row.value->range->high);
-  }
-  return text + "\n";
+  std::string text = fmt::format("{:5.1f}{}", factor * estimate->value, is_share ? " %" : "");
+  if (!estimate->range) return text;
+  return text + fmt::format("  [{:.1f}, {:.1f}]", factor * estimate->range->low,
+                            factor * estimate->range->high);
+}
+
+std::string row_text(const Study& study, const StudyRow& row) {
+  const std::string value = estimate_text(study, row.value);
+  const std::string before = estimate_text(study, row.before_screening);
+  return fmt::format("  {:<16}{}{}\n", row.condition, value,
+                     before == value ? "" : "   before screening " + before);
 }
 
 std::string votes_text(const SignVotes& votes) {
@@ -105,10 +104,10 @@ std::string votes_text(const SignVotes& votes) {
 }
 
 std::string comparison_text(const StudyComparison& comparison) {
-  std::string text = fmt::format(
-      "  {} against {}: answers {}, participants {}, clips {}\n", comparison.method,
-      comparison.baseline, votes_text(comparison.by_answer), votes_text(comparison.by_participant),
-      votes_text(comparison.by_clip));
+  std::string text =
+      fmt::format("  {} against {}: answers {}, participants {}, clips {}\n", comparison.method,
+                  comparison.baseline, votes_text(comparison.by_answer),
+                  votes_text(comparison.by_participant), votes_text(comparison.by_clip));
   const auto power = [](const SignVotes& votes) {
     return votes.detectable ? fmt::format("{:.0f} %", 100.0 * *votes.detectable)
                             : std::string("none");
@@ -120,10 +119,9 @@ std::string comparison_text(const StudyComparison& comparison) {
 }
 
 std::string group_text(const Study& study, const StudyGroup& group) {
-  std::string text =
-      fmt::format("\n{}{}: {} of {} participants count, {} answers\n",
-                  group.is_simulated ? "NOT PEOPLE, " : "", group.name, group.counted,
-                  group.participants.size(), group.answers);
+  std::string text = fmt::format("\n{}{}: {} of {} participants count, {} answers\n",
+                                 group.is_simulated ? "NOT PEOPLE, " : "", group.name,
+                                 group.counted, group.participants.size(), group.answers);
   for (const StudyParticipant& participant : group.participants) {
     if (participant.left_out.empty()) continue;
     text += fmt::format("  left out: participant {} {}\n", participant.participant.number,
@@ -168,16 +166,12 @@ std::string json_of(const Study& study, std::span<const StudyGroup> groups) {
   }
   Json list = Json::array();
   for (const StudyGroup& group : groups) list.push_back(json_of(group));
-  const Json document{{"title", study.title},
-                      {"design", name_of(study.design)},
-                      {"data", study.data},
-                      {"split", study.split},
-                      {"seed", study.seed},
-                      {"loudness", study.loudness_matched ? "matched" : "kept"},
-                      {"clips", study.clips.size()},
-                      {"methods", std::move(methods)},
-                      {"power_share", kPowerShare},
-                      {"groups", std::move(list)}};
+  const Json document{
+      {"title", study.title},        {"design", name_of(study.design)},
+      {"data", study.data},          {"split", study.split},
+      {"seed", study.seed},          {"loudness", study.loudness_matched ? "matched" : "kept"},
+      {"clips", study.clips.size()}, {"methods", std::move(methods)},
+      {"power_share", kPowerShare},  {"groups", std::move(list)}};
   return document.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
@@ -195,8 +189,8 @@ std::string answers_csv(const Study& study, std::span<const StudyGroup> groups) 
                               cell(who.label), cell(who.simulated),
                               participant.left_out.empty() ? 1 : 0, cell(clip.id), cell(clip.pair),
                               clip.is_control ? 1 : 0, trial.scale, cell(trial.order[place]),
-                              place + 1, trial.values.at(trial.order[place]),
-                              trial.answer.revision, trial.answer.seconds, trial.answer.received);
+                              place + 1, trial.values.at(trial.order[place]), trial.answer.revision,
+                              trial.answer.seconds, trial.answer.received);
         }
       }
     }

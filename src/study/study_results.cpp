@@ -122,9 +122,8 @@ void screen_by_ratings(StudyParticipant& participant,
   }
   const auto all = static_cast<int>(participant.trials.size());
   if (is_too_many(low, all)) {
-    participant.left_out =
-        fmt::format("rated the hidden reference below {:g} on {} of {} pages",
-                    kLeastReferenceRating, low, all);
+    participant.left_out = fmt::format("rated the hidden reference below {:g} on {} of {} pages",
+                                       kLeastReferenceRating, low, all);
   }
   for (std::size_t a = 0; a < kAnchors.size(); ++a) {
     if (!participant.left_out.empty() || !is_too_many(high[a], pages[a])) continue;
@@ -150,11 +149,12 @@ void screen(const Study& study, std::vector<StudyParticipant>& participants) {
 /// Answers that are counted together.
 class AnswerSet {
  public:
-  AnswerSet(const Study& study, std::span<const StudyParticipant> participants, bool after_screening)
+  AnswerSet(const Study& study, std::span<const StudyParticipant> participants,
+            bool after_screening)
       : design_(study.design) {
     for (const StudyParticipant& participant : participants) {
-      const bool is_complete = participant.participant.passed_headphones &&
-                               !participant.participant.finished.empty();
+      const bool is_complete =
+          participant.participant.passed_headphones && !participant.participant.finished.empty();
       if (!is_complete || (after_screening && !participant.left_out.empty())) continue;
       for (const StudyTrial& trial : participant.trials) {
         if (study.clips[trial.clip].is_control) continue;
@@ -244,8 +244,8 @@ class AnswerSet {
     }
     const auto independent = static_cast<double>(std::min(participants.size(), clips.size()));
     const double width = 1.0 - std::pow(kTail, 1.0 / independent);
-    estimate->range = estimate->value == 0.0 ? ConfidenceRange{0.0, width}
-                                             : ConfidenceRange{1.0 - width, 1.0};
+    estimate->range =
+        estimate->value == 0.0 ? ConfidenceRange{0.0, width} : ConfidenceRange{1.0 - width, 1.0};
   }
 
   StudyDesign design_;

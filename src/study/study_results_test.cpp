@@ -54,8 +54,8 @@ class StudyResultsTest : public testing::Test {
                   bool finish = true) {
     const std::vector<StudyStep> steps = parse_steps(store_.find(id)->plan);
     for (std::size_t i = 0; i < steps.size(); ++i) {
-      const json given = steps[i].kind == StudyStep::Kind::headphones ? json{{"choice", 0}}
-                                                                      : content(steps[i]);
+      const json given =
+          steps[i].kind == StudyStep::Kind::headphones ? json{{"choice", 0}} : content(steps[i]);
       store_.add_answer(id, static_cast<int>(i), 0, given.dump(), 1.5);
     }
     if (finish) store_.finish(id, "");
@@ -187,8 +187,7 @@ TEST_F(StudyResultsTest, ScreensRatingsByTheRulesOfTheRecommendation) {
   EXPECT_EQ(people.participants[6].left_out, "");
   EXPECT_NE(people.participants[7].left_out.find("hidden reference below 90 on 4 of 20"),
             std::string::npos);
-  EXPECT_NE(people.participants[8].left_out.find("swapped above 90 on 2 of 10"),
-            std::string::npos);
+  EXPECT_NE(people.participants[8].left_out.find("swapped above 90 on 2 of 10"), std::string::npos);
   EXPECT_EQ(people.participants[9].left_out, "");
   const auto place_of_gtf = std::ranges::find_if(people.rows, [](const StudyRow& row) {
     return row.condition == "gtf" && row.scale == "place";

@@ -65,11 +65,11 @@ struct StudyServer::State {
     routes.Get(step + "/picture", [this](const Request& request, Response& response) {
       send_file(desk.picture_file(request.matches[1], step_of(request)), "image/png", response);
     });
-    routes.Get(step + "/sounds/([a-z0-9]{1,9})", [this](const Request& request,
-                                                        Response& response) {
-      send_file(desk.sound_file(request.matches[1], step_of(request), request.matches[3]),
-                "audio/wav", response);
-    });
+    routes.Get(
+        step + "/sounds/([a-z0-9]{1,9})", [this](const Request& request, Response& response) {
+          send_file(desk.sound_file(request.matches[1], step_of(request), request.matches[3]),
+                    "audio/wav", response);
+        });
     routes.Post(step, [this](const Request& request, Response& response) {
       send(desk.answer(request.matches[1], step_of(request), request.body), response);
     });

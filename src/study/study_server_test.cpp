@@ -231,8 +231,8 @@ TEST(StudyServer, ServesTheStudyAndNothingElse) {
   EXPECT_EQ(client.Get(self + "/steps/7/picture")->body.substr(1, 3), "PNG");
   for (const std::string& path :
        {self + "/steps/7/sounds/..%2f..%2fstudy.json", self + "/steps/7/sounds/truth",
-        self + "/steps/99/picture", self + "/steps/99999/picture",
-        std::string("/study.json"), std::string("/../study.json"), std::string("/answers.sqlite"),
+        self + "/steps/99/picture", self + "/steps/99999/picture", std::string("/study.json"),
+        std::string("/../study.json"), std::string("/answers.sqlite"),
         std::string("/clips/01/reference.wav"), "/api/participants/" + std::string(32, '0')}) {
     EXPECT_EQ(client.Get(path)->status, 404) << path;
   }

@@ -23,8 +23,8 @@ class TestFolder {
  public:
   TestFolder() {
     static int count = 0;
-    path_ = std::filesystem::path(testing::TempDir()) /
-            fmt::format("study-{}-{}", ::getpid(), ++count);
+    path_ =
+        std::filesystem::path(testing::TempDir()) / fmt::format("study-{}-{}", ::getpid(), ++count);
     std::filesystem::create_directories(path_);
   }
   ~TestFolder() { std::filesystem::remove_all(path_); }
@@ -62,13 +62,12 @@ class LeftMethod : public Method {
 };
 
 inline std::vector<MethodEntry> test_methods() {
-  return {input_method(),
-          {.name = "exchanged",
-           .what = "for tests",
-           .make = [] { return std::make_unique<ExchangedMethod>(); }},
-          {.name = "left",
-           .what = "for tests",
-           .make = [] { return std::make_unique<LeftMethod>(); }}};
+  return {
+      input_method(),
+      {.name = "exchanged",
+       .what = "for tests",
+       .make = [] { return std::make_unique<ExchangedMethod>(); }},
+      {.name = "left", .what = "for tests", .make = [] { return std::make_unique<LeftMethod>(); }}};
 }
 
 inline StudyRequest test_request(StudyDesign design) {
@@ -87,8 +86,8 @@ inline StudyRequest test_request(StudyDesign design) {
 inline Study make_test_study(const std::filesystem::path& folder, const StudyRequest& request) {
   const std::filesystem::path data = folder / "data";
   if (!std::filesystem::exists(data)) write_tiny_dataset(data, {.clips = 8});
-  const auto material = study_material(data, DatasetLayout::soundspaces, request.split, {},
-                                       request.duration_s);
+  const auto material =
+      study_material(data, DatasetLayout::soundspaces, request.split, {}, request.duration_s);
   SilentProgress progress;
   return make_study(*material, test_methods(), request, folder / "study", progress);
 }

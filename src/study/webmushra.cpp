@@ -51,13 +51,14 @@ class ConfigurationWriter {
                                  const std::string& indent) const {
     const bool is_choice = study_.design == StudyDesign::choice;
     std::string question = "Which sound is closest to the reference?";
-    if (scale == kStudyScales[0]) question = "How close is the place of the voice to the reference?";
+    if (scale == kStudyScales[0])
+      question = "How close is the place of the voice to the reference?";
     if (scale == kStudyScales[1]) question = "How close is the timbre to the reference?";
     const std::string content =
         fmt::format("<p>{}</p><img src=\"{}\" alt=\"What the listener sees\" height=\"256\">",
                     question, escaped(path(clip.picture)));
-    std::string text = fmt::format("{}- type: {}\n", indent,
-                                   is_choice ? "paired_comparison" : "mushra");
+    std::string text =
+        fmt::format("{}- type: {}\n", indent, is_choice ? "paired_comparison" : "mushra");
     const auto line = [&](const std::string& key, const std::string& value) {
       text += fmt::format("{}  {}: {}\n", indent, key, value);
     };
@@ -75,8 +76,8 @@ class ConfigurationWriter {
     text += indent + "  stimuli:\n";
     for (const StudySound& sound : clip.sounds) {
       if (sound.condition == kTruthCondition) continue;
-      text += fmt::format("{}    {}: {}\n", indent, quoted(sound.condition),
-                          quoted(path(sound.file)));
+      text +=
+          fmt::format("{}    {}: {}\n", indent, quoted(sound.condition), quoted(path(sound.file)));
     }
     return text;
   }

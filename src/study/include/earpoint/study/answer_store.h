@@ -18,18 +18,18 @@ struct Participant {
   std::string label;  ///< that the study's maker gave; may be empty
   /// How a simulated participant answers, e.g. "mag"; empty for people.
   std::string simulated;
-  std::string plan;      ///< JSON: the steps and the order of the sounds
-  std::string begun;     ///< UTC, e.g. 2026-01-31T12:00:00Z
-  std::string finished;  ///< the same; empty until then
+  std::string plan;               ///< JSON: the steps and the order of the sounds
+  std::string begun;              ///< UTC, e.g. 2026-01-31T12:00:00Z
+  std::string finished;           ///< the same; empty until then
   bool passed_headphones = true;  ///< false once the check has failed
   std::string comment;
 };
 
 /// What a participant answered at a step, in one revision.
 struct Answer {
-  int step = 0;      ///< in the participant's plan
-  int revision = 0;  ///< 0, and one more for every change
-  std::string content;  ///< JSON
+  int step = 0;          ///< in the participant's plan
+  int revision = 0;      ///< 0, and one more for every change
+  std::string content;   ///< JSON
   double seconds = 0.0;  ///< that the participant spent on it
   std::string received;  ///< UTC
 };

@@ -39,13 +39,13 @@ struct StudyMethod {
 /// One of the sounds that are compared with the reference.
 struct StudySound {
   std::string condition;  ///< a method's name, or one of the three above
-  std::string file{};       ///< relative to the study's folder, as all files below
+  std::string file{};     ///< relative to the study's folder, as all files below
   double gain_db = 0.0;   ///< that it got, loudness matching included
   double mag = 0.0;       ///< BinauralMetrics::mag against the reference, as both are played
 };
 
 struct StudyClip {
-  std::string id;       ///< within the study
+  std::string id;         ///< within the study
   std::string pair{};     ///< what the evaluation calls it
   std::string scene{};    ///< where it is
   std::string picture{};  ///< PNG: what the target viewpoint sees
