@@ -14,8 +14,8 @@ namespace {
 constexpr int kRate_hz = 48000;
 constexpr std::ptrdiff_t kBlock = 19200;  // 400 ms
 constexpr std::ptrdiff_t kHop = 4800;
-constexpr double kAbsoluteGate_lkfs = -70.0;
-constexpr double kRelativeGate_lu = -10.0;
+constexpr double kAbsoluteGateLkfs = -70.0;
+constexpr double kRelativeGateLu = -10.0;
 
 // BS.1770-4, tables 1 and 2: a shelf for the head, and a high-pass.
 constexpr std::array<SecondOrderSection, 2> kWeighting{{
@@ -66,9 +66,9 @@ double gated_mean(const std::vector<double>& powers, double gate_lkfs) {
 std::optional<double> loudness_lkfs(const Waveform& sound) {
   EARPOINT_CHECK(!sound.empty());
   const std::vector<double> powers = block_powers(resample(sound, kRate_hz));
-  const double audible = gated_mean(powers, kAbsoluteGate_lkfs);
+  const double audible = gated_mean(powers, kAbsoluteGateLkfs);
   if (audible == 0.0) return std::nullopt;
-  const double gate = std::max(kAbsoluteGate_lkfs, lkfs_of(audible) + kRelativeGate_lu);
+  const double gate = std::max(kAbsoluteGateLkfs, lkfs_of(audible) + kRelativeGateLu);
   return lkfs_of(gated_mean(powers, gate));
 }
 

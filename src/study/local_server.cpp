@@ -1,6 +1,7 @@
 #include "local_server.h"
 
 #include <exception>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -42,7 +43,7 @@ LocalServer::LocalServer(std::size_t most_body) {
   server_.set_exception_handler(
       [](const httplib::Request&, httplib::Response& response, std::exception_ptr error) {
         try {
-          std::rethrow_exception(error);
+          std::rethrow_exception(std::move(error));
         } catch (const std::exception& what) {
           refuse(response, 500, what.what());
         }

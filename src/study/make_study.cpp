@@ -228,7 +228,7 @@ class StudyMaker {
   /// Decibels for every candidate, and last for the reference.
   [[nodiscard]] std::vector<double> gains(const Waveform& reference,
                                           const std::vector<Candidate>& candidates) const {
-    const double aim_lkfs = loudness_lkfs(reference).value_or(kStudyLoudness_lkfs);
+    const double aim_lkfs = loudness_lkfs(reference).value_or(kStudyLoudnessLkfs);
     std::vector<double> gains_db;
     double peak = peak_of(reference);
     for (const Candidate& candidate : candidates) {
@@ -239,7 +239,7 @@ class StudyMaker {
     }
     gains_db.push_back(0.0);
     const double common_db =
-        std::min(kStudyLoudness_lkfs - aim_lkfs, 20.0 * std::log10(kHighestPeak / peak));
+        std::min(kStudyLoudnessLkfs - aim_lkfs, 20.0 * std::log10(kHighestPeak / peak));
     for (double& gain_db : gains_db) gain_db += common_db;
     return gains_db;
   }

@@ -66,7 +66,7 @@ TEST(MakeStudy, SoundsOfAClipAreEquallyLoud) {
   for (const StudyClip& clip : study.clips) {
     const Waveform reference = read_sound(folder.path() / "study" / clip.reference);
     const double aim = loudness_lkfs(reference).value();
-    EXPECT_LE(aim, kStudyLoudness_lkfs + 0.1) << clip.id;
+    EXPECT_LE(aim, kStudyLoudnessLkfs + 0.1) << clip.id;
     for (const StudySound& sound : clip.sounds) {
       const Waveform heard = read_sound(folder.path() / "study" / sound.file);
       // 16 bits at -26 LKFS: noise 70 dB below the sound.

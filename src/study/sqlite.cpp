@@ -7,7 +7,7 @@
 namespace earpoint {
 namespace {
 
-constexpr int kWait_ms = 5000;  // for another process that writes
+constexpr int kWaitMs = 5000;  // for another process that writes
 
 }  // namespace
 
@@ -19,7 +19,7 @@ Database::Database(const std::filesystem::path& file, bool to_read) : name_(file
     sqlite3_close(handle_);
     throw InputError(name_, "cannot be opened: " + why);
   }
-  sqlite3_busy_timeout(handle_, kWait_ms);
+  sqlite3_busy_timeout(handle_, kWaitMs);
 }
 
 Database::~Database() { sqlite3_close(handle_); }

@@ -68,7 +68,7 @@ class StudyParser {
 
  private:
   [[nodiscard]] std::string file(const JsonField& field) const {
-    const std::string name = field.text();
+    std::string name = field.text();
     const fs::path path = fs::path(name).lexically_normal();
     if (path.is_absolute() || path.empty() || *path.begin() == "..") {
       field.fail("a file in the study's folder");

@@ -215,6 +215,7 @@ class AnswerSet {
  private:
   static std::vector<int> totals(const std::map<int, int>& groups) {
     std::vector<int> result;
+    result.reserve(groups.size());
     for (const auto& [group, total] : groups) result.push_back(total);
     return result;
   }

@@ -30,7 +30,7 @@ struct StudyRequest {
 };
 
 /// Loudness of every reference, LKFS, unless a sound of its clip would exceed full scale.
-inline constexpr double kStudyLoudness_lkfs = -26.0;
+inline constexpr double kStudyLoudnessLkfs = -26.0;
 
 /// Draws clips, asks every method about them and writes a folder that is the whole study. The seed
 /// decides which clips: every one from another conversation, and conversations from as many scenes
