@@ -1,5 +1,12 @@
-# Writes a C++ file that holds the files of FOLDER (none if it is not given) as page_bytes.h declares.
-# Usage: cmake [-DFOLDER=...] -DOUTPUT=... -P EmbedFiles.cmake
+# Writes a C++ file that holds the files of FOLDER (none if it is not given) as HEADER declares, by default
+# page_bytes.h: page_bytes() in the namespace NAMESPACE, by default earpoint.
+# Usage: cmake [-DFOLDER=...] [-DHEADER=...] [-DNAMESPACE=...] -DOUTPUT=... -P EmbedFiles.cmake
+if(NOT HEADER)
+  set(HEADER page_bytes.h)
+endif()
+if(NOT NAMESPACE)
+  set(NAMESPACE earpoint)
+endif()
 set(arrays "")
 set(table "")
 set(count 0)
@@ -15,11 +22,11 @@ if(FOLDER)
   endforeach()
 endif()
 file(WRITE ${OUTPUT} "// Written by cmake/EmbedFiles.cmake.
-#include \"page_bytes.h\"
+#include \"${HEADER}\"
 
 #include <array>
 
-namespace earpoint {
+namespace ${NAMESPACE} {
 namespace {
 
 ${arrays}
@@ -31,5 +38,5 @@ ${table}  }};
   return files;
 }
 
-}  // namespace earpoint
+}  // namespace ${NAMESPACE}
 ")

@@ -9,6 +9,7 @@
 #include "run_app.h"
 #include "serve_command.h"
 #include "simulate_command.h"
+#include "study_command.h"
 #include "trace_command.h"
 #if defined(EARPOINT_TRAIN)
 #include "train_program.h"
@@ -31,6 +32,7 @@ int main(int argc, char** argv) {
   add_model_command(app);
   earpoint::add_serve_command(app);
   add_simulate_command(app);
+  earpoint::add_study_command(app);
   add_trace_command(app);
 #if defined(EARPOINT_TRAIN)
   add_train_program(app, argv);

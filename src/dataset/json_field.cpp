@@ -70,6 +70,11 @@ int JsonField::integer() const {
   return static_cast<int>(value);
 }
 
+bool JsonField::boolean() const {
+  if (!value_.is_boolean()) fail("true or false");
+  return value_.get<bool>();
+}
+
 Vector3 JsonField::vector3() const {
   const std::vector<JsonField> values = items();
   if (values.size() != 3) fail("three numbers");

@@ -122,5 +122,74 @@ TEST(ClusterBootstrap, SameSeedSameInterval) {
   EXPECT_NE(low(3), low(4));
 }
 
+/// Answers of `participants` to `clips`, all to all, with effects of participant, clip and chance.
+struct Answers {
+  Values values;
+  std::vector<int> participants;
+  std::vector<int> clips;
+};
+
+Answers crossed_answers(int participants, int clips, double participant_scale, double clip_scale,
+                        double chance_scale, RandomStream& random) {
+  std::vector<double> clip_effects;
+  for (int c = 0; c < clips; ++c) clip_effects.push_back(clip_scale * random.normal());
+  Answers answers;
+  for (int p = 0; p < participants; ++p) {
+    const double effect = participant_scale * random.normal();
+    for (int c = 0; c < clips; ++c) {
+      answers.values.emplace_back(effect + clip_effects[c] + chance_scale * random.normal());
+      answers.participants.push_back(100 + 7 * p);
+      answers.clips.push_back(c);
+    }
+  }
+  return answers;
+}
+
+TEST(CrossedBootstrap, CoversTheTruthWhereParticipantsAndClipsDiffer) {
+  // In 95 % of experiments at best; percentile intervals of 20 by 20 groups fall a few percent
+  // short. Those that know of clips alone are narrower by a factor of 0.71: they cover it in 83 %.
+  constexpr int kExperiments = 300;
+  RandomStream random(11);
+  int covered = 0;
+  int covered_by_clips_alone = 0;
+  for (int e = 0; e < kExperiments; ++e) {
+    const Answers answers = crossed_answers(20, 20, 1.0, 1.0, 1.0, random);
+    const CrossedBootstrap bootstrap(answers.participants, answers.clips, {.replicates = 400});
+    const ConfidenceRange range = bootstrap.mean(answers.values)->range.value();
+    if (range.low < 0.0 && range.high > 0.0) ++covered;
+    const ClusterBootstrap one_way(answers.clips, {.replicates = 400});
+    const ConfidenceRange narrow = one_way.mean(answers.values)->range.value();
+    if (narrow.low < 0.0 && narrow.high > 0.0) ++covered_by_clips_alone;
+  }
+  // A share of 0.95 of 300 scatters by 0.0126.
+  EXPECT_GT(covered, static_cast<int>(0.90 * kExperiments));
+  EXPECT_LT(covered_by_clips_alone, static_cast<int>(0.89 * kExperiments));
+}
+
+TEST(CrossedBootstrap, ParticipantsWhoAnswerAlikeAddNoCertaintyAboutClips) {
+  // 40 participants agree on every clip: only the clips tell, as if one had answered.
+  RandomStream random(12);
+  const Answers answers = crossed_answers(40, 25, 0.0, 1.0, 0.0, random);
+  const CrossedBootstrap crossed(answers.participants, answers.clips, {.replicates = 20000});
+  const ClusterBootstrap by_clip(answers.clips, {.replicates = 20000});
+  const ConfidenceRange both = crossed.mean(answers.values)->range.value();
+  const ConfidenceRange clips = by_clip.mean(answers.values)->range.value();
+  const double width = clips.high - clips.low;
+  // Quantiles of 20000 replicates scatter by about 1 % of the width.
+  EXPECT_NEAR(both.low, clips.low, 0.03 * width);
+  EXPECT_NEAR(both.high, clips.high, 0.03 * width);
+}
+
+TEST(CrossedBootstrap, OneParticipantOrOneClipHasNoInterval) {
+  const std::vector<int> ones{1, 1, 1};
+  const std::vector<int> numbers{1, 2, 3};
+  const Values values{1.0, 0.0, 1.0};
+  const Estimate alone = CrossedBootstrap(ones, numbers).mean(values).value();
+  EXPECT_DOUBLE_EQ(alone.value, 2.0 / 3.0);
+  EXPECT_FALSE(alone.range);
+  EXPECT_FALSE(CrossedBootstrap(numbers, ones).mean(values)->range);
+  EXPECT_FALSE(CrossedBootstrap(numbers, numbers).mean(Values(3)));
+}
+
 }  // namespace
 }  // namespace earpoint

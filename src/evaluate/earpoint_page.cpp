@@ -1,6 +1,5 @@
 #include "earpoint_map.h"
 #include "report_figures.h"
-#include "report_html.h"
 #include "report_sounds.h"
 
 #include <algorithm>
@@ -20,6 +19,7 @@
 #include <earpoint/core/file.h>
 #include <earpoint/evaluate/earpoint_comparison.h>
 #include <earpoint/evaluate/metrics.h>
+#include <earpoint/evaluate/report_html.h>
 #include <earpoint/video/image_file.h>
 
 namespace earpoint {

@@ -1,5 +1,4 @@
 #include "report_figures.h"
-#include "report_html.h"
 #include "report_sounds.h"
 
 #include <algorithm>
@@ -15,6 +14,7 @@
 #include <earpoint/core/file.h>
 #include <earpoint/core/random.h>
 #include <earpoint/evaluate/report.h>
+#include <earpoint/evaluate/report_html.h>
 
 namespace earpoint {
 namespace {

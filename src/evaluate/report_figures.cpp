@@ -1,7 +1,5 @@
 #include "report_figures.h"
 
-#include "report_html.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,6 +11,7 @@
 
 #include <earpoint/evaluate/bootstrap.h>
 #include <earpoint/evaluate/evaluation_table.h>
+#include <earpoint/evaluate/report_html.h>
 
 namespace earpoint {
 namespace {

@@ -1,5 +1,3 @@
-#include "report_html.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -7,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <earpoint/evaluate/report_html.h>
 #include <earpoint/video/image_file.h>
 
 namespace earpoint {

@@ -1,7 +1,5 @@
 #include "report_sounds.h"
 
-#include "report_html.h"
-
 #include <cmath>
 #include <complex>
 #include <vector>
@@ -9,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <earpoint/audio/stft.h>
+#include <earpoint/evaluate/report_html.h>
 #include <earpoint/video/draw.h>
 #include <earpoint/video/plot.h>
 

@@ -1,5 +1,4 @@
 #include "report_figures.h"
-#include "report_html.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -14,6 +13,7 @@
 #include <earpoint/dataset_testing/tiny_dataset.h>
 #include <earpoint/evaluate/oracles.h>
 #include <earpoint/evaluate/report.h>
+#include <earpoint/evaluate/report_html.h>
 
 namespace earpoint {
 namespace {

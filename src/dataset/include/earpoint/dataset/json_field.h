@@ -34,6 +34,7 @@ class JsonField {
   [[nodiscard]] std::string text() const;
   [[nodiscard]] double number() const;
   [[nodiscard]] int integer() const;
+  [[nodiscard]] bool boolean() const;
   /// A list of exactly three numbers.
   [[nodiscard]] Vector3 vector3() const;
 

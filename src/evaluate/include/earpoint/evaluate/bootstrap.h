@@ -63,4 +63,34 @@ class ClusterBootstrap {
   std::vector<std::uint16_t> draws_;  // [replicate][cluster]: how often it was drawn
 };
 
+/// Means over answers that were given by several participants to the same clips. Answers of one
+/// participant belong together, and so do answers to one clip; drawn with replacement are therefore
+/// participants and, independently, clips, and an answer counts as often as both were drawn. The
+/// intervals are a little wider than the truth where answers are independent of one of the two.
+///
+/// Percentile interval. Source: Owen, The pigeonhole bootstrap, Annals of Applied Statistics 1
+/// (2007).
+class CrossedBootstrap {
+ public:
+  using Options = ClusterBootstrap::Options;
+
+  /// @param participant_of_answer, clip_of_answer  any numbers, one of each per answer
+  CrossedBootstrap(std::span<const int> participant_of_answer, std::span<const int> clip_of_answer);
+  CrossedBootstrap(std::span<const int> participant_of_answer, std::span<const int> clip_of_answer,
+                   Options options);
+
+  /// @param values  one per answer; answers without one are left out
+  /// @return nothing if no answer has a value; without a range if the values are of one participant
+  ///         or of one clip only
+  [[nodiscard]] std::optional<Estimate> mean(std::span<const std::optional<double>> values) const;
+
+ private:
+  Options options_;
+  std::vector<std::size_t> participants_;  // of answers, from 0, without gaps
+  std::vector<std::size_t> clips_;         // likewise
+  std::vector<std::uint16_t>
+      participant_draws_;                  // [replicate][participant]: how often it was drawn
+  std::vector<std::uint16_t> clip_draws_;  // [replicate][clip]
+};
+
 }  // namespace earpoint

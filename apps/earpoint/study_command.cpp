@@ -1,0 +1,190 @@
+#include "study_command.h"
+
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include <earpoint/core/error.h>
+#include <earpoint/core/file.h>
+#include <earpoint/study/simulated_participant.h>
+#include <earpoint/study/study_desk.h>
+#include <earpoint/study/study_report.h>
+#include <earpoint/study/study_server.h>
+
+namespace earpoint {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kFooter = R"(
+Examples:
+  # 20 clips, four methods: who sounds closest to what is heard at the target?
+  earpoint study make --data data/homes --methods input,dsp,vigas,gtf --count 20 --seed 1 -o study
+  earpoint study simulate study --rule mag          # try it without people
+  earpoint study serve study --port 8080            # people take part at this computer
+  earpoint study report study -o report             # at any time, also while it is served)";
+
+constexpr const char* kServeFooter = R"(
+Participants open the page at this computer, in any number one after the other or in several tabs. The code
+that the page asks for is optional; http://127.0.0.1:PORT/?participant=CODE fills it in, and a code takes part
+once. Every answer is in answers.sqlite in the study's folder before the page goes on; a closed page, a killed
+server or a restart loses none, and the page goes on where it was. Ctrl-C ends it.)";
+
+constexpr const char* kSimulateFooter = R"(
+Simulated participants open the study as a browser does, pass the headphone check and answer by what they
+hear: the smallest Mag against the reference, the smallest difference of level, or at random. They are
+marked as simulated in answers.sqlite, in tables, CSV, JSON and on the report's page, and never counted as
+people.
+
+Examples:
+  earpoint study simulate study --rule mag
+  earpoint study simulate study --rule random --count 10 --seed 5)";
+
+constexpr const char* kReportFooter = R"(
+Shares (or mean ratings) have 95 % intervals that are drawn over participants and clips alike. Each method is
+tested against each baseline by sign tests: over answers, as if they were independent, over participants and
+over clips; with them goes the smallest preference that each finds with a power of 80 %.
+Not counted: who failed the headphone check, did not finish, missed the reference in more than 15 % of the
+controls (choice), or, after ITU-R BS.1534, rated the hidden reference below 90 on more than 15 % of the pages
+or an anchor's place above 90 on more than 15 % of its pages (mushra). Numbers before that are told too.
+
+Examples:
+  earpoint study report study
+  earpoint study report study --json
+  earpoint study report study -o report      # index.html, answers.csv, results.json)";
+
+struct ServeArguments {
+  fs::path folder;
+  int port = 0;
+};
+
+void run_serve(const ServeArguments& arguments) {
+  if (!has_study_page()) {
+    throw InputError("study serve", "this build has no page",
+                     "install esbuild and build again (./dev build does both)");
+  }
+  StudyServer server(arguments.folder);
+  const int port = server.bind(arguments.port);
+  fmt::print("The study is at http://127.0.0.1:{}/ (Ctrl-C ends it)\n", port);
+  std::fflush(stdout);
+  server.run();
+}
+
+struct SimulateArguments {
+  fs::path folder;
+  std::string rule = "mag";
+  int count = 1;
+  std::uint64_t seed = 1;
+};
+
+/// A server in a thread of its own.
+class RunningServer {
+ public:
+  explicit RunningServer(const fs::path& folder) : server_(folder), port_(server_.bind(0)) {
+    thread_ = std::thread([this] { server_.run(); });
+  }
+  ~RunningServer() {
+    server_.stop();
+    thread_.join();
+  }
+  RunningServer(const RunningServer&) = delete;
+  RunningServer& operator=(const RunningServer&) = delete;
+
+  [[nodiscard]] int port() const { return port_; }
+
+ private:
+  StudyServer server_;
+  int port_;
+  std::thread thread_;
+};
+
+void run_simulate(const SimulateArguments& arguments) {
+  const SimulatedRule rule = simulated_rule_named(arguments.rule);
+  const RunningServer server(arguments.folder);
+  for (int i = 0; i < arguments.count; ++i) {
+    const SimulatedOutcome outcome =
+        take_part(server.port(), {.rule = rule, .seed = arguments.seed + i, .label = {}});
+    fmt::print("simulated participant {} of {}, by {}: {} answers\n", i + 1, arguments.count,
+               arguments.rule, outcome.answers);
+  }
+}
+
+struct ReportArguments {
+  fs::path folder;
+  std::optional<fs::path> output;
+  bool json = false;
+};
+
+void run_report(const ReportArguments& arguments) {
+  const Study study = read_study(arguments.folder);
+  const AnswerStore store = AnswerStore::open_to_read(
+      arguments.folder / kAnswersFile, read_text_file(arguments.folder / "study.json"));
+  const std::vector<StudyGroup> groups = study_results(study, store);
+  if (arguments.output) write_study_report(*arguments.output, study, groups);
+  fmt::print("{}", arguments.json ? json_of(study, groups) : text_of(study, groups));
+}
+
+void add_folder(CLI::App& command, fs::path& folder) {
+  command.add_option("study", folder, "Folder that `earpoint study make` wrote")->required();
+}
+
+}  // namespace
+
+void add_study_command(CLI::App& app) {
+  CLI::App* study = app.add_subcommand(
+      "study", "Listening studies: people compare methods with what is truly heard at the target.");
+  study->require_subcommand(1);
+  study->footer(kFooter);
+  add_study_make_command(*study);
+  add_study_serve_command(*study);
+  add_study_simulate_command(*study);
+  add_study_report_command(*study);
+}
+
+void add_study_serve_command(CLI::App& study) {
+  auto arguments = std::make_shared<ServeArguments>();
+  CLI::App* command =
+      study.add_subcommand("serve", "Serve a study's page and store what it is answered.");
+  add_folder(*command, arguments->folder);
+  command->add_option("--port", arguments->port, "Of http://127.0.0.1; 0 takes any that is free")
+      ->check(CLI::Range(0, 65535))
+      ->capture_default_str();
+  command->footer(kServeFooter);
+  command->callback([arguments] { run_serve(*arguments); });
+}
+
+void add_study_simulate_command(CLI::App& study) {
+  auto arguments = std::make_shared<SimulateArguments>();
+  CLI::App* command =
+      study.add_subcommand("simulate", "Let simulated participants go through a study.");
+  add_folder(*command, arguments->folder);
+  command->add_option("--rule", arguments->rule, "How they answer: mag, level or random")
+      ->check(CLI::IsMember({"mag", "level", "random"}))
+      ->capture_default_str();
+  command->add_option("--count", arguments->count, "How many")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  command->add_option("--seed", arguments->seed, "Of those who answer at random")
+      ->capture_default_str();
+  command->footer(kSimulateFooter);
+  command->callback([arguments] { run_simulate(*arguments); });
+}
+
+void add_study_report_command(CLI::App& study) {
+  auto arguments = std::make_shared<ReportArguments>();
+  CLI::App* command = study.add_subcommand("report", "Say what a study comes to.");
+  add_folder(*command, arguments->folder);
+  command->add_option(
+      "-o,--output", arguments->output,
+      "Folder for a page with the table, the answers as CSV and the results as JSON");
+  command->add_flag("--json", arguments->json, "Print the results as JSON");
+  command->footer(kReportFooter);
+  command->callback([arguments] { run_report(*arguments); });
+}
+
+}  // namespace earpoint
