@@ -14,6 +14,7 @@ namespace {
 constexpr double kLevelHop_s = 0.1;
 constexpr float kBelowLoud_db = 20.0F;  ///< speech within this of its loud parts counts
 constexpr float kAloneBy_db = 5.0F;     ///< over every other voice, each re its own loud parts
+constexpr double kSame_s = 0.4e-3;      ///< peaks this close are one
 
 std::vector<float> levels_of(const Waveform& sound) {
   const auto hop = static_cast<std::ptrdiff_t>(kLevelHop_s * sound.sample_rate_hz());
@@ -59,13 +60,27 @@ double lag_s(const HeardEvent& heard, const HeardTime& time) {
 
 /// The height of the peak that both agree in; 0 if there is none.
 double agreement(const HeardEvent& heard, const HeardTime& time, const HeardEvent& other) {
-  constexpr double kSame_s = 0.4e-3;
   double highest = 0.0;
   for (const HeardTime& theirs : other.times) {
     if (std::abs(lag_s(other, theirs) - lag_s(heard, time)) > kSame_s) continue;
     highest = std::max(highest, theirs.height);
   }
   return highest;
+}
+
+/// Leaves out peaks beside a higher one: they belong to it, and the support of its neighbours would
+/// pass to them.
+void drop_side_peaks(std::vector<SoundEvent>& events) {
+  for (SoundEvent& event : events) {
+    for (HeardEvent& heard : event.heard) {
+      const std::vector<HeardTime> all = heard.times;
+      std::erase_if(heard.times, [&](const HeardTime& time) {
+        return std::ranges::any_of(all, [&](const HeardTime& other) {
+          return other.height > time.height && std::abs(other.device_s - time.device_s) < kSame_s;
+        });
+      });
+    }
+  }
 }
 
 /// Weighs peaks by how often they come in the same ear within a second or two, for a voice stays
@@ -198,6 +213,7 @@ std::vector<SoundEvent> VoiceEvents::find(const std::vector<DeviceClock>& clocks
     events.push_back(std::move(event));
   }
   progress.finish();
+  drop_side_peaks(events);
   weigh_by_neighbours(events);
   return events;
 }
