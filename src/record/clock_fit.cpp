@@ -12,9 +12,12 @@
 namespace earpoint {
 namespace {
 
-constexpr double kTypicalError_s = 0.15e-3;
+/// One time is good to 0.15 ms, but what bends it, a body or a wall nearby, bends the times of the
+/// seconds around it alike: about twenty of them tell what one would.
+constexpr double kTypicalError_s = 0.7e-3;
 constexpr double kFits_s = 0.6e-3;          ///< a residual beyond this is another sound
 constexpr double kHeightDeviation_m = 0.3;  ///< of mouths, who sit or stand
+constexpr Vector3 kKnownPlaceDeviations_m{0.05, 0.05, 0.05};
 /// Of clocks to begin with, the reference's too: else what it mishears would move all others.
 constexpr double kClockDeviation_s = 0.01;
 /// Drift is a parameter as the offset that it makes in 100 s, so that both are of one size.
@@ -217,9 +220,13 @@ class Fit {
     const SoundEvent& event = events_[e];
     const double anchor_factor = (event.anchor_s - devices_[event.anchor].middle_s) / kDriftTime_s;
     PlaceEquations equations(size);
-    const Vector3 from_centre = centre_m_ - places_[e];
-    equations.add_place_prior(
-        from_centre, {round.place_deviation_m, round.place_deviation_m, kHeightDeviation_m});
+    if (event.place_m) {
+      equations.add_place_prior(*event.place_m - places_[e], kKnownPlaceDeviations_m);
+    } else {
+      equations.add_place_prior(
+          centre_m_ - places_[e],
+          {round.place_deviation_m, round.place_deviation_m, kHeightDeviation_m});
+    }
     for (const HeardEvent& heard : event.heard) {
       const std::optional<Observation> observation = choose(e, heard, round.width_s);
       if (!observation) continue;
