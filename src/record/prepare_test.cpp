@@ -170,6 +170,18 @@ TEST_F(Prepare, SwappedMicrophonesAreFoundByWhereVoicesComeFrom) {
   EXPECT_NE(found.notes[0].find("swapped"), std::string::npos) << found.notes[0];
 }
 
+TEST_F(Prepare, WhoWearsWhichMicrophoneIsFoundWhereTheSessionDoesNotSayIt) {
+  const fs::path session = root() / "in" / "open.json";
+  Session open = made().session;
+  std::swap(open.people[0].near, open.people[1].near);
+  open.wearers_known = false;
+  write_session(session, open);
+  const PrepareSummary found = prepare(session, root() / "open");
+  ASSERT_EQ(found.notes.size(), 2U);
+  EXPECT_EQ(found.notes[0].find("person-2.wav is worn by person-2, "), 0U) << found.notes[0];
+  EXPECT_EQ(found.notes[1].find("person-1.wav is worn by person-1, "), 0U) << found.notes[1];
+}
+
 TEST_F(Prepare, WhatIsWrongWithADeviceIsALineAndTheOthersAreKept) {
   Session session = made().session;
   session.cameras[1].world_from_camera.reset();
