@@ -12,12 +12,9 @@
 namespace earpoint {
 namespace {
 
-/// One time is good to 0.15 ms, but what bends it, a body or a wall nearby, bends the times of the
-/// seconds around it alike: about twenty of them tell what one would.
-constexpr double kTypicalError_s = 0.7e-3;
+constexpr double kTypicalError_s = 0.15e-3;
 constexpr double kFits_s = 0.6e-3;          ///< a residual beyond this is another sound
 constexpr double kHeightDeviation_m = 0.3;  ///< of mouths, who sit or stand
-constexpr Vector3 kKnownPlaceDeviations_m{0.05, 0.05, 0.05};
 /// Of clocks to begin with, the reference's too: else what it mishears would move all others.
 constexpr double kClockDeviation_s = 0.01;
 /// Drift is a parameter as the offset that it makes in 100 s, so that both are of one size.
@@ -71,7 +68,11 @@ class Fit {
   ClockFit run() {
     refine_from(0);
     // Once places are known, a camera that is caught at a wrong offset can be told.
-    for (int pass = 0; pass < kMostPasses && recentre(); ++pass) refine_from(kFineRound);
+    for (int pass = 0; pass < kMostPasses; ++pass) {
+      const bool strayed = gather_places();
+      if (!recentre() && !strayed) break;
+      refine_from(kFineRound);
+    }
     return result();
   }
 
@@ -158,6 +159,37 @@ class Fit {
     }
   }
 
+  /// Moves places to the median of the same voice's around that time where they are far from it: a
+  /// few ears that agree by chance hold them there.
+  /// @return whether any was moved
+  bool gather_places() {
+    constexpr double kAround_s = 2.0;
+    constexpr double kFar_m = 0.7;
+    constexpr std::size_t kFewest = 4;
+    bool moved = false;
+    const std::vector<Vector3> found = places_;
+    for (std::size_t e = 0; e < events_.size(); ++e) {
+      std::vector<double> x;
+      std::vector<double> y;
+      for (std::size_t other = 0; other < events_.size(); ++other) {
+        if (events_[other].anchor != events_[e].anchor ||
+            std::abs(events_[other].anchor_s - events_[e].anchor_s) > kAround_s) {
+          continue;
+        }
+        x.push_back(found[other].x);
+        y.push_back(found[other].y);
+      }
+      if (x.size() < kFewest) continue;
+      const auto middle = std::ssize(x) / 2;
+      std::ranges::nth_element(x, x.begin() + middle);
+      std::ranges::nth_element(y, y.begin() + middle);
+      if (std::hypot(found[e].x - x[middle], found[e].y - y[middle]) < kFar_m) continue;
+      places_[e] = {x[middle], y[middle], centre_m_.z};
+      moved = true;
+    }
+    return moved;
+  }
+
   /// Moves each camera to the offset that most of its times support, be they chosen or not: the fit
   /// itself cannot leave an offset at which reflections agree.
   /// @return whether any was moved
@@ -220,13 +252,9 @@ class Fit {
     const SoundEvent& event = events_[e];
     const double anchor_factor = (event.anchor_s - devices_[event.anchor].middle_s) / kDriftTime_s;
     PlaceEquations equations(size);
-    if (event.place_m) {
-      equations.add_place_prior(*event.place_m - places_[e], kKnownPlaceDeviations_m);
-    } else {
-      equations.add_place_prior(
-          centre_m_ - places_[e],
-          {round.place_deviation_m, round.place_deviation_m, kHeightDeviation_m});
-    }
+    const Vector3 from_centre = centre_m_ - places_[e];
+    equations.add_place_prior(
+        from_centre, {round.place_deviation_m, round.place_deviation_m, kHeightDeviation_m});
     for (const HeardEvent& heard : event.heard) {
       const std::optional<Observation> observation = choose(e, heard, round.width_s);
       if (!observation) continue;

@@ -33,7 +33,6 @@ struct SoundEvent {
   std::optional<int> anchor_ear;  ///< of a camera; nothing: a near microphone
   double anchor_s = 0.0;          ///< on its clock
   std::vector<HeardEvent> heard;
-  std::optional<Vector3> place_m{};  ///< of its source, where it is known
 };
 
 /// A device of the fit.

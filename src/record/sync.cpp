@@ -21,6 +21,7 @@ constexpr int kLeastCameras = 3;  ///< that a place is found by
 constexpr int kLeastEars = 4;     ///< of an event, so that its place tells something
 constexpr std::size_t kFirstEvents = 300;
 constexpr std::size_t kMostEvents = 600;
+
 /// The point nearest to where all cameras look.
 Vector3 centre_of_attention(const std::vector<DeviceSound>& devices) {
   Vector3 middle{};
@@ -179,60 +180,23 @@ class Synchronizer {
     }
     const Vector3 centre = centre_of_attention(devices);
     remove_ways_from(centre, start);
-    const VoiceEvents finder(devices, centre);
-    const std::optional<SoundEvent> clap = clap_event(usable);
-    std::pair<std::vector<SoundEvent>, ClockFit> last;
+    VoiceEvents finder(devices, centre);
+    std::vector<SoundEvent> events;
+    ClockFit found;
     struct Pass {
       double search_s;
       std::size_t events;
     };
     for (const Pass pass :
          {Pass{0.016, kFirstEvents}, Pass{0.016, kMostEvents}, Pass{0.01, kMostEvents}}) {
-      std::vector<SoundEvent> events =
-          finder.find(clocks_of(start), pass.search_s, pass.events, progress_);
+      events = finder.find(clocks_of(start), pass.search_s, pass.events, progress_);
       std::erase_if(events,
                     [](const SoundEvent& event) { return std::ssize(event.heard) < kLeastEars; });
       if (events.empty()) return;
-      const std::size_t voices = events.size();
-      if (clap) events.push_back(*clap);
-      const ClockFit found = fit_clocks(start, events, centre);
+      found = fit_clocks(start, events, centre);
       for (std::size_t d = 0; d < start.size(); ++d) start[d].clock = found.clocks[d];
-      events.resize(voices);
-      last = {std::move(events), found};
     }
-    store(usable, last.first, last.second);
-  }
-
-  /// The clap as the cameras heard it whose clocks begin by it, each with the ear that hears it
-  /// first; nothing where they are too few.
-  [[nodiscard]] std::optional<SoundEvent> clap_event(const std::vector<std::size_t>& usable) const {
-    // Its onset is found to half a millisecond.
-    constexpr double kWeight = 2.0;
-    std::optional<SoundEvent> clap;
-    for (std::size_t i = 0; i < usable.size(); ++i) {
-      const SyncedDevice& device = result_.devices[usable[i]];
-      const DeviceSound& camera = matched_[usable[i]];
-      const bool by_clap = usable[i] == 0 || by_clap_.contains(device.clock.name);
-      if (!device.is_camera || !device.clap_s || !options_.clap_m || !by_clap) continue;
-      const Pose& head = *camera.world_from_head;
-      const int ear =
-          travel_time_s(*options_.clap_m, head, 0) <= travel_time_s(*options_.clap_m, head, 1) ? 0
-                                                                                               : 1;
-      if (!clap) {
-        clap = SoundEvent{.anchor = i,
-                          .anchor_ear = ear,
-                          .anchor_s = *device.clap_s,
-                          .heard = {},
-                          .place_m = options_.clap_m};
-      } else {
-        clap->heard.push_back({.device = i,
-                               .ear = ear,
-                               .expected_s = *device.clap_s,
-                               .times = {{*device.clap_s, kWeight}}});
-      }
-    }
-    if (!clap || std::ssize(clap->heard) + 1 < kLeastCameras) return std::nullopt;
-    return clap;
+    store(usable, events, found);
   }
 
   /// Onsets were matched as if sound took no time; most of it came from around there. Clocks that
