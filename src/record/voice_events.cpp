@@ -139,6 +139,7 @@ std::vector<VoiceEvents::Moment> VoiceEvents::moments(
   const double end_s = devices_.front().sound.duration_s();
   for (double time_s = kStep_s; time_s < end_s; time_s += kStep_s) {
     std::vector<float> now_db;
+    now_db.reserve(listeners.size());
     for (const std::size_t d : listeners) {
       now_db.push_back(level_at(levels_db_[d], device_time_s(clocks[d], time_s)));
     }
