@@ -47,6 +47,28 @@ std::vector<PersonBox> boxes_of(const TestSession& made) {
   return boxes;
 }
 
+TEST(SeenPeople, BoxesOfOnePictureASecondServeTheTimeBetween) {
+  const fs::path path =
+      fs::path(testing::TempDir()) / ("seen_people." + std::to_string(::getpid()) + ".csv");
+  std::vector<PersonBox> boxes;
+  for (int frame = 0; frame < 5; ++frame) {
+    boxes.push_back({.camera = 0, .frame = frame, .time_s = 1.0 * frame, .person = 0});
+  }
+  write_person_boxes(path, boxes);
+  Session session;
+  session.cameras.resize(1);
+  session.cameras[0].name = "1";
+  session.people.resize(1);
+  session.boxes = path;
+  SyncResult sync;
+  sync.devices.push_back({.clock = {.name = "1"}, .is_camera = true});
+  const SeenPeople people(session, sync);
+  ASSERT_NE(people.seen_box(0, 0, 2.45), nullptr);
+  EXPECT_EQ(people.seen_box(0, 0, 2.45)->frame, 2);
+  EXPECT_EQ(people.seen_box(0, 0, 4.6), nullptr);
+  fs::remove(path);
+}
+
 /// One session of four cameras and two people, recorded once for all tests.
 class Prepare : public ::testing::Test {
  protected:

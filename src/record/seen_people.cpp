@@ -12,13 +12,25 @@
 namespace earpoint {
 namespace {
 
-constexpr double kBoxAge_s = 0.3;
+constexpr double kBoxAge_s = 0.3;  ///< or half of the time between pictures, if longer
 constexpr double kVoiceAge_s = 1.0;
 constexpr double kLeastVisible = 0.1;
 // A body round a mouth, metres: seated people are cut off by the picture or by what they sit at.
 constexpr double kAboveMouth_m = 0.22;
 constexpr double kBelowMouth_m = 1.1;
 constexpr double kHalfWidth_m = 0.28;
+
+/// Between pictures in which the same person is seen, whose boxes are sorted by time; 0: none are.
+double shortest_gap_s(const std::vector<std::vector<PersonBox>>& boxes) {
+  double shortest_s = 0.0;
+  for (const std::vector<PersonBox>& person : boxes) {
+    for (std::size_t i = 1; i < person.size(); ++i) {
+      const double gap_s = person[i].time_s - person[i - 1].time_s;
+      if (gap_s > 0.0 && (shortest_s == 0.0 || gap_s < shortest_s)) shortest_s = gap_s;
+    }
+  }
+  return shortest_s;
+}
 
 }  // namespace
 
@@ -83,6 +95,7 @@ SeenPeople::SeenPeople(const Session& session, const SyncResult& sync)
   }
   for (auto& camera : boxes_) {
     for (auto& person : camera) std::ranges::stable_sort(person, {}, &PersonBox::time_s);
+    box_ages_s_.push_back(std::max(kBoxAge_s, 0.51 * shortest_gap_s(camera)));
   }
 }
 
@@ -96,7 +109,7 @@ const PersonBox* SeenPeople::seen_box(std::size_t person, std::size_t camera, do
       device_s - std::prev(after)->time_s < std::abs(nearest->time_s - device_s)) {
     nearest = &*std::prev(after);
   }
-  return std::abs(nearest->time_s - device_s) <= kBoxAge_s ? nearest : nullptr;
+  return std::abs(nearest->time_s - device_s) <= box_ages_s_[camera] ? nearest : nullptr;
 }
 
 std::optional<Vector3> SeenPeople::mouth(std::size_t microphone, double time_s) const {

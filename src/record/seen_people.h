@@ -56,6 +56,7 @@ class SeenPeople {
   std::vector<std::vector<Voice>> voices_;          ///< by microphone
   /// [camera][person], by time on the camera's clock.
   std::vector<std::vector<std::vector<PersonBox>>> boxes_;
+  std::vector<double> box_ages_s_;  ///< by camera: how far from a time a box may be
   std::vector<std::size_t> wearers_;
 };
 
