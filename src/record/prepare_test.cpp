@@ -52,7 +52,9 @@ TEST(SeenPeople, BoxesOfOnePictureASecondServeTheTimeBetween) {
       fs::path(testing::TempDir()) / ("seen_people." + std::to_string(::getpid()) + ".csv");
   std::vector<PersonBox> boxes;
   for (int frame = 0; frame < 5; ++frame) {
-    boxes.push_back({.camera = 0, .frame = frame, .time_s = 1.0 * frame, .person = 0});
+    PersonBox& box = boxes.emplace_back();
+    box.frame = frame;
+    box.time_s = frame;
   }
   write_person_boxes(path, boxes);
   Session session;
@@ -61,7 +63,7 @@ TEST(SeenPeople, BoxesOfOnePictureASecondServeTheTimeBetween) {
   session.people.resize(1);
   session.boxes = path;
   SyncResult sync;
-  sync.devices.push_back({.clock = {.name = "1"}, .is_camera = true});
+  sync.devices.emplace_back().clock.name = "1";
   const SeenPeople people(session, sync);
   ASSERT_NE(people.seen_box(0, 0, 2.45), nullptr);
   EXPECT_EQ(people.seen_box(0, 0, 2.45)->frame, 2);
