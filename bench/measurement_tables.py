@@ -256,3 +256,12 @@ def session_table(text):
         "| core-seconds per minute | of them sound | minutes that two cores make in an hour |", "|---|---|---|",
         f"| {run['core_s_per_minute']:.0f} | {run['core_s_per_minute_without_pictures']:.0f} "
         f"| {run['minutes_per_hour_on_two_cores']:.0f} |"])
+
+
+def sync_table(text):
+    rows = ["| seed | people | cameras | minutes | offset error, ms | drift error, ppm |", "|---" * 6 + "|"]
+    for line in text.splitlines():
+        run = json.loads(line)
+        rows.append(f"| {run['seed']} | {run['people']} | {run['cameras']} | {run['minutes']:g} "
+                    f"| {run['offset_error_ms_p95']:.2f} | {run['drift_error_ppm_p95']:.2f} |")
+    return "\n".join(rows)

@@ -169,6 +169,8 @@ measure_simulator() {
   [ -f "$speech_folder/speech.csv" ] || gather_speech "$speech_folder"
   python3 bench/simulate_cost.py "$earpoint" "$speech_folder" >out/bench/simulate_cost.jsonl
   python3 bench/session_cost.py "$earpoint" "$speech_folder" >out/bench/session_cost.jsonl
+  say "Clocks of simulated sessions"
+  python3 bench/session_sync.py "$earpoint" "$speech_folder" out/data/sync >out/bench/session_sync.jsonl
 }
 
 # Whether anything is lost or left where a command is killed.

@@ -7,7 +7,7 @@ MEASURED holds vigas.md, gtf_bench.json, training.json, training_gtf.json, oracl
 render_memory.jsonl, demo.json, trace_gates.md, learning_curves-single.md, learning_curves-novel.md,
 rt60_error.json, active_speaker.json, people_detection.jsonl, home_reverberation.jsonl, compare_tracers.json, kills.json,
 change_of_results.md,
-camera_bench.jsonl, simulate_cost.jsonl, session_cost.jsonl, evaluate-single.json, evaluate-novel.json, evaluate-recorded.json,
+camera_bench.jsonl, simulate_cost.jsonl, session_cost.jsonl, session_sync.jsonl, evaluate-single.json, evaluate-novel.json, evaluate-recorded.json,
 ablations-single.json, ablations-novel.json, generalisation.json,
 generalisation_heads.json, ambient-single.json, ambient-novel.json, context-novel.json, separation-novel.md and enhance-novel.json; a section
 whose file is missing stays as it is in RESULTS.md, or says so where it is new; with --measured-only it
@@ -23,7 +23,8 @@ from evaluation_tables import enhancement_table, evaluation_table
 from measurement_tables import (camera_table, demo_table, detection_table, generalisation_table,
                                 gtf_training_table, kill_table, memory_table, network_table,
                                 reverberation_table, rt60_table, session_table, simulation_table,
-                                speaker_table, speed_table, trace_table, tracer_comparison, training_table)
+                                speaker_table, speed_table, sync_table, trace_table, tracer_comparison,
+                                training_table)
 
 
 def machine():
@@ -166,6 +167,10 @@ SECTIONS = [
      "`bench/session_cost.py`: processor time of `earpoint record simulate`, half a minute with three people "
      "and eight cameras of 480 x 270 pixels at 5 pictures a second. The flat, drawn once for all sessions, is "
      "in it; sound is what is left with next to no pictures."),
+    ("Clocks of simulated sessions", "session_sync.jsonl", sync_table,
+     "`bench/session_sync.py`: `earpoint record sync --truth` on sessions of `earpoint record simulate`, each in a "
+     "flat of its own, with speech 10 dB above the ambient noise and clocks that drift by up to 50 ppm. 95th "
+     "percentiles over devices, of offsets over every second of the session too."),
     ("Reverberation of homes", "home_reverberation.jsonl", reverberation_table,
      "`home_reverberation`: homes of the seeds 0 to 119, 500 and 1000 Hz. By Eyring's formula, the "
      "mean over a home's rooms by volume; and T30 of a traced response between two places 1 m or "

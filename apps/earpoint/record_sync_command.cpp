@@ -12,6 +12,7 @@
 #include <earpoint/core/file.h>
 #include <earpoint/core/progress.h>
 #include <earpoint/record/session.h>
+#include <earpoint/record/session_sync.h>
 #include <earpoint/record/session_truth.h>
 #include <earpoint/record/sync.h>
 #include <earpoint/record/sync_file.h>
@@ -68,8 +69,7 @@ void run(const Options& options) {
   StreamProgress bar(stderr);
   ProgressSink& progress = options.quiet ? static_cast<ProgressSink&>(silent) : bar;
   const DeviceSounds sounds = read_device_sounds(session, progress);
-  const SyncResult result =
-      synchronize(sounds, {.clap_s = session.clap_s, .clap_m = session.clap_m}, progress);
+  const SyncResult result = synchronize_session(session, sounds, progress);
   for (const std::string& note : result.notes) fmt::print(stderr, "earpoint: {}\n", note);
 
   std::optional<SyncErrors> errors;

@@ -68,7 +68,11 @@ class Fit {
   ClockFit run() {
     refine_from(0);
     // Once places are known, a camera that is caught at a wrong offset can be told.
-    for (int pass = 0; pass < kMostPasses && recentre(); ++pass) refine_from(kFineRound);
+    for (int pass = 0; pass < kMostPasses; ++pass) {
+      const bool strayed = gather_places();
+      if (!recentre() && !strayed) break;
+      refine_from(kFineRound);
+    }
     return result();
   }
 
@@ -153,6 +157,37 @@ class Fit {
     for (std::size_t round = first; round < kRounds.size(); ++round) {
       for (int step = 0; step < kStepsPerRound; ++step) improve(kRounds[round]);
     }
+  }
+
+  /// Moves places to the median of the same voice's around that time where they are far from it: a
+  /// few ears that agree by chance hold them there.
+  /// @return whether any was moved
+  bool gather_places() {
+    constexpr double kAround_s = 2.0;
+    constexpr double kFar_m = 0.7;
+    constexpr std::size_t kFewest = 4;
+    bool moved = false;
+    const std::vector<Vector3> found = places_;
+    for (std::size_t e = 0; e < events_.size(); ++e) {
+      std::vector<double> x;
+      std::vector<double> y;
+      for (std::size_t other = 0; other < events_.size(); ++other) {
+        if (events_[other].anchor != events_[e].anchor ||
+            std::abs(events_[other].anchor_s - events_[e].anchor_s) > kAround_s) {
+          continue;
+        }
+        x.push_back(found[other].x);
+        y.push_back(found[other].y);
+      }
+      if (x.size() < kFewest) continue;
+      const auto middle = std::ssize(x) / 2;
+      std::ranges::nth_element(x, x.begin() + middle);
+      std::ranges::nth_element(y, y.begin() + middle);
+      if (std::hypot(found[e].x - x[middle], found[e].y - y[middle]) < kFar_m) continue;
+      places_[e] = {x[middle], y[middle], centre_m_.z};
+      moved = true;
+    }
+    return moved;
   }
 
   /// Moves each camera to the offset that most of its times support, be they chosen or not: the fit

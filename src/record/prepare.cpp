@@ -22,6 +22,7 @@
 #include <earpoint/record/aligned_sound.h>
 #include <earpoint/record/device_sound.h>
 #include <earpoint/record/prepare.h>
+#include <earpoint/record/session_sync.h>
 #include <earpoint/record/sync.h>
 #include <earpoint/record/sync_file.h>
 #include <earpoint/video/image_file.h>
@@ -149,7 +150,6 @@ class Preparation {
     claim_folder();
     synchronize_devices();
     people_ = std::make_unique<SeenPeople>(session_, sync_);
-    summary_.notes.insert(summary_.notes.end(), people_->notes().begin(), people_->notes().end());
     choose_devices();
     align_sounds();
     const std::vector<SpeechWindow> windows = judge();
@@ -184,8 +184,7 @@ class Preparation {
     const fs::path stored = folder_ / "sync.json";
     if (!fs::exists(stored)) {
       const DeviceSounds sounds = read_device_sounds(session_, progress_);
-      const SyncResult found =
-          synchronize(sounds, {.clap_s = session_.clap_s, .clap_m = session_.clap_m}, progress_);
+      const SyncResult found = synchronize_session(session_, sounds, progress_);
       write_file(stored, std::string_view(json_of(found)));
     }
     sync_ = read_sync(stored);

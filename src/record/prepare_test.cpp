@@ -47,6 +47,30 @@ std::vector<PersonBox> boxes_of(const TestSession& made) {
   return boxes;
 }
 
+TEST(SeenPeople, BoxesOfOnePictureASecondServeTheTimeBetween) {
+  const fs::path path =
+      fs::path(testing::TempDir()) / ("seen_people." + std::to_string(::getpid()) + ".csv");
+  std::vector<PersonBox> boxes;
+  for (int frame = 0; frame < 5; ++frame) {
+    PersonBox& box = boxes.emplace_back();
+    box.frame = frame;
+    box.time_s = frame;
+  }
+  write_person_boxes(path, boxes);
+  Session session;
+  session.cameras.resize(1);
+  session.cameras[0].name = "1";
+  session.people.resize(1);
+  session.boxes = path;
+  SyncResult sync;
+  sync.devices.emplace_back().clock.name = "1";
+  const SeenPeople people(session, sync);
+  ASSERT_NE(people.seen_box(0, 0, 2.45), nullptr);
+  EXPECT_EQ(people.seen_box(0, 0, 2.45)->frame, 2);
+  EXPECT_EQ(people.seen_box(0, 0, 4.6), nullptr);
+  fs::remove(path);
+}
+
 /// One session of four cameras and two people, recorded once for all tests.
 class Prepare : public ::testing::Test {
  protected:
@@ -168,6 +192,18 @@ TEST_F(Prepare, SwappedMicrophonesAreFoundByWhereVoicesComeFrom) {
   const PrepareSummary found = prepare(session, root() / "swapped");
   ASSERT_EQ(found.notes.size(), 2U);
   EXPECT_NE(found.notes[0].find("swapped"), std::string::npos) << found.notes[0];
+}
+
+TEST_F(Prepare, WhoWearsWhichMicrophoneIsFoundWhereTheSessionDoesNotSayIt) {
+  const fs::path session = root() / "in" / "open.json";
+  Session open = made().session;
+  std::swap(open.people[0].near, open.people[1].near);
+  open.wearers_known = false;
+  write_session(session, open);
+  const PrepareSummary found = prepare(session, root() / "open");
+  ASSERT_EQ(found.notes.size(), 2U);
+  EXPECT_EQ(found.notes[0].find("person-2.wav is worn by person-2, "), 0U) << found.notes[0];
+  EXPECT_EQ(found.notes[1].find("person-1.wav is worn by person-1, "), 0U) << found.notes[1];
 }
 
 TEST_F(Prepare, WhatIsWrongWithADeviceIsALineAndTheOthersAreKept) {

@@ -12,16 +12,25 @@
 namespace earpoint {
 namespace {
 
-constexpr double kBoxAge_s = 0.3;
+constexpr double kBoxAge_s = 0.3;  ///< or half of the time between pictures, if longer
 constexpr double kVoiceAge_s = 1.0;
 constexpr double kLeastVisible = 0.1;
 // A body round a mouth, metres: seated people are cut off by the picture or by what they sit at.
 constexpr double kAboveMouth_m = 0.22;
 constexpr double kBelowMouth_m = 1.1;
 constexpr double kHalfWidth_m = 0.28;
-/// Microphones are taken as swapped if the voices agree with others' boxes by so much more.
-constexpr double kClearly = 0.25;
-constexpr std::size_t kMostToPermute = 6;
+
+/// Between pictures in which the same person is seen, whose boxes are sorted by time; 0: none are.
+double shortest_gap_s(const std::vector<std::vector<PersonBox>>& boxes) {
+  double shortest_s = 0.0;
+  for (const std::vector<PersonBox>& person : boxes) {
+    for (std::size_t i = 1; i < person.size(); ++i) {
+      const double gap_s = person[i].time_s - person[i - 1].time_s;
+      if (gap_s > 0.0 && (shortest_s == 0.0 || gap_s < shortest_s)) shortest_s = gap_s;
+    }
+  }
+  return shortest_s;
+}
 
 }  // namespace
 
@@ -63,6 +72,15 @@ SeenPeople::SeenPeople(const Session& session, const SyncResult& sync)
       if (session.people[m].name == name) voices_[m].push_back({voice.time_s, voice.mouth_m});
     }
   }
+  const auto person_called = [&](const std::string& name) {
+    return static_cast<std::size_t>(std::ranges::find(session.people, name, &SessionPerson::name) -
+                                    session.people.begin());
+  };
+  for (const MicrophoneWearer& wearer : sync.wearers) {
+    const std::size_t microphone = person_called(wearer.microphone);
+    const std::size_t person = person_called(wearer.person);
+    if (microphone < wearers_.size() && person < wearers_.size()) wearers_[microphone] = person;
+  }
   if (!session.boxes) return;
   for (const PersonBox& box : read_person_boxes(*session.boxes)) {
     const auto camera = static_cast<std::size_t>(box.camera);
@@ -77,59 +95,8 @@ SeenPeople::SeenPeople(const Session& session, const SyncResult& sync)
   }
   for (auto& camera : boxes_) {
     for (auto& person : camera) std::ranges::stable_sort(person, {}, &PersonBox::time_s);
+    box_ages_s_.push_back(std::max(kBoxAge_s, 0.51 * shortest_gap_s(camera)));
   }
-  find_wearers();
-}
-
-/// Of all ways to give microphones to people, the one in which voices come from the boxes.
-void SeenPeople::find_wearers() {
-  const std::size_t count = session_.people.size();
-  if (count < 2 || count > kMostToPermute) return;
-  std::vector<std::vector<double>> agreements(count, std::vector<double>(count));
-  for (std::size_t m = 0; m < count; ++m) {
-    for (std::size_t p = 0; p < count; ++p) agreements[m][p] = agreement(m, p);
-  }
-  const auto total = [&](const std::vector<std::size_t>& wearers) {
-    double sum = 0.0;
-    for (std::size_t m = 0; m < count; ++m) sum += agreements[m][wearers[m]];
-    return sum;
-  };
-  std::vector<std::size_t> tried = wearers_;
-  std::vector<std::size_t> best = wearers_;
-  do {
-    if (total(tried) > total(best)) best = tried;
-  } while (std::ranges::next_permutation(tried).found);
-  if (total(best) < total(wearers_) + kClearly) return;
-  for (std::size_t m = 0; m < count; ++m) {
-    if (best[m] == m) continue;
-    notes_.push_back(
-        fmt::format("near microphones are swapped: the voice in {} comes from where {} is seen, "
-                    "and counts as theirs",
-                    session_.people[m].near.filename().string(), session_.people[best[m]].name));
-  }
-  wearers_ = best;
-}
-
-/// Share of a microphone's voices that come from the upper half of a person's boxes.
-double SeenPeople::agreement(std::size_t microphone, std::size_t person) const {
-  int asked = 0;
-  int inside = 0;
-  for (const Voice& voice : voices_[microphone]) {
-    for (std::size_t c = 0; c < session_.cameras.size(); ++c) {
-      const SessionCamera& camera = session_.cameras[c];
-      if (!camera.lens || !camera.world_from_camera) continue;
-      const PersonBox* seen = seen_box(person, c, voice.time_s);
-      if (seen == nullptr) continue;
-      ++asked;
-      const auto at = project(voice.mouth_m, *camera.lens, *camera.world_from_camera);
-      const Box& box = seen->box;
-      if (at && at->x >= box.x_min && at->x <= box.x_max && at->y >= box.y_min &&
-          at->y <= box.y_max) {
-        ++inside;
-      }
-    }
-  }
-  return asked == 0 ? 0.0 : static_cast<double>(inside) / asked;
 }
 
 const PersonBox* SeenPeople::seen_box(std::size_t person, std::size_t camera, double time_s) const {
@@ -142,7 +109,7 @@ const PersonBox* SeenPeople::seen_box(std::size_t person, std::size_t camera, do
       device_s - std::prev(after)->time_s < std::abs(nearest->time_s - device_s)) {
     nearest = &*std::prev(after);
   }
-  return std::abs(nearest->time_s - device_s) <= kBoxAge_s ? nearest : nullptr;
+  return std::abs(nearest->time_s - device_s) <= box_ages_s_[camera] ? nearest : nullptr;
 }
 
 std::optional<Vector3> SeenPeople::mouth(std::size_t microphone, double time_s) const {

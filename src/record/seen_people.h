@@ -28,12 +28,9 @@ class SeenPeople {
   ///         there
   SeenPeople(const Session& session, const SyncResult& sync);
 
-  /// Whose voice each microphone has, by index in Session::people: its owner's, unless voices come
-  /// from where somebody else is seen.
+  /// Whose voice each microphone has, by index in Session::people: its owner's, unless the
+  /// synchronisation found another wearer.
   [[nodiscard]] const std::vector<std::size_t>& wearers() const { return wearers_; }
-  /// A line for every pair of swapped microphones.
-  [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }
-
   /// Where the mouth behind a microphone is around a session time, by its sound within a second,
   /// else by its nearest; nothing if it was never found.
   [[nodiscard]] std::optional<Vector3> mouth(std::size_t microphone, double time_s) const;
@@ -43,24 +40,24 @@ class SeenPeople {
   [[nodiscard]] std::optional<Box> box(std::size_t microphone, std::size_t camera,
                                        double time_s) const;
 
+  /// The box of a person by the session, at a session time; nullptr where they are not seen then.
+  [[nodiscard]] const PersonBox* seen_box(std::size_t person, std::size_t camera,
+                                          double time_s) const;
+
  private:
   struct Voice {
     double time_s = 0.0;
     Vector3 mouth_m;
   };
-  void find_wearers();
   [[nodiscard]] std::optional<Vector3> nearest_mouth(std::size_t microphone, double time_s) const;
-  [[nodiscard]] double agreement(std::size_t microphone, std::size_t person) const;
-  [[nodiscard]] const PersonBox* seen_box(std::size_t person, std::size_t camera,
-                                          double time_s) const;
 
   const Session& session_;
   std::vector<std::optional<DeviceClock>> clocks_;  ///< by camera
   std::vector<std::vector<Voice>> voices_;          ///< by microphone
   /// [camera][person], by time on the camera's clock.
   std::vector<std::vector<std::vector<PersonBox>>> boxes_;
+  std::vector<double> box_ages_s_;  ///< by camera: how far from a time a box may be
   std::vector<std::size_t> wearers_;
-  std::vector<std::string> notes_;
 };
 
 }  // namespace earpoint

@@ -47,16 +47,41 @@ SessionCamera camera_of(const JsonField& json, const Session& session,
   return camera;
 }
 
+/// @param microphone  of nobody known, if the session lists them apart
 SessionPerson person_of(const JsonField& json, const Session& session,
-                        std::set<std::string>& names) {
+                        const std::optional<fs::path>& microphone, std::set<std::string>& names) {
   json.expect_only({"name", "near", "near_distance_m"});
   SessionPerson person;
   person.name = name_of(json, names);
-  person.near = media_path(json.field("near"), session.file);
+  if (microphone && json.has("near")) {
+    json.field("near").fail("no file where the session lists its microphones apart");
+  }
+  person.near = microphone ? *microphone : media_path(json.field("near"), session.file);
   if (!json.has("near_distance_m")) return person;
   person.near_distance_m = json.field("near_distance_m").number();
   if (person.near_distance_m < 0.0) json.field("near_distance_m").fail("0 or more");
   return person;
+}
+
+void read_people(const JsonField& root, std::set<std::string>& names, Session& session) {
+  const std::vector<JsonField> people =
+      root.has("people") ? root.field("people").items() : std::vector<JsonField>{};
+  session.wearers_known = !root.has("microphones");
+  std::vector<fs::path> microphones;
+  if (!session.wearers_known) {
+    const JsonField field = root.field("microphones");
+    for (const JsonField& item : field.items()) {
+      microphones.push_back(media_path(item, session.file));
+    }
+    if (microphones.size() != people.size()) field.fail("as many files as there are people");
+    if (!root.has("boxes")) {
+      field.fail("boxes beside it, which tell who wears which; or give every person's near");
+    }
+  }
+  for (std::size_t p = 0; p < people.size(); ++p) {
+    const auto microphone = session.wearers_known ? std::nullopt : std::optional(microphones[p]);
+    session.people.push_back(person_of(people[p], session, microphone, names));
+  }
 }
 
 void read_clap(const JsonField& root, const CalibrationFrame& frame, Session& session) {
@@ -104,7 +129,7 @@ Session read_session(const fs::path& path) {
   if (document.is_discarded()) throw InputError(path.string(), "is not valid JSON");
   const JsonField root(document, path.string());
   root.expect_only({"format", "scene", "split", "units", "frame", "up", "cameras", "calibration",
-                    "people", "boxes", "clap_s", "clap_position"});
+                    "people", "microphones", "boxes", "clap_s", "clap_position"});
   if (root.field("format").text() != kFormat) root.field("format").fail(kFormat);
 
   Session session;
@@ -126,11 +151,7 @@ Session read_session(const fs::path& path) {
     session.cameras.push_back(camera_of(item, session, frame, names));
   }
   if (session.cameras.size() < 2) root.field("cameras").fail("at least two cameras");
-  if (root.has("people")) {
-    for (const JsonField& item : root.field("people").items()) {
-      session.people.push_back(person_of(item, session, names));
-    }
-  }
+  read_people(root, names, session);
   if (root.has("boxes")) session.boxes = media_path(root.field("boxes"), path);
   read_clap(root, frame, session);
   if (root.has("calibration")) apply_calibration(root.field("calibration"), frame, session);
@@ -155,9 +176,11 @@ void write_session(const fs::path& path, const Session& session) {
   }
   json["people"] = nlohmann::ordered_json::array();
   for (const SessionPerson& person : session.people) {
-    json["people"].push_back({{"name", person.name},
-                              {"near", written_path(person.near, folder)},
-                              {"near_distance_m", person.near_distance_m}});
+    nlohmann::ordered_json item{{"name", person.name}};
+    if (session.wearers_known) item["near"] = written_path(person.near, folder);
+    item["near_distance_m"] = person.near_distance_m;
+    json["people"].push_back(item);
+    if (!session.wearers_known) json["microphones"].push_back(written_path(person.near, folder));
   }
   if (session.boxes) json["boxes"] = written_path(*session.boxes, folder);
   if (session.clap_s) json["clap_s"] = *session.clap_s;

@@ -25,9 +25,11 @@ struct NearLevel {
 };
 
 /// Judges windows by the energy of near microphones, as the paper does; its thresholds are not
-/// published. Each microphone has its own: somebody speaks above the middle between the levels that
-/// 10 % and 95 % of its windows stay below; a second one does within 12 dB of the latter. A window
-/// is noisy where a microphone's peak is 6 dB above what 99 % of the peaks stay below.
+/// published. Levels are compared re each wearer's own voice (own_voice_levels). Somebody speaks
+/// above the middle between that and what 10 % of the windows stay below. A second one speaks too
+/// where their microphone is besides less than half as far below the speaker's, in decibels, as the
+/// speaker's crosstalk usually is. A window is noisy where a microphone's peak is 6 dB above what
+/// 99 % of the peaks stay below.
 /// @param levels  [microphone][window], at least one microphone
 [[nodiscard]] std::vector<SpeechWindow> judge_windows(
     std::span<const std::vector<NearLevel>> levels);

@@ -44,6 +44,25 @@ TEST(SpeechWindows, TwoVoicesAtOnceOverlap) {
   EXPECT_FALSE(windows[60].overlapping);
 }
 
+TEST(SpeechWindows, SomebodyElsesMicrophoneHearsTheSpeakerAndNobodyOverlaps) {
+  // The third one never speaks; all hear each other 9 dB below themselves, as in a small room.
+  std::vector<std::vector<NearLevel>> levels{quiet_microphone(), quiet_microphone(),
+                                             quiet_microphone()};
+  for (int speaker = 0; speaker < 2; ++speaker) {
+    const std::size_t from = speaker == 0 ? 10 : 50;
+    for (int m = 0; m < 3; ++m) {
+      speak(levels[static_cast<std::size_t>(m)], from, from + 30, m == speaker ? -20.0F : -29.0F);
+    }
+  }
+  speak(levels[1], 35, 40, -22.0F);
+  const std::vector<SpeechWindow> windows = judge_windows(levels);
+  for (const std::size_t w : {12U, 30U, 52U, 79U}) {
+    EXPECT_EQ(windows[w].speaker, w < 40 ? 0 : 1);
+    EXPECT_FALSE(windows[w].overlapping) << w;
+  }
+  EXPECT_TRUE(windows[37].overlapping);
+}
+
 TEST(SpeechWindows, AKnockIsNoisy) {
   std::vector<std::vector<NearLevel>> levels{quiet_microphone()};
   speak(levels[0], 10, 60, -25.0F);

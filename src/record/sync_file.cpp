@@ -88,6 +88,12 @@ std::string json_of(const SyncResult& result, const SyncErrors* errors) {
                               {"mouth_m", {mouth.x, mouth.y, mouth.z}},
                               {"ears", voice.ears}});
   }
+  if (!result.wearers.empty()) json["wearers"] = Json::array();
+  for (const MicrophoneWearer& wearer : result.wearers) {
+    json["wearers"].push_back({{"microphone", wearer.microphone},
+                               {"person", wearer.person},
+                               {"certainty", wearer.certainty}});
+  }
   json["notes"] = result.notes;
   return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
@@ -96,7 +102,7 @@ SyncResult read_sync(const std::filesystem::path& path) {
   const auto document = nlohmann::json::parse(read_text_file(path), nullptr, false);
   if (document.is_discarded()) throw InputError(path.string(), "is not valid JSON");
   const JsonField root(document, path.string());
-  root.expect_only({"format", "devices", "voices", "notes"});
+  root.expect_only({"format", "devices", "voices", "wearers", "notes"});
   if (root.field("format").text() != kFormat) root.field("format").fail(kFormat);
   SyncResult result;
   for (const JsonField& item : root.field("devices").items()) {
@@ -104,6 +110,13 @@ SyncResult read_sync(const std::filesystem::path& path) {
   }
   for (const JsonField& item : root.field("voices").items()) {
     result.voices.push_back(voice_of(item, result));
+  }
+  if (root.has("wearers")) {
+    for (const JsonField& item : root.field("wearers").items()) {
+      item.expect_only({"microphone", "person", "certainty"});
+      result.wearers.push_back({item.field("microphone").text(), item.field("person").text(),
+                                item.field("certainty").number()});
+    }
   }
   for (const JsonField& item : root.field("notes").items()) result.notes.push_back(item.text());
   return result;

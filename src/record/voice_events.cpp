@@ -1,6 +1,7 @@
 #include "voice_events.h"
 
 #include "delay_finder.h"
+#include "own_voice.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,8 +13,10 @@ namespace earpoint {
 namespace {
 
 constexpr double kLevelHop_s = 0.1;
-constexpr float kBelowLoud_db = 20.0F;  ///< speech within this of its loud parts counts
-constexpr float kAloneBy_db = 5.0F;     ///< over every other voice, each re its own loud parts
+constexpr float kNothing_db = -120.0F;
+constexpr float kBelowVoice_db = 20.0F;  ///< speech within this of its usual level counts
+constexpr float kAloneBy_db = 5.0F;      ///< over every other voice, each re its own
+constexpr double kSame_s = 0.4e-3;       ///< peaks this close are one
 
 std::vector<float> levels_of(const Waveform& sound) {
   const auto hop = static_cast<std::ptrdiff_t>(kLevelHop_s * sound.sample_rate_hz());
@@ -27,22 +30,14 @@ std::vector<float> levels_of(const Waveform& sound) {
   return levels;
 }
 
-/// The level that a twentieth of the time exceeds.
-float loud_level(std::vector<float> levels) {
-  EARPOINT_CHECK(!levels.empty());
-  const auto at = levels.begin() + std::ssize(levels) * 19 / 20;
-  std::nth_element(levels.begin(), at, levels.end());
-  return *at;
-}
-
-/// Mean level over an event, re what is loud.
+/// Mean level over an event; kNothing_db where it was not recorded.
 float level_at(const std::vector<float>& levels, double device_s) {
   const auto first = static_cast<std::ptrdiff_t>((device_s - 0.5 * kEvent_s) / kLevelHop_s);
   const auto count = static_cast<std::ptrdiff_t>(kEvent_s / kLevelHop_s);
-  if (first < 0 || first + count > std::ssize(levels)) return -120.0F;
-  float sum = 0.0F;
-  for (std::ptrdiff_t i = first; i < first + count; ++i) sum += levels[i];
-  return sum / static_cast<float>(count);
+  if (first < 0 || first + count > std::ssize(levels)) return kNothing_db;
+  double power = 0.0;
+  for (std::ptrdiff_t i = first; i < first + count; ++i) power += std::pow(10.0, 0.1 * levels[i]);
+  return static_cast<float>(10.0 * std::log10(power / static_cast<double>(count)));
 }
 
 /// @return an empty span where the sound does not reach that far
@@ -59,13 +54,27 @@ double lag_s(const HeardEvent& heard, const HeardTime& time) {
 
 /// The height of the peak that both agree in; 0 if there is none.
 double agreement(const HeardEvent& heard, const HeardTime& time, const HeardEvent& other) {
-  constexpr double kSame_s = 0.4e-3;
   double highest = 0.0;
   for (const HeardTime& theirs : other.times) {
     if (std::abs(lag_s(other, theirs) - lag_s(heard, time)) > kSame_s) continue;
     highest = std::max(highest, theirs.height);
   }
   return highest;
+}
+
+/// Leaves out peaks beside a higher one: they belong to it, and the support of its neighbours would
+/// pass to them.
+void drop_side_peaks(std::vector<SoundEvent>& events) {
+  for (SoundEvent& event : events) {
+    for (HeardEvent& heard : event.heard) {
+      const std::vector<HeardTime> all = heard.times;
+      std::erase_if(heard.times, [&](const HeardTime& time) {
+        return std::ranges::any_of(all, [&](const HeardTime& other) {
+          return other.height > time.height && std::abs(other.device_s - time.device_s) < kSame_s;
+        });
+      });
+    }
+  }
 }
 
 /// Weighs peaks by how often they come in the same ear within a second or two, for a voice stays
@@ -115,33 +124,48 @@ VoiceEvents::VoiceEvents(const std::vector<DeviceSound>& devices, const Vector3&
   for (std::size_t d = 0; d < devices.size(); ++d) {
     if (has_microphones ? devices[d].is_camera : d != 0) continue;
     levels_db_[d] = levels_of(devices[d].sound);
-    if (levels_db_[d].empty()) continue;
-    const float loud = loud_level(levels_db_[d]);
-    for (float& level : levels_db_[d]) level -= loud;
   }
 }
 
 std::vector<VoiceEvents::Moment> VoiceEvents::moments(
     const std::vector<DeviceClock>& clocks) const {
-  std::vector<Moment> found;
+  constexpr double kStep_s = 0.5 * kEvent_s;
+  std::vector<std::size_t> listeners;
+  for (std::size_t d = 0; d < devices_.size(); ++d) {
+    if (!levels_db_[d].empty()) listeners.push_back(d);
+  }
+  std::vector<std::vector<float>> levels_db(listeners.size());  // by moment, while all record
+  std::vector<double> times_s;
   const double end_s = devices_.front().sound.duration_s();
-  for (double time_s = 0.5 * kEvent_s; time_s < end_s; time_s += 0.5 * kEvent_s) {
-    float loudest = -kBelowLoud_db;
-    float second = -120.0F;
+  for (double time_s = kStep_s; time_s < end_s; time_s += kStep_s) {
+    std::vector<float> now_db;
+    now_db.reserve(listeners.size());
+    for (const std::size_t d : listeners) {
+      now_db.push_back(level_at(levels_db_[d], device_time_s(clocks[d], time_s)));
+    }
+    if (std::ranges::find(now_db, kNothing_db) != now_db.end()) continue;
+    for (std::size_t l = 0; l < listeners.size(); ++l) levels_db[l].push_back(now_db[l]);
+    times_s.push_back(time_s);
+  }
+  std::vector<Moment> found;
+  if (times_s.empty()) return found;
+  const std::vector<float> voice_db = own_voice_levels(levels_db);
+  for (std::size_t i = 0; i < times_s.size(); ++i) {
+    float loudest = -kBelowVoice_db;
+    float second = kNothing_db;
     std::size_t speaker = devices_.size();
-    for (std::size_t d = 0; d < devices_.size(); ++d) {
-      if (levels_db_[d].empty()) continue;
-      const float level = level_at(levels_db_[d], device_time_s(clocks[d], time_s));
+    for (std::size_t l = 0; l < listeners.size(); ++l) {
+      const float level = levels_db[l][i] - voice_db[l];
       if (level > loudest) {
         if (speaker < devices_.size()) second = loudest;
         loudest = level;
-        speaker = d;
+        speaker = listeners[l];
       } else {
         second = std::max(second, level);
       }
     }
     if (speaker < devices_.size() && loudest > second + kAloneBy_db) {
-      found.push_back({speaker, time_s});
+      found.push_back({speaker, times_s[i]});
     }
   }
   return found;
@@ -198,6 +222,7 @@ std::vector<SoundEvent> VoiceEvents::find(const std::vector<DeviceClock>& clocks
     events.push_back(std::move(event));
   }
   progress.finish();
+  drop_side_peaks(events);
   weigh_by_neighbours(events);
   return events;
 }

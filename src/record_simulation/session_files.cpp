@@ -115,8 +115,11 @@ Session describe_session(const SessionFiles& files, const SessionPlan& plan,
                                .world_from_camera = plan.world_from_camera[i]});
   }
   for (std::size_t i = 0; i < plan.people.size(); ++i) {
-    session.people.push_back({.name = plan.people[i].name, .near = files.microphones[i]});
+    session.people.push_back({.name = plan.people[i].name,
+                              .near = files.microphones[i],
+                              .near_distance_m = norm(plan.people[i].microphone_m)});
   }
+  session.boxes = files.boxes;
   session.clap_s = device_time_s(plan.clocks.front(), plan.clap_s);
   session.clap_m = plan.clap_m;
   return session;

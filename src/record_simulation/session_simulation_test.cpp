@@ -73,7 +73,11 @@ TEST_F(SessionSimulation, WritesWhatAReaderOfSessionsTakesAndGoesOnWhereItStoppe
     EXPECT_EQ(near.sample_rate_hz, 48000);
     EXPECT_EQ(near.channels, 1);
     EXPECT_FALSE(truth.people[i].speech.empty());
+    // What the simulator draws, and not the default of sessions that do not say it.
+    EXPECT_GE(session.people[i].near_distance_m, 0.10);
+    EXPECT_LT(session.people[i].near_distance_m, 0.20);
   }
+  EXPECT_EQ(session.boxes, options.folder / "boxes.csv");
   EXPECT_EQ(session.split, "train");
   EXPECT_NEAR(*session.clap_s, device_time_s(truth.cameras[0], 3.0), 1e-9);
   EXPECT_FALSE(read_person_boxes(options.folder / "boxes.csv").empty());

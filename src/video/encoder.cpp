@@ -128,6 +128,10 @@ PictureEncoder::PictureEncoder(std::string where, int width, int height, AVRatio
   codec_->color_trc = AVCOL_TRC_BT709;
   codec_->color_range = AVCOL_RANGE_MPEG;
   codec_->flags |= AV_CODEC_FLAG_GLOBAL_HEADER;
+  // The same pictures give the same bytes everywhere: by default x264 takes as many threads as
+  // there are cores, and its macroblock tree reads memory that nobody has written.
+  codec_->thread_count = 1;
+  av_opt_set(codec_->priv_data, "mbtree", "0", 0);
   av_opt_set(codec_->priv_data, "preset", kPicturePreset, 0);
   av_opt_set(codec_->priv_data, "crf", kPictureQuality, 0);
   frame_duration_ = std::max<std::int64_t>(1, av_rescale_q(1, av_inv_q(frame_rate), time_base));

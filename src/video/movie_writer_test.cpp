@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <malloc.h>
 #include <sys/resource.h>
 
 #include <earpoint/core/random.h>
@@ -277,6 +278,31 @@ TEST_F(MovieWriterTest, SameInputGivesTheSameBytes) {
   write_flashes("a.mp4", 44100);
   write_flashes("b.mp4", 44100);
   EXPECT_EQ(read_text_file(file("a.mp4")), read_text_file(file("b.mp4")));
+}
+
+TEST_F(MovieWriterTest, SameMovingPicturesGiveTheSameBytesWhateverWasInMemoryBefore) {
+  const auto film = [&](const char* name, int garbage) {
+    mallopt(M_PERTURB, garbage);  // what fresh memory is filled with
+    MovieWriter writer(file(name), 160, 90, 5.0, 48000);
+    RandomStream random(1);
+    for (int frame = 0; frame < 40; ++frame) {
+      Image image = flat(90, 160, 90);
+      for (std::uint8_t& value : image.pixels()) {
+        value = static_cast<std::uint8_t>(value + random.index(20));
+      }
+      const int left = 2 * frame;  // somebody who walks
+      for (int y = 20; y < 80; ++y) {
+        for (int x = left; x < left + 30; ++x) image.at(x, y, 1) = 200;
+      }
+      writer.write_picture(image);
+    }
+    writer.write_sound(clicks(48000));
+    writer.close();
+    mallopt(M_PERTURB, 0);
+    return read_text_file(file(name));
+  };
+  const std::string first = film("a.mp4", 0);
+  for (const int garbage : {1, 77, 200}) EXPECT_TRUE(film("b.mp4", garbage) == first) << garbage;
 }
 
 TEST_F(MovieWriterTest, WithoutCloseNothingIsLeft) {

@@ -52,6 +52,9 @@ struct Session {
   std::optional<std::string> split;  ///< train, val or test, where the file tells it
   std::vector<SessionCamera> cameras;
   std::vector<SessionPerson> people;
+  /// Whether it is known who wears which microphone; else each person has any of them, and boxes
+  /// tell whose it is.
+  bool wearers_known = true;
   /// When about the clapper is heard on the first camera's clock, and where it is, if known.
   std::optional<double> clap_s;
   std::optional<Vector3> clap_m;

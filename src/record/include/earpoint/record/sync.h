@@ -45,11 +45,19 @@ struct SyncResidual {
   double residual_s = 0.0;
 };
 
+/// Whose voice a near microphone has.
+struct MicrophoneWearer {
+  std::string microphone;  ///< called like the person whose it is by the session
+  std::string person;
+  double certainty = 0.0;  ///< 0.5 to 1: that it is that person and no other
+};
+
 struct SyncResult {
   std::vector<SyncedDevice> devices;  ///< cameras first, in the session's order
   std::vector<LocatedVoice> voices;   ///< by time
   std::vector<SyncResidual> residuals;
-  std::vector<std::string> notes;  ///< one line each: what the user should know
+  std::vector<MicrophoneWearer> wearers;  ///< where the session has boxes that tell
+  std::vector<std::string> notes;         ///< one line each: what the user should know
 
   /// @return nullptr if there is no such device, or it could not be matched
   [[nodiscard]] const SyncedDevice* find(const std::string& name) const;
