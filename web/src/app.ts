@@ -47,6 +47,7 @@ class Page {
   constructor(private readonly clip: Clip) {
     this.map = new SceneMap(element('map'), clip);
     this.map.onmove = () => this.tellPlace();
+    Object.assign(window, { earpoint: { map: this.map } }); // for tests and for the curious
     this.tellPlace();
     this.addMethods();
     this.play.disabled = false;
@@ -100,7 +101,7 @@ class Page {
         this.player.pose = () => this.map.pose;
         this.player.onproblem = (what) => this.tell(what);
         this.scope = new Scope(this.player.output, element('waves'), element('spectrogram'));
-        Object.assign(window, { earpoint: { player: this.player, map: this.map, scope: this.scope } });
+        Object.assign(window, { earpoint: { map: this.map, player: this.player, scope: this.scope } });
         this.player.leap(Number(this.time.value));
       }
       if (this.player.playing) this.player.pause();

@@ -53,6 +53,13 @@ export class SceneMap {
     return [this.canvas.clientWidth / 2 - y * this.scale, this.canvas.clientHeight / 2 - x * this.scale];
   }
 
+  /** Where a place is drawn, in the page's pixels; by default where you are. */
+  pagePoint(x = this.pose.x, y = this.pose.y): [number, number] {
+    const bounds = this.canvas.getBoundingClientRect();
+    const [across, down] = this.toPage(x, y);
+    return [bounds.left + across, bounds.top + down];
+  }
+
   private drag(event: PointerEvent): void {
     const bounds = this.canvas.getBoundingClientRect();
     const across = event.clientX - bounds.left - bounds.width / 2;
