@@ -1,10 +1,17 @@
 import { Clip, Pose } from './api';
 
 const REACH_M = 5; // the network was trained on moves up to here
+const STEP_M = 0.1;
+const STEP_DEGREES = 5;
+const STEP_UP_M = 0.05;
+const HIGHEST_M = 0.3;
+const SNAP_PIXELS = 14; // a click that near to a known place goes there
 
-function colour(name: string): string {
+export function colour(name: string): string {
   return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 }
+
+const clamp = (value: number, most: number) => Math.max(-most, Math.min(most, value));
 
 /** The scene from above: the camera looks up the page, you are dragged. */
 export class SceneMap {
@@ -14,14 +21,14 @@ export class SceneMap {
   constructor(private readonly canvas: HTMLCanvasElement, private readonly clip: Clip) {
     canvas.addEventListener('pointerdown', (event) => {
       canvas.setPointerCapture(event.pointerId);
-      this.drag(event);
+      if (!this.snap(event)) this.drag(event);
     });
     canvas.addEventListener('pointermove', (event) => {
       if (event.buttons) this.drag(event);
     });
     canvas.addEventListener('wheel', (event) => {
       event.preventDefault();
-      this.turn(event.deltaY > 0 ? -5 : 5);
+      this.turn(event.deltaY > 0 ? -STEP_DEGREES : STEP_DEGREES);
     }, { passive: false });
     canvas.addEventListener('keydown', (event) => this.key(event));
     new ResizeObserver(() => this.draw()).observe(canvas);
@@ -29,17 +36,22 @@ export class SceneMap {
   }
 
   moveTo(x: number, y: number): void {
-    this.pose.x = Math.max(-REACH_M, Math.min(REACH_M, x));
-    this.pose.y = Math.max(-REACH_M, Math.min(REACH_M, y));
-    this.changed();
+    this.set({ ...this.pose, x, y });
   }
 
   turn(by_deg: number): void {
-    this.pose.yaw_deg = ((this.pose.yaw_deg + by_deg + 540) % 360) - 180;
-    this.changed();
+    this.set({ ...this.pose, yaw_deg: this.pose.yaw_deg + by_deg });
   }
 
-  changed(): void {
+  rise(by_m: number): void {
+    this.set({ ...this.pose, z: this.pose.z + by_m });
+  }
+
+  set(pose: Pose): void {
+    this.pose.x = clamp(pose.x, REACH_M);
+    this.pose.y = clamp(pose.y, REACH_M);
+    this.pose.z = clamp(pose.z, HIGHEST_M);
+    this.pose.yaw_deg = ((pose.yaw_deg + 540) % 360) - 180;
     this.draw();
     this.onmove();
   }
@@ -67,18 +79,34 @@ export class SceneMap {
     this.moveTo(-down / this.scale, -across / this.scale);
   }
 
+  /** Goes to a known place that was clicked on, and looks where it looks. */
+  private snap(event: PointerEvent): boolean {
+    const place = this.clip.places.find(({ position_m: [x, y] }) => {
+      const [across, down] = this.pagePoint(x, y);
+      return Math.hypot(event.clientX - across, event.clientY - down) < SNAP_PIXELS;
+    });
+    if (place) this.goTo(place);
+    return place !== undefined;
+  }
+
+  goTo({ position_m: [x, y, z], yaw_deg }: Clip['places'][number]): void {
+    this.set({ x, y, z, yaw_deg });
+  }
+
   private key(event: KeyboardEvent): void {
-    const step = 0.1;
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
     const { x, y } = this.pose;
     const keys: Record<string, () => void> = {
-      ArrowUp: () => this.moveTo(x + step, y),
-      ArrowDown: () => this.moveTo(x - step, y),
-      ArrowLeft: () => this.moveTo(x, y + step),
-      ArrowRight: () => this.moveTo(x, y - step),
-      q: () => this.turn(5),
-      e: () => this.turn(-5),
+      ArrowUp: () => this.moveTo(x + STEP_M, y),
+      ArrowDown: () => this.moveTo(x - STEP_M, y),
+      ArrowLeft: () => this.moveTo(x, y + STEP_M),
+      ArrowRight: () => this.moveTo(x, y - STEP_M),
+      q: () => this.turn(STEP_DEGREES),
+      e: () => this.turn(-STEP_DEGREES),
+      r: () => this.rise(STEP_UP_M),
+      f: () => this.rise(-STEP_UP_M),
     };
-    const action = keys[event.key];
+    const action = keys[event.key.length === 1 ? event.key.toLowerCase() : event.key];
     if (!action) return;
     event.preventDefault();
     action();
@@ -92,10 +120,39 @@ export class SceneMap {
     const pen = canvas.getContext('2d')!;
     pen.scale(ratio, ratio);
     pen.font = '12px system-ui, sans-serif';
+    this.drawPlan(pen);
     this.drawRings(pen);
     this.drawCamera(pen);
     this.drawSpeaker(pen);
+    this.clip.places.forEach((place) => this.drawPlace(pen, place));
     this.drawYou(pen);
+  }
+
+  private outline(pen: CanvasRenderingContext2D, polygon: [number, number][]): void {
+    pen.beginPath();
+    polygon.forEach(([x, y]) => pen.lineTo(...this.toPage(x, y)));
+    pen.closePath();
+  }
+
+  /** Rooms in their walls, which open where doors are. */
+  private drawPlan(pen: CanvasRenderingContext2D): void {
+    const { plan } = this.clip;
+    if (!plan) return;
+    pen.fillStyle = colour('--ground');
+    pen.strokeStyle = colour('--wall');
+    pen.lineWidth = 3;
+    for (const room of plan.rooms) {
+      this.outline(pen, room);
+      pen.fill();
+      pen.stroke();
+    }
+    pen.strokeStyle = colour('--ground');
+    for (const door of plan.doors) {
+      this.outline(pen, door);
+      pen.fill();
+      pen.stroke();
+    }
+    pen.lineWidth = 1;
   }
 
   private drawRings(pen: CanvasRenderingContext2D): void {
@@ -125,6 +182,7 @@ export class SceneMap {
   }
 
   private drawSpeaker(pen: CanvasRenderingContext2D): void {
+    if (!this.clip.speaker) return;
     const { position_m, told } = this.clip.speaker;
     const [x, y] = this.toPage(position_m[0], position_m[1]);
     pen.fillStyle = colour('--speaker');
@@ -134,20 +192,32 @@ export class SceneMap {
     pen.fillText(told ? 'speaker' : 'speaker, as found', x + 12, y + 4);
   }
 
+  private drawPlace(pen: CanvasRenderingContext2D, place: Clip['places'][number]): void {
+    const [x, y] = this.toPage(place.position_m[0], place.position_m[1]);
+    pen.fillStyle = pen.strokeStyle = colour('--ink');
+    pen.lineWidth = 2;
+    this.drawHead(pen, x, y, place.yaw_deg, 6, false);
+    pen.fillText(place.name, x + 10, y - 6);
+  }
+
   private drawYou(pen: CanvasRenderingContext2D): void {
     const [x, y] = this.toPage(this.pose.x, this.pose.y);
-    const yaw = (this.pose.yaw_deg * Math.PI) / 180;
-    const ahead = [-Math.sin(yaw), -Math.cos(yaw)];
     pen.fillStyle = pen.strokeStyle = colour('--you');
     pen.lineWidth = 3;
+    this.drawHead(pen, x, y, this.pose.yaw_deg, 10, true);
+    pen.fillText('you', x + 14, y + 18);
+  }
+
+  private drawHead(
+    pen: CanvasRenderingContext2D, x: number, y: number, yaw_deg: number, radius: number, isFilled: boolean,
+  ): void {
+    const yaw = (yaw_deg * Math.PI) / 180;
     pen.beginPath();
-    pen.arc(x, y, 10, 0, 2 * Math.PI);
-    pen.fill();
-    pen.beginPath();
+    pen.arc(x, y, radius, 0, 2 * Math.PI);
+    if (isFilled) pen.fill();
     pen.moveTo(x, y);
-    pen.lineTo(x + 22 * ahead[0], y + 22 * ahead[1]);
+    pen.lineTo(x - 2.2 * radius * Math.sin(yaw), y - 2.2 * radius * Math.cos(yaw));
     pen.stroke();
     pen.lineWidth = 1;
-    pen.fillText('you', x + 14, y + 18);
   }
 }

@@ -95,38 +95,47 @@ export async function until(page, isSo, argument) {
   }
 }
 
-/** Takes samples of what the page plays. @returns levels of both ears in dB, and counts */
+/** Waits until what was rendered before now has been played, and what fades out of it. */
+export async function settle(page) {
+  const end = await page.evaluate(() => window.earpoint.player.sent + 0.2 * window.earpoint.clip.sample_rate_hz);
+  await until(page, (sample) => window.earpoint.player.played >= sample, end);
+}
+
+/**
+ * Takes samples of what the page plays, until it has that many seconds that are not digital silence: a busy machine
+ * may leave gaps. @returns levels of the ears in dB
+ */
 export function hear(page, seconds) {
-  return page.evaluate(async (duration_s) => {
+  return page.evaluate(async ([duration_s, most_s]) => {
     const { output, context } = window.earpoint.player;
     const tap = context.createScriptProcessor(1024, 2, 2);
     const power = [0, 0];
     let samples = 0;
-    let sounding = 0;
-    const wanted = duration_s * context.sampleRate;
-    await new Promise((resolve) => {
+    await new Promise((resolve, reject) => {
+      setTimeout(() => reject(new Error(`heard ${samples} samples in ${most_s} s`)), 1000 * most_s);
       tap.onaudioprocess = ({ inputBuffer }) => {
-        [0, 1].forEach((ear) => {
-          for (const sample of inputBuffer.getChannelData(ear)) {
-            power[ear] += sample * sample;
-            if (sample !== 0) ++sounding;
-          }
-        });
-        samples += inputBuffer.length;
-        if (samples >= wanted) resolve();
+        const [left, right] = [0, 1].map((ear) => inputBuffer.getChannelData(ear));
+        for (let i = 0; i < left.length; ++i) {
+          if (left[i] === 0 && right[i] === 0) continue;
+          power[0] += left[i] ** 2;
+          power[1] += right[i] ** 2;
+          ++samples;
+        }
+        if (samples >= duration_s * context.sampleRate) resolve();
       };
       output.connect(tap);
       tap.connect(context.destination);
     });
     output.disconnect(tap);
     tap.disconnect();
-    const level_db = power.map((sum) => 10 * Math.log10(sum / samples + 1e-20));
-    return { level_db, difference_db: level_db[0] - level_db[1], samples, sounding };
-  }, seconds);
+    const level_db = power.map((sum) => 10 * Math.log10(sum / samples));
+    return { level_db, difference_db: level_db[0] - level_db[1] };
+  }, [seconds, START_MS / 1000]);
 }
 
 /** Drags the listener on the map to a place, as a pointer does it: metres, x ahead and y left. */
 export async function dragTo(page, x, y) {
+  await page.locator('#map').scrollIntoViewIfNeeded();
   const from = await page.evaluate(() => window.earpoint.map.pagePoint());
   const to = await page.evaluate(([px, py]) => window.earpoint.map.pagePoint(px, py), [x, y]);
   await page.mouse.move(...from);
