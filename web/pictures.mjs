@@ -8,8 +8,8 @@ const browser = await openBrowser();
 const program = await startProgram('serve', ...words, '--quiet');
 try {
   for (const [name, viewport, colorScheme] of [
-    ['page-desktop', { width: 1240, height: 960 }, 'light'],
-    ['page-dark', { width: 1240, height: 960 }, 'dark'],
+    ['page-desktop', { width: 1240, height: 1060 }, 'light'],
+    ['page-dark', { width: 1240, height: 1060 }, 'dark'],
     ['page-phone', { width: 390, height: 844 }, 'light'],
   ]) {
     const { page } = await openPage(browser, program.address, { viewport, colorScheme, deviceScaleFactor: 1 });
@@ -18,8 +18,9 @@ try {
     await page.evaluate(() => window.earpoint.map.turn(-30));
     await dragTo(page, 1.1, 1.0);
     await page.waitForTimeout(8000);
-    await page.evaluate(() => scrollTo(0, 0));
-    await page.screenshot({ path: join(folder, `${name}.png`), fullPage: name === 'page-phone' });
+    const isPhone = name === 'page-phone';
+    await page.evaluate((top) => document.querySelector(top).scrollIntoView(), isPhone ? '.map' : 'header');
+    await page.screenshot({ path: join(folder, `${name}.jpg`), type: 'jpeg', quality: 85 });
     await page.close();
   }
 } finally {

@@ -1,18 +1,22 @@
 #include "serve_command.h"
 
 #include "served_dataset.h"
+#include "served_earpoints.h"
 #include "served_upload.h"
 #include "source_arguments.h"
 #include "speaker_search.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <earpoint/core/error.h>
 #include <earpoint/serve/clip_server.h>
@@ -31,6 +35,9 @@ Examples:
   # the test clips of a data set, with what was truly heard elsewhere
   earpoint serve --data data/homes
 
+  # a clip of which it is known what was heard elsewhere
+  earpoint serve --earpoints examples/earpoints.json
+
   # a network of your own beside the shipped ones
   earpoint serve clip.mp4 --model runs/mine/best.safetensors
 
@@ -40,6 +47,7 @@ that whoever is to listen needs. Ctrl-C ends it.)";
 struct ServeArguments {
   SourceArguments source;
   std::string data;
+  std::string earpoints;
   std::string split = "test";
   std::vector<std::string> methods;  ///< empty: what is shipped
   std::vector<std::string> models;   ///< beside them
@@ -70,18 +78,26 @@ const GtfWeights* finder_of(const std::vector<ListenMethod>& methods) {
   return found == methods.end() ? nullptr : found->gtf.get();
 }
 
-void fill(ClipLibrary& library, const ServeArguments& arguments, const GtfWeights* finder) {
-  if (!arguments.data.empty()) add_dataset(arguments.data, arguments.split, library);
-  if (arguments.source.inputs.empty()) return;
-  // Opened at once: a bad recording ends the command in a line.
-  auto clip = std::make_shared<const ServedClip>(
-      open_recording(arguments.source, finder, arguments.detector, arguments.quiet));
-  if (!arguments.quiet) {
-    for (const std::string& warning : clip->warnings) {
-      fmt::print(stderr, "earpoint: {}: {}\n", clip->name, warning);
-    }
+/// Opened before anything is served: a bad recording ends the command in a line.
+void add_opened(ClipLibrary& library, const std::string& id, ServedClip opened, bool quiet) {
+  auto clip = std::make_shared<const ServedClip>(std::move(opened));
+  for (const std::string& warning : clip->warnings) {
+    if (!quiet) fmt::print(stderr, "earpoint: {}: {}\n", clip->name, warning);
   }
-  library.add("clip", clip->name, [clip] { return *clip; });
+  library.add(id, clip->name, [clip] { return *clip; });
+}
+
+void fill(ClipLibrary& library, const ServeArguments& arguments, const GtfWeights* finder) {
+  const bool quiet = arguments.quiet;
+  if (!arguments.source.inputs.empty()) {
+    add_opened(library, "clip", open_recording(arguments.source, finder, arguments.detector, quiet),
+               quiet);
+  }
+  if (!arguments.earpoints.empty()) {
+    add_opened(library, "earpoints",
+               open_earpoints(arguments.earpoints, finder, arguments.detector, quiet), quiet);
+  }
+  if (!arguments.data.empty()) add_dataset(arguments.data, arguments.split, library);
 }
 
 void check(const ServeArguments& arguments) {
@@ -89,9 +105,20 @@ void check(const ServeArguments& arguments) {
     throw InputError("serve", "this build has no page",
                      "install esbuild and build again (./dev build does both)");
   }
-  if (arguments.source.inputs.empty() && arguments.data.empty() && arguments.no_uploads) {
-    throw InputError("serve", "there is nothing to listen to", "name a clip, or --data");
+  const bool names_none =
+      arguments.source.inputs.empty() && arguments.data.empty() && arguments.earpoints.empty();
+  if (names_none && arguments.no_uploads) {
+    throw InputError("serve", "there is nothing to listen to",
+                     "name a clip, --earpoints or --data");
   }
+}
+
+/// What a browser on another computer is to call this one.
+std::string shown_host(const std::string& host) {
+  if (host.find(':') != std::string::npos) return "[" + host + "]";
+  std::array<char, 256> name{};
+  if (host != "0.0.0.0" || gethostname(name.data(), name.size() - 1) != 0) return host;
+  return name.data();
 }
 
 void run_serve(const ServeArguments& arguments) {
@@ -111,7 +138,8 @@ void run_serve(const ServeArguments& arguments) {
   ClipServer server(library, methods, options);
   const int port = server.bind();
   const std::string query = options.token.empty() ? "" : "?token=" + options.token;
-  fmt::print("Listen at http://{}:{}/{} (Ctrl-C ends it)\n", arguments.host, port, query);
+  fmt::print("Listen at http://{}:{}/{} (Ctrl-C ends it)\n", shown_host(arguments.host), port,
+             query);
   std::fflush(stdout);
   server.run();
 }
@@ -120,6 +148,9 @@ void add_source_options(CLI::App& command, ServeArguments& arguments) {
   add_source_inputs(command, arguments.source)->required(false)->expected(0, 2);
   command.add_option("--data", arguments.data,
                      "A data set in the SoundSpaces layout, whose clips can be chosen on the page");
+  command.add_option("--earpoints", arguments.earpoints,
+                     "A clip of which it is known what was heard elsewhere, as "
+                     "examples/earpoints.json describes one");
   command.add_option("--split", arguments.split, "Of the data set")->capture_default_str();
   command
       .add_option("--speaker", arguments.source.speaker,

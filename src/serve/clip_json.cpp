@@ -95,6 +95,10 @@ json json_of(const ServedClip& clip, std::span<const ListenMethod> methods) {
                            {"heading_deg", degrees_from_radians(clip.speaker->heading_rad)},
                            {"spread_deg", degrees_from_radians(clip.speaker->spread_rad)}};
   }
+  if (clip.map) {
+    document["map"] = {{"camera_px", {clip.map->camera_x, clip.map->camera_y}},
+                       {"pixels_per_metre", clip.map->pixels_per_metre}};
+  }
   if (clip.plan) document["plan"] = plan_of(*clip.plan);
   return document;
 }

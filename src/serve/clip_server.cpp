@@ -13,6 +13,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <httplib.h>
@@ -164,15 +165,16 @@ struct ClipServer::State {
       with_clip(request.matches[1], response,
                 [&](const auto& clip) { answer(response, json_of(*clip, methods)); });
     });
-    server.Get(std::string(kOneClip) + "/picture",
-               [this](const Request& request, Response& response) {
-                 with_clip(request.matches[1], response, [&](const auto& clip) {
-                   if (clip->picture_png.empty())
-                     return refuse(response, 404, "the clip has no picture");
-                   response.set_content(reinterpret_cast<const char*>(clip->picture_png.data()),
-                                        clip->picture_png.size(), "image/png");
-                 });
-               });
+    server.Get(std::string(kOneClip) + "/(picture|map)", [this](const Request& request,
+                                                                Response& response) {
+      with_clip(request.matches[1], response, [&](const auto& clip) {
+        static const std::vector<std::byte> none;
+        const auto& map = clip->map ? clip->map->png : none;
+        const auto& png = request.matches[2] == "map" ? map : clip->picture_png;
+        if (png.empty()) return refuse(response, 404, "the clip has no such picture");
+        response.set_content(reinterpret_cast<const char*>(png.data()), png.size(), "image/png");
+      });
+    });
     server.Get(".*", [](const Request& request, Response& response) {
       const std::optional<PageFile> file = page_file(request.path);
       if (!file) return refuse(response, 404, "there is no such page");

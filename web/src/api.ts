@@ -13,6 +13,7 @@ export interface Clip {
   people: { box: [number, number, number, number]; speaks: boolean }[];
   places: { name: string; position_m: [number, number, number]; yaw_deg: number }[];
   speaker?: { position_m: [number, number, number]; told: boolean; heading_deg: number; spread_deg: number };
+  map?: { camera_px: [number, number]; pixels_per_metre: number };
   plan?: { rooms: [number, number][][]; doors: [number, number][][] };
 }
 

@@ -17,8 +17,14 @@ const clamp = (value: number, most: number) => Math.max(-most, Math.min(most, va
 export class SceneMap {
   readonly pose: Pose = { x: 0, y: 0, z: 0, yaw_deg: 0 };
   onmove: () => void = () => {};
+  private readonly picture?: HTMLImageElement; // of the scene from above
 
   constructor(private readonly canvas: HTMLCanvasElement, private readonly clip: Clip) {
+    if (clip.map) {
+      this.picture = new Image();
+      this.picture.onload = () => this.draw();
+      this.picture.src = `/api/clips/${clip.id}/map`;
+    }
     canvas.addEventListener('pointerdown', (event) => {
       canvas.setPointerCapture(event.pointerId);
       if (!this.snap(event)) this.drag(event);
@@ -120,6 +126,7 @@ export class SceneMap {
     const pen = canvas.getContext('2d')!;
     pen.scale(ratio, ratio);
     pen.font = '12px system-ui, sans-serif';
+    this.drawPicture(pen);
     this.drawPlan(pen);
     this.drawRings(pen);
     this.drawCamera(pen);
@@ -132,6 +139,18 @@ export class SceneMap {
     pen.beginPath();
     polygon.forEach(([x, y]) => pen.lineTo(...this.toPage(x, y)));
     pen.closePath();
+  }
+
+  private drawPicture(pen: CanvasRenderingContext2D): void {
+    const { picture } = this;
+    if (!picture?.complete || !this.clip.map) return;
+    const { camera_px, pixels_per_metre } = this.clip.map;
+    const ratio = this.scale / pixels_per_metre;
+    const [cx, cy] = this.toPage(0, 0);
+    pen.globalAlpha = 0.55;
+    pen.drawImage(picture, cx - ratio * camera_px[0], cy - ratio * camera_px[1],
+      ratio * picture.naturalWidth, ratio * picture.naturalHeight);
+    pen.globalAlpha = 1;
   }
 
   /** Rooms in their walls, which open where doors are. */

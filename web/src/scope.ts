@@ -18,7 +18,7 @@ const SHADES = Uint8ClampedArray.from({ length: 1024 }, (_, i) => {
 export class Scope {
   private readonly ears: AnalyserNode[];
   private readonly samples = new Float32Array(WAVE_SAMPLES);
-  private readonly levels: Float32Array;
+  private readonly levels;
   private readonly bins: number[]; // of a row of a spectrogram; low frequencies get more room
 
   constructor(

@@ -16,7 +16,7 @@ let opened;
 
 before(async () => {
   browser = await openBrowser();
-  program = await startProgram('serve', CLIP, ...TOLD, '--quiet');
+  program = await startProgram('serve', CLIP, ...TOLD, '--earpoints', `${SOURCE_DIR}/examples/earpoints.json`, '--quiet');
   opened = await openPage(browser, program.address);
 });
 
@@ -158,6 +158,21 @@ test('somebody brings a recording of their own, and a program that is called one
   await until(page, () => window.earpoint.player?.playing);
   await hear(page, 0.5);
   await page.close();
+});
+
+test('the truth is heard at the places where it is known', async () => {
+  const { page, problems } = await openPage(browser, `${program.address}?clip=earpoints`);
+  await page.click('text=speaker on the right');
+  assert.deepEqual(Object.values(await poseOf(page)).map((n) => Number(n.toFixed(2))), [1.49, 0.6, 0, 45]);
+  await page.click('[data-method=truth]');
+  await page.click('#play');
+  await until(page, () => window.earpoint.player?.playing);
+  assert.ok((await hear(page, 1)).difference_db < -1);
+  await page.click('text=speaker on the left');
+  await settle(page);
+  assert.ok((await hear(page, 1)).difference_db > 1);
+  await page.close();
+  assert.deepEqual(problems, []);
 });
 
 test('no other host is asked for anything, and nothing fails in the page', () => {

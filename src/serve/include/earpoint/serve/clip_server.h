@@ -33,6 +33,7 @@ struct ServeOptions {
 ///   POST /api/clips?name=NAME     a movie or a sound file -> {"clip": id}
 ///   GET  /api/clips/ID            what there is to hear, as JSON
 ///   GET  /api/clips/ID/picture    PNG
+///   GET  /api/clips/ID/map        PNG, from above
 ///   POST /api/clips/ID/walk?method=NAME&format=wav|mp4  CSV of a walk -> the rendered file
 ///   POST /api/listeners           {"clip": id} -> {"listener": name}; 503 if there is no room
 ///   POST /api/listeners/NAME/sound  {"start", "samples", "position_m", "yaw_deg", "pitch_deg",

@@ -37,6 +37,14 @@ struct ServedPlan {
   std::vector<Polygon> doors;  ///< openings in the walls between rooms
 };
 
+/// A picture from above in which the source view looks up the page.
+struct ServedMap {
+  std::vector<std::byte> png;
+  double camera_x = 0.0;  ///< where the source view stands, pixels from the left and top edge
+  double camera_y = 0.0;
+  double pixels_per_metre = 1.0;
+};
+
 /// Where the speaker is taken to be.
 struct ServedSpeaker {
   Vector3 position_m;        ///< of the mouth, source view's frame
@@ -59,6 +67,7 @@ struct ServedClip {
   std::vector<std::string> warnings;     ///< one line each, for people
   std::vector<KnownPlace> places;
   std::optional<ServedPlan> plan;
+  std::optional<ServedMap> map;
   /// The files that it comes from; nothing where it was made in memory.
   std::optional<RenderSource> source;
 };
