@@ -85,7 +85,9 @@ class Page {
 
   private addPlaces(): void {
     element('home').onclick = () => this.map.set({ x: 0, y: 0, z: 0, yaw_deg: 0 });
-    element('places').append(...this.clip.places.map((place) => button(place.name, () => this.map.goTo(place))));
+    element('places').append(
+      ...this.clip.places.map((place, i) => button(`${i + 1} ${place.name}`, () => this.map.goTo(place))),
+    );
   }
 
   private addWalk(): void {
@@ -208,7 +210,8 @@ class Page {
     if (!player) return;
     if (document.activeElement !== this.time) this.time.value = String(player.time_s);
     element('time-text').textContent = `${player.time_s.toFixed(1)} s`;
-    const latency = player.latency_s === undefined ? '' : `, ${(1000 * player.latency_s).toFixed(0)} ms from move to sound`;
+    const heard = player.latency_s;
+    const latency = heard === undefined ? '' : `, ${(1000 * heard).toFixed(0)} ms from move to sound`;
     element('speed').textContent = `${(100 * player.load).toFixed(0)} % of real time${latency}`;
     if (player.playing) this.scope?.draw();
   }

@@ -131,7 +131,7 @@ export class SceneMap {
     this.drawRings(pen);
     this.drawCamera(pen);
     this.drawSpeaker(pen);
-    this.clip.places.forEach((place) => this.drawPlace(pen, place));
+    this.clip.places.forEach((place, i) => this.drawPlace(pen, place, i + 1));
     this.drawYou(pen);
   }
 
@@ -211,12 +211,13 @@ export class SceneMap {
     pen.fillText(told ? 'speaker' : 'speaker, as found', x + 12, y + 4);
   }
 
-  private drawPlace(pen: CanvasRenderingContext2D, place: Clip['places'][number]): void {
+  /** Numbered, as on its button: names would lie over each other. */
+  private drawPlace(pen: CanvasRenderingContext2D, place: Clip['places'][number], number: number): void {
     const [x, y] = this.toPage(place.position_m[0], place.position_m[1]);
     pen.fillStyle = pen.strokeStyle = colour('--ink');
     pen.lineWidth = 2;
     this.drawHead(pen, x, y, place.yaw_deg, 6, false);
-    pen.fillText(place.name, x + 10, y - 6);
+    pen.fillText(String(number), x + 10, y - 6);
   }
 
   private drawYou(pen: CanvasRenderingContext2D): void {

@@ -8,6 +8,7 @@ import { SOURCE_DIR, dragTo, hear, openBrowser, openPage, runProgram, settle, st
 
 const SPEAKER = [1.89, 0.196, 0.147]; // as examples/earpoints.json tells it
 const CLIP = `${SOURCE_DIR}/examples/clip.mp4`;
+const KNOWN = `${SOURCE_DIR}/examples/earpoints.json`;
 const TOLD = ['--speaker', SPEAKER.join(','), '--speaker-box', '0.383,0.348,0.513,1'];
 
 let browser;
@@ -16,7 +17,7 @@ let opened;
 
 before(async () => {
   browser = await openBrowser();
-  program = await startProgram('serve', CLIP, ...TOLD, '--earpoints', `${SOURCE_DIR}/examples/earpoints.json`, '--quiet');
+  program = await startProgram('serve', CLIP, ...TOLD, '--earpoints', KNOWN, '--quiet');
   opened = await openPage(browser, program.address);
 });
 
