@@ -8,6 +8,7 @@
 #include "render_command.h"
 #include "run_app.h"
 #include "serve_command.h"
+#include "served_upload.h"
 #include "simulate_command.h"
 #include "study_command.h"
 #include "trace_command.h"
@@ -31,6 +32,7 @@ int main(int argc, char** argv) {
   earpoint::add_render_command(app);
   add_model_command(app);
   earpoint::add_serve_command(app);
+  earpoint::add_unpack_command(app);
   add_simulate_command(app);
   earpoint::add_study_command(app);
   add_trace_command(app);

@@ -1,17 +1,24 @@
 #include "serve_command.h"
 
+#include "served_dataset.h"
+#include "served_earpoints.h"
+#include "served_upload.h"
 #include "source_arguments.h"
+#include "speaker_search.h"
 
+#include <algorithm>
+#include <array>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <earpoint/core/error.h>
-#include <earpoint/core/pose.h>
-#include <earpoint/core/progress.h>
-#include <earpoint/model/shipped_model.h>
 #include <earpoint/serve/clip_server.h>
 
 namespace earpoint {
@@ -25,42 +32,134 @@ Examples:
   # a recording without a picture, the speaker two metres ahead, always under one address
   earpoint serve sound.flac --speaker 2,0,0 --port 8080
 
-Only this computer reaches the page; Ctrl-C ends it.)";
+  # the test clips of a data set, with what was truly heard elsewhere
+  earpoint serve --data data/homes
+
+  # a clip of which it is known what was heard elsewhere
+  earpoint serve --earpoints examples/earpoints.json
+
+  # a network of your own beside the shipped ones
+  earpoint serve clip.mp4 --model runs/mine/best.safetensors
+
+Only this computer reaches the page, unless --host says otherwise; the address then holds a token
+that whoever is to listen needs. Ctrl-C ends it.)";
 
 struct ServeArguments {
   SourceArguments source;
-  std::string model;
+  std::string data;
+  std::string earpoints;
+  std::string split = "test";
+  std::vector<std::string> methods;  ///< empty: what is shipped
+  std::vector<std::string> models;   ///< beside them
+  std::string detector;              ///< empty: the shipped one
+  std::string host = "127.0.0.1";
   int port = 0;
+  int listeners = 8;
+  bool no_uploads = false;
   bool quiet = false;
 };
 
-std::string model_of(const ServeArguments& arguments) {
-  if (!arguments.model.empty()) return arguments.model;
-  if (const auto path = shipped_model_path("gtf.safetensors")) return path->string();
-  throw InputError("serve", "finds no gtf.safetensors among the shipped models",
-                   "name a gtf weight file with --model");
+std::vector<ListenMethod> methods_of(const ServeArguments& arguments) {
+  std::vector<std::string> words =
+      arguments.methods.empty() ? default_listen_words() : arguments.methods;
+  for (const std::string& model : arguments.models) {
+    // runs/mine/best.safetensors is called mine.
+    const std::filesystem::path path(model);
+    std::string name = path.stem().string();
+    if (name == "best" && path.has_parent_path()) name = path.parent_path().filename().string();
+    words.push_back(name + "=" + model);
+  }
+  return listen_methods(words);
 }
 
-void run_serve(const ServeArguments& arguments) {
+const GtfWeights* finder_of(const std::vector<ListenMethod>& methods) {
+  const auto found =
+      std::ranges::find_if(methods, [](const ListenMethod& m) { return m.gtf != nullptr; });
+  return found == methods.end() ? nullptr : found->gtf.get();
+}
+
+/// Opened before anything is served: a bad recording ends the command in a line.
+void add_opened(ClipLibrary& library, const std::string& id, ServedClip opened, bool quiet) {
+  auto clip = std::make_shared<const ServedClip>(std::move(opened));
+  for (const std::string& warning : clip->warnings) {
+    if (!quiet) fmt::print(stderr, "earpoint: {}: {}\n", clip->name, warning);
+  }
+  library.add(id, clip->name, [clip] { return *clip; });
+}
+
+void fill(ClipLibrary& library, const ServeArguments& arguments, const GtfWeights* finder) {
+  const bool quiet = arguments.quiet;
+  if (!arguments.source.inputs.empty()) {
+    add_opened(library, "clip", open_recording(arguments.source, finder, arguments.detector, quiet),
+               quiet);
+  }
+  if (!arguments.earpoints.empty()) {
+    add_opened(library, "earpoints",
+               open_earpoints(arguments.earpoints, finder, arguments.detector, quiet), quiet);
+  }
+  if (!arguments.data.empty()) add_dataset(arguments.data, arguments.split, library);
+}
+
+void check(const ServeArguments& arguments) {
   if (!has_page()) {
     throw InputError("serve", "this build has no page",
                      "install esbuild and build again (./dev build does both)");
   }
-  const RenderSource source = parse_source(arguments.source);
-  const double fov_rad =
-      radians_from_degrees(fov_deg_of(arguments.source, source, !arguments.quiet));
-  SilentProgress silent;
-  StreamProgress stream(stderr);
-  ProgressSink& progress = arguments.quiet ? static_cast<ProgressSink&>(silent) : stream;
-  const ServedClip clip = open_served_clip(source, model_of(arguments), fov_rad, progress);
-  for (const std::string& warning : clip.warnings) {
-    fmt::print(stderr, "earpoint: warning: {}: {}\n", clip.name, warning);
+  const bool names_none =
+      arguments.source.inputs.empty() && arguments.data.empty() && arguments.earpoints.empty();
+  if (names_none && arguments.no_uploads) {
+    throw InputError("serve", "there is nothing to listen to",
+                     "name a clip, --earpoints or --data");
   }
-  ClipServer server(clip, {.port = arguments.port});
+}
+
+/// What a browser on another computer is to call this one.
+std::string shown_host(const std::string& host) {
+  if (host.find(':') != std::string::npos) return "[" + host + "]";
+  std::array<char, 256> name{};
+  if (host != "0.0.0.0" || gethostname(name.data(), name.size() - 1) != 0) return host;
+  return name.data();
+}
+
+void run_serve(const ServeArguments& arguments) {
+  check(arguments);
+  const std::vector<ListenMethod> methods = methods_of(arguments);
+  const GtfWeights* const finder = finder_of(methods);
+  ClipLibrary library;
+  fill(library, arguments, finder);
+  ServeOptions options{
+      .host = arguments.host, .port = arguments.port, .most_listeners = arguments.listeners};
+  if (!is_loopback(arguments.host)) options.token = unguessable_name();
+  if (!arguments.no_uploads) {
+    options.open_upload = [&](const std::filesystem::path& file, const std::string& name) {
+      return open_upload(file, name, finder, arguments.detector);
+    };
+  }
+  ClipServer server(library, methods, options);
   const int port = server.bind();
-  fmt::print("Listen at http://127.0.0.1:{}/ (Ctrl-C ends it)\n", port);
+  const std::string query = options.token.empty() ? "" : "?token=" + options.token;
+  fmt::print("Listen at http://{}:{}/{} (Ctrl-C ends it)\n", shown_host(arguments.host), port,
+             query);
   std::fflush(stdout);
   server.run();
+}
+
+void add_source_options(CLI::App& command, ServeArguments& arguments) {
+  add_source_inputs(command, arguments.source)->required(false)->expected(0, 2);
+  command.add_option("--data", arguments.data,
+                     "A data set in the SoundSpaces layout, whose clips can be chosen on the page");
+  command.add_option("--earpoints", arguments.earpoints,
+                     "A clip of which it is known what was heard elsewhere, as "
+                     "examples/earpoints.json describes one");
+  command.add_option("--split", arguments.split, "Of the data set")->capture_default_str();
+  command
+      .add_option("--speaker", arguments.source.speaker,
+                  "x,y,z of the speaker's mouth in metres, if it is known")
+      ->group("Who speaks");
+  add_box_options(command, arguments.source);
+  add_detector_option(command, arguments.detector);
+  add_channel_option(command, arguments.source);
+  add_recording_option(command, arguments.source);
 }
 
 }  // namespace
@@ -70,17 +169,26 @@ void add_serve_command(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("serve", "Open a page on which you walk through a clip and hear it.");
   command->footer(kFooter);
-  add_source_inputs(*command, arguments->source);
+  add_source_options(*command, *arguments);
   command
-      ->add_option("--speaker", arguments->source.speaker,
-                   "x,y,z of the speaker's mouth in metres, if it is known")
-      ->group("Who speaks");
-  add_box_options(*command, arguments->source);
-  add_channel_option(*command, arguments->source);
-  command->add_option("--model", arguments->model, "A gtf weight file (default: the shipped one)");
-  command->add_option("--port", arguments->port, "Of http://127.0.0.1; 0 takes any that is free")
+      ->add_option("--methods", arguments->methods,
+                   "What can be compared: input, dsp, names of shipped models, or NAME=FILE; "
+                   "default: all that are there")
+      ->delimiter(',');
+  command->add_option("--model", arguments->models, "A weight file beside them; once per file")
+      ->allow_extra_args(false);
+  command
+      ->add_option("--host", arguments->host,
+                   "The address to listen at; 0.0.0.0 is every network of this computer")
+      ->capture_default_str();
+  command->add_option("--port", arguments->port, "0 takes any that is free")
       ->check(CLI::Range(0, 65535))
       ->capture_default_str();
+  command->add_option("--listeners", arguments->listeners, "At most so many pages play at once")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
+  command->add_flag("--no-uploads", arguments->no_uploads,
+                    "No recordings can be dropped on the page");
   command->add_flag("--quiet", arguments->quiet, "No progress");
   command->callback([arguments] { run_serve(*arguments); });
 }

@@ -24,6 +24,10 @@ TEST(ServeCommand, RefusesBadInputInALineBeforeItServes) {
   expect_refused({"serve", clip, "--model", "missing.safetensors", "--quiet"},
                  "missing.safetensors");
   expect_refused({"serve", clip, "--speaker", "1e9,0,0", "--quiet"}, "--speaker");
+  expect_refused({"serve", clip, "--methods", "input,magic", "--quiet"}, "magic");
+  expect_refused({"serve", "--data", "nowhere", "--quiet"}, "nowhere");
+  expect_refused({"serve", "--earpoints", "missing.json", "--quiet"}, "missing.json");
+  expect_refused({"serve", "--no-uploads"}, "nothing to listen to");
 }
 
 }  // namespace

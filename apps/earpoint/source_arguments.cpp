@@ -50,8 +50,8 @@ SpeakerTrack::PictureSize picture_size(const std::optional<StreamInfo>& picture)
 
 }  // namespace
 
-void add_source_inputs(CLI::App& command, SourceArguments& arguments) {
-  command
+CLI::Option* add_source_inputs(CLI::App& command, SourceArguments& arguments) {
+  return command
       .add_option("inputs", arguments.inputs,
                   "A movie, a sound file, or a picture and a sound file; - is standard input")
       ->required()

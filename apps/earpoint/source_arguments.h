@@ -22,8 +22,8 @@ struct SourceArguments {
   std::string recording = "auto";  ///< auto, binaural, stereo or mono
 };
 
-/// A movie, a sound, or a picture and a sound in either order.
-void add_source_inputs(CLI::App& command, SourceArguments& arguments);
+/// A movie, a sound, or a picture and a sound in either order; required.
+CLI::Option* add_source_inputs(CLI::App& command, SourceArguments& arguments);
 /// Boxes and the field of view, under the heading "Who speaks".
 void add_box_options(CLI::App& command, SourceArguments& arguments);
 /// Which stream and which channels of it.

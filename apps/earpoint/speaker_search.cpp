@@ -123,28 +123,34 @@ SpeakerSearchResult search_speaker(const SourceArguments& arguments,
   return result;
 }
 
-void tell_of_speaker(const SourceArguments& arguments, const SpeakerSearchResult& result,
-                     const RenderSource& source) {
-  const std::string& name = arguments.inputs.front();
+std::vector<std::string> lines_of(const SpeakerSearchResult& result, const RenderSource& source) {
+  std::vector<std::string> lines;
   if (result.people && result.people->has_picture) {
-    fmt::print(stderr, "earpoint: {}: {}, found by {}\n", name, who_speaks(*result.people),
-               result.people->detector);
+    lines.push_back(
+        fmt::format("{}, found by {}", who_speaks(*result.people), result.people->detector));
   }
-  if (result.kind == StereoKind::plausible) return;
+  if (result.kind == StereoKind::plausible) return lines;
   if (!result.is_placed) {
-    fmt::print(
-        stderr,
-        "earpoint: {}: not binaural ({}), and nobody is known to put its voice at; --speaker "
-        "x,y,z or --speaker-box tells\n",
-        arguments.inputs.back(), words_for(result.kind));
-    return;
+    lines.push_back(
+        fmt::format("not binaural ({}), and nobody is known to put its voice at; "
+                    "--speaker x,y,z or --speaker-box tells",
+                    words_for(result.kind)));
+    return lines;
   }
   const Vector3 mouth = source.sound.placement->rows.front().mouth_m;
-  fmt::print(stderr,
-             "earpoint: {}: not binaural ({}): its voice is put at the speaker, {}{}, by head "
-             "filters; --recording binaural keeps it as it is\n",
-             arguments.inputs.back(), words_for(result.kind), side_of(std::atan2(mouth.y, mouth.x)),
-             source.sound.placement->rows.size() > 1 ? " at first" : "");
+  lines.push_back(
+      fmt::format("not binaural ({}): its voice is put at the speaker, {}{}, by head filters; "
+                  "--recording binaural keeps it as it is",
+                  words_for(result.kind), side_of(std::atan2(mouth.y, mouth.x)),
+                  source.sound.placement->rows.size() > 1 ? " at first" : ""));
+  return lines;
+}
+
+void tell_of_speaker(const SourceArguments& arguments, const SpeakerSearchResult& result,
+                     const RenderSource& source) {
+  for (const std::string& line : lines_of(result, source)) {
+    fmt::print(stderr, "earpoint: {}: {}\n", arguments.inputs.back(), line);
+  }
 }
 
 nlohmann::json json_of(const PeopleInClip& people) {

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -44,6 +45,10 @@ struct SpeakerSearchResult {
 [[nodiscard]] SpeakerSearchResult search_speaker(const SourceArguments& arguments,
                                                  const SpeakerSearchRequest& request,
                                                  RenderSource& source, ProgressSink& progress);
+
+/// Who was found, how sure that is, and what became of the recording: a line each, for people.
+[[nodiscard]] std::vector<std::string> lines_of(const SpeakerSearchResult& result,
+                                                const RenderSource& source);
 
 /// Says on stderr who was found, how sure that is, and what became of the recording.
 void tell_of_speaker(const SourceArguments& arguments, const SpeakerSearchResult& result,

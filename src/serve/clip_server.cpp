@@ -1,9 +1,18 @@
+#include "access.h"
+#include "clip_json.h"
 #include "page_files.h"
+#include "temporary_folder.h"
 
+#include <algorithm>
 #include <array>
-#include <cmath>
+#include <chrono>
 #include <cstring>
+#include <fstream>
+#include <functional>
+#include <mutex>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -13,96 +22,33 @@
 #include <earpoint/core/error.h>
 #include <earpoint/serve/clip_server.h>
 #include <earpoint/serve/listener_registry.h>
-#include <earpoint/synth/earpoint_path.h>
+#include <earpoint/serve/walk_export.h>
 
 namespace earpoint {
 namespace {
 
+using httplib::Request;
+using httplib::Response;
 using nlohmann::json;
 
-constexpr int kThreads = 8;
-constexpr std::size_t kMostBody = 4096;  // of a request, bytes
+// Every open connection has a thread, busy or not. So many may be idle or slow before others wait.
+constexpr int kThreads = 256;
 constexpr int kReadTimeout_s = 5;
 constexpr int kWriteTimeout_s = 10;
+constexpr std::size_t kMostBody = 4096;                   // of a request, bytes
+constexpr std::size_t kMostWalk = std::size_t{4} << 20U;  // 20 minutes are 1.5 MB
+constexpr std::chrono::seconds kLongestBody{30};
+constexpr std::chrono::seconds kLongestUpload{300};
+constexpr const char* kOneClip = "/api/clips/([0-9a-z-]{1,64})";
+constexpr const char* kOneListener = "/api/listeners/([0-9a-f]{32})";
 
-std::string text_of(const json& document) {
-  return document.dump(-1, ' ', false, json::error_handler_t::replace);
+void answer(Response& response, const json& document) {
+  response.set_content(text_of(document), "application/json");
 }
 
-json json_of(const Vector3& p) { return {p.x, p.y, p.z}; }
-
-json json_of(const ServedClip& clip) {
-  json document{{"name", clip.name},
-                {"duration_s", clip.sound.duration_s()},
-                {"sample_rate_hz", clip.sound.sample_rate_hz()},
-                {"samples", clip.sound.samples()},
-                {"has_picture", clip.picture != nullptr},
-                {"fov_deg", degrees_from_radians(clip.horizontal_fov_rad)},
-                {"methods", {"input", "gtf"}},
-                {"warnings", clip.warnings},
-                {"speaker",
-                 {{"position_m", json_of(clip.speaker_m.value_or(clip.located.speaker.position_m))},
-                  {"told", clip.speaker_m.has_value()},
-                  {"heading_deg", degrees_from_radians(clip.located.speaker.yaw_rad)},
-                  {"spread_deg", degrees_from_radians(clip.located.azimuth_spread_rad)}}}};
-  if (clip.speaker_box) {
-    const Box& box = *clip.speaker_box;
-    document["box"] = {box.x_min, box.y_min, box.x_max, box.y_max};
-  }
-  return document;
-}
-
-/// What a listener asks for.
-struct SoundRequest {
-  std::ptrdiff_t start = 0;
-  std::ptrdiff_t samples = 0;
-  Pose pose;
-  ListenMethod method = ListenMethod::gtf;
-};
-
-double number_of(const json& document, const char* key, double fallback) {
-  const auto found = document.find(key);
-  if (found == document.end()) return fallback;
-  if (!found->is_number()) throw InputError(key, "is no number");
-  return found->get<double>();
-}
-
-/// @throws InputError naming the field
-SoundRequest parse_request(const std::string& body, const ServedClip& clip) {
-  const json document = json::parse(body, nullptr, false);
-  if (!document.is_object()) throw InputError("request", "is no JSON object");
-  SoundRequest request;
-  const double start = number_of(document, "start", 0.0);
-  const double samples = number_of(document, "samples", 0.0);
-  if (!(start >= 0.0 && start < static_cast<double>(clip.sound.samples()))) {
-    throw InputError("start", "lies outside of the clip");
-  }
-  if (!(samples >= 1.0 && samples <= clip.sound.sample_rate_hz())) {
-    throw InputError("samples", "is not between 1 and a second's worth");
-  }
-  request.start = static_cast<std::ptrdiff_t>(start);
-  request.samples = static_cast<std::ptrdiff_t>(samples);
-  const json place = document.value("position_m", json::array({0, 0, 0}));
-  if (!place.is_array() || place.size() != 3) throw InputError("position_m", "is not [x, y, z]");
-  for (const json& coordinate : place) {
-    if (!coordinate.is_number()) throw InputError("position_m", "holds what is no number");
-  }
-  request.pose.position_m = {place[0].get<double>(), place[1].get<double>(),
-                             place[2].get<double>()};
-  check_place(request.pose.position_m, "position_m");
-  const double yaw_deg = number_of(document, "yaw_deg", 0.0);
-  const double pitch_deg = number_of(document, "pitch_deg", 0.0);
-  check_angle_deg(yaw_deg, "yaw_deg");
-  check_angle_deg(pitch_deg, "pitch_deg");
-  request.pose.orientation = quaternion_from_euler(
-      {.yaw_rad = radians_from_degrees(yaw_deg), .pitch_rad = radians_from_degrees(pitch_deg)});
-  const std::optional<ListenMethod> method =
-      listen_method(document.contains("method") && document["method"].is_string()
-                        ? document["method"].get<std::string>()
-                        : "gtf");
-  if (!method) throw InputError("method", "is neither input nor gtf");
-  request.method = *method;
-  return request;
+void refuse(Response& response, int status, const std::string& why) {
+  response.status = status;
+  answer(response, {{"error", why}});
 }
 
 /// Left and right in turns, as float32.
@@ -116,23 +62,47 @@ std::string interleaved(const Waveform& sound) {
   return bytes;
 }
 
-void refuse(httplib::Response& response, int status, const std::string& why) {
-  response.status = status;
-  response.set_content(text_of({{"error", why}}), "application/json");
+/// Hands on what a request brings, as long as it is neither too large nor too slow.
+/// @return whether it was all there
+bool receive(const httplib::ContentReader& read, std::size_t most, std::chrono::seconds longest,
+             const std::function<bool(const char*, std::size_t)>& take) {
+  const auto end = std::chrono::steady_clock::now() + longest;
+  std::size_t received = 0;
+  return read([&](const char* bytes, std::size_t count) {
+    received += count;
+    return received <= most && std::chrono::steady_clock::now() < end && take(bytes, count);
+  });
+}
+
+/// Sends a file that is removed from disk already when this returns.
+void send_file(const std::filesystem::path& path, const char* type, Response& response) {
+  auto file = std::make_shared<std::ifstream>(path, std::ios::binary);
+  const auto size = static_cast<std::size_t>(std::filesystem::file_size(path));
+  response.set_content_provider(
+      size, type, [file](std::size_t offset, std::size_t length, httplib::DataSink& sink) {
+        std::array<char, 65536> block;
+        file->seekg(static_cast<std::streamoff>(offset));
+        file->read(block.data(), static_cast<std::streamsize>(std::min(length, block.size())));
+        return file->gcount() > 0 &&
+               sink.write(block.data(), static_cast<std::size_t>(file->gcount()));
+      });
 }
 
 }  // namespace
 
 struct ClipServer::State {
-  State(const ServedClip& clip_in, const ServeOptions& options_in)
-      : clip(clip_in),
-        options(options_in),
-        listeners(clip_in, static_cast<std::size_t>(options_in.most_listeners)) {
+  State(ClipLibrary& library_in, std::span<const ListenMethod> methods_in, ServeOptions options_in)
+      : library(library_in),
+        methods(methods_in),
+        options(std::move(options_in)),
+        access(options.host, options.token),
+        listeners(methods, static_cast<std::size_t>(options.most_listeners)) {
     server.new_task_queue = [] { return new httplib::ThreadPool(kThreads); };
-    server.set_payload_max_length(kMostBody);
+    server.set_payload_max_length(options.most_upload_bytes);
     server.set_read_timeout(kReadTimeout_s, 0);
     server.set_write_timeout(kWriteTimeout_s, 0);
     server.set_tcp_nodelay(true);
+    server.set_keep_alive_max_count(1000);
     // httplib would let two servers share a port (SO_REUSEPORT).
     server.set_socket_options([](socket_t socket) {
       const int yes = 1;
@@ -141,74 +111,220 @@ struct ClipServer::State {
     server.set_default_headers(
         {{"Cache-Control", "no-store"},
          {"X-Content-Type-Options", "nosniff"},
-         {"Content-Security-Policy", "default-src 'self'; img-src 'self' data:"}});
-    route();
+         {"Referrer-Policy", "no-referrer"},
+         {"Content-Security-Policy",
+          "default-src 'self'; img-src 'self' data:; frame-ancestors 'none'"}});
+    server.set_pre_routing_handler([this](const Request& request, Response& response) {
+      return admit(request, response) ? httplib::Server::HandlerResponse::Unhandled
+                                      : httplib::Server::HandlerResponse::Handled;
+    });
+    server.set_exception_handler([](const Request&, Response& response, std::exception_ptr) {
+      refuse(response, 500, "the server failed at this: a fault of the program");
+    });
+    route_pages();
+    route_clips();
+    route_listeners();
+    // Bodies of other requests would be read into memory before they are refused.
+    server.Post(".*", [](const Request&, Response& response, const httplib::ContentReader&) {
+      refuse(response, 404, "there is nothing to send to");
+    });
   }
 
-  void route() {
-    server.set_pre_routing_handler(
-        [this](const httplib::Request& request, httplib::Response& response) {
-          if (names_this_host(request.get_header_value("Host"))) {
-            return httplib::Server::HandlerResponse::Unhandled;
-          }
-          refuse(response, 403, "this server answers to its own address only");
-          return httplib::Server::HandlerResponse::Handled;
-        });
-    server.Get("/api/clip", [this](const httplib::Request&, httplib::Response& response) {
-      response.set_content(text_of(json_of(clip)), "application/json");
+  /// Whether the request goes on to its handler.
+  bool admit(const Request& request, Response& response) const {
+    if (const auto refusal = access.refusal(request)) {
+      refuse(response, refusal->status, refusal->why);
+      return false;
+    }
+    if (request.method != "GET" && request.method != "POST" && request.method != "HEAD") {
+      refuse(response, 405, "GET and POST are answered");
+      return false;
+    }
+    if (request.is_multipart_form_data()) {
+      refuse(response, 415, "send the file itself, not a form");
+      return false;
+    }
+    if (const auto cookie = access.cookie(request); cookie && request.path == "/") {
+      response.set_header("Set-Cookie", *cookie);
+      response.set_redirect("/");
+      return false;
+    }
+    return true;
+  }
+
+  void route_pages() {
+    server.Get("/api/clips", [this](const Request&, Response& response) {
+      json document{{"clips", json::array()},
+                    {"most_upload_bytes", options.open_upload ? options.most_upload_bytes : 0}};
+      for (const auto& [id, name] : library.list()) {
+        document["clips"].push_back({{"id", id}, {"name", name}});
+      }
+      answer(response, document);
     });
-    server.Get("/api/picture", [this](const httplib::Request&, httplib::Response& response) {
-      if (clip.picture_png.empty()) return refuse(response, 404, "the clip has no picture");
-      response.set_content(reinterpret_cast<const char*>(clip.picture_png.data()),
-                           clip.picture_png.size(), "image/png");
+    server.Get(kOneClip, [this](const Request& request, Response& response) {
+      with_clip(request.matches[1], response,
+                [&](const auto& clip) { answer(response, json_of(*clip, methods)); });
     });
-    server.Post("/api/listeners", [this](const httplib::Request&, httplib::Response& response) {
-      const std::string name = listeners.add();
-      if (name.empty()) return refuse(response, 503, "too many listeners; close another page");
-      response.set_content(text_of({{"listener", name}}), "application/json");
+    server.Get(std::string(kOneClip) + "/(picture|map)", [this](const Request& request,
+                                                                Response& response) {
+      with_clip(request.matches[1], response, [&](const auto& clip) {
+        static const std::vector<std::byte> none;
+        const auto& map = clip->map ? clip->map->png : none;
+        const auto& png = request.matches[2] == "map" ? map : clip->picture_png;
+        if (png.empty()) return refuse(response, 404, "the clip has no such picture");
+        response.set_content(reinterpret_cast<const char*>(png.data()), png.size(), "image/png");
+      });
     });
-    server.Post(R"(/api/listeners/([0-9a-f]{32})/sound)",
-                [this](const httplib::Request& request, httplib::Response& response) {
-                  send_sound(request, response);
-                });
-    server.Get(".*", [](const httplib::Request& request, httplib::Response& response) {
+    server.Get(".*", [](const Request& request, Response& response) {
       const std::optional<PageFile> file = page_file(request.path);
       if (!file) return refuse(response, 404, "there is no such page");
       response.set_content(file->bytes.data(), file->bytes.size(), file->type);
     });
   }
 
-  [[nodiscard]] bool names_this_host(const std::string& host) const {
-    for (const char* name : {"localhost", "127.0.0.1", "[::1]", options.host.c_str()}) {
-      if (host == name || host == fmt::format("{}:{}", name, port)) return true;
-    }
-    return false;
+  void route_clips() {
+    server.Post("/api/clips", [this](const Request& request, Response& response,
+                                     const httplib::ContentReader& read) {
+      take_upload(request, response, read);
+    });
+    server.Post(std::string(kOneClip) + "/walk",
+                [this](const Request& request, Response& response,
+                       const httplib::ContentReader& read) { send_walk(request, response, read); });
   }
 
-  void send_sound(const httplib::Request& request, httplib::Response& response) {
-    const auto seat = listeners.find(request.matches[1]);
+  void route_listeners() {
+    server.Post("/api/listeners",
+                [this](const Request&, Response& response, const httplib::ContentReader& read) {
+                  const auto body = body_of(read, kMostBody, response);
+                  if (body) add_listener(*body, response);
+                });
+    server.Post(
+        std::string(kOneListener) + "/sound",
+        [this](const Request& request, Response& response, const httplib::ContentReader& read) {
+          const auto body = body_of(read, kMostBody, response);
+          if (body) send_sound(request.matches[1], *body, response);
+        });
+    server.Post(std::string(kOneListener) + "/leave",
+                [this](const Request& request, Response& response, const httplib::ContentReader&) {
+                  listeners.remove(request.matches[1]);
+                  answer(response, json::object());
+                });
+  }
+
+  static std::optional<std::string> body_of(const httplib::ContentReader& read, std::size_t most,
+                                            Response& response) {
+    std::string body;
+    const bool whole = receive(read, most, kLongestBody, [&](const char* bytes, std::size_t count) {
+      body.append(bytes, count);
+      return true;
+    });
+    if (whole) return body;
+    refuse(response, 413, "the request is too large or came too slowly");
+    return std::nullopt;
+  }
+
+  template <typename Use>
+  void with_clip(const std::string& id, Response& response, const Use& use) {
+    try {
+      const auto clip = library.open(id);
+      if (!clip) return refuse(response, 404, "there is no such clip");
+      use(clip);
+    } catch (const InputError& error) {
+      refuse(response, 400, error.what());
+    }
+  }
+
+  void add_listener(const std::string& body, Response& response) {
+    const json document = json::parse(body, nullptr, false);
+    const bool names_clip =
+        document.is_object() && document.contains("clip") && document["clip"].is_string();
+    if (!names_clip) return refuse(response, 400, "clip: is not named");
+    with_clip(document["clip"].get<std::string>(), response, [&](const auto& clip) {
+      const std::string name = listeners.add(clip);
+      if (name.empty()) return refuse(response, 503, "too many listeners; close another page");
+      answer(response, {{"listener", name}});
+    });
+  }
+
+  void send_sound(const std::string& name, const std::string& body, Response& response) {
+    const auto seat = listeners.find(name);
     if (!seat) return refuse(response, 404, "no such listener; load the page again");
     try {
-      const SoundRequest wish = parse_request(request.body, clip);
       const std::lock_guard lock(seat->mutex);
+      const SoundRequest request = parse_sound_request(body, seat->listener.clip());
       seat->last_heard = std::chrono::steady_clock::now();
-      const Waveform sound =
-          seat->listener.listen(wish.start, wish.samples, wish.pose, wish.method);
+      const Waveform sound = seat->listener.listen(request.start, request.samples, request.wish);
       response.set_content(interleaved(sound), "application/octet-stream");
     } catch (const InputError& error) {
       refuse(response, 400, error.what());
     }
   }
 
-  const ServedClip& clip;
+  void send_walk(const Request& request, Response& response, const httplib::ContentReader& read) {
+    const auto walk = body_of(read, kMostWalk, response);
+    if (!walk) return;
+    const std::string name = request.get_param_value("method");
+    const auto method = std::ranges::find(methods, name, &ListenMethod::name);
+    if (method == methods.end()) {
+      return refuse(response, 400,
+                    name == kTruthName ? "what was truly heard is known at single places only"
+                                       : "there is no method of that name");
+    }
+    const bool is_movie = request.get_param_value("format") == "mp4";
+    const std::unique_lock alone(exporting, std::try_to_lock);
+    if (!alone.owns_lock())
+      return refuse(response, 503, "another walk is being rendered; try again");
+    with_clip(request.matches[1], response, [&](const auto& clip) {
+      const TemporaryFolder folder;
+      const auto output = folder.path() / (is_movie ? "walk.mp4" : "walk.wav");
+      export_walk(*clip, *method, *walk, output);
+      send_file(output, is_movie ? "video/mp4" : "audio/wav", response);
+    });
+  }
+
+  void take_upload(const Request& request, Response& response, const httplib::ContentReader& read) {
+    if (!options.open_upload) return refuse(response, 403, "this server takes no files");
+    const std::unique_lock alone(uploading, std::try_to_lock);
+    if (!alone.owns_lock()) return refuse(response, 503, "another file is being read; try again");
+    const TemporaryFolder folder;
+    const auto path = folder.path() / "upload";
+    std::ofstream file(path, std::ios::binary);
+    const bool whole = receive(read, options.most_upload_bytes, kLongestUpload,
+                               [&](const char* bytes, std::size_t count) {
+                                 file.write(bytes, static_cast<std::streamsize>(count));
+                                 return file.good();
+                               });
+    file.close();
+    if (!whole || !file) {
+      return refuse(response, 413,
+                    fmt::format("the file did not come whole; at most {} MB are taken",
+                                options.most_upload_bytes >> 20U));
+    }
+    try {
+      ServedClip clip = options.open_upload(path, request.get_param_value("name").substr(0, 200));
+      answer(response, {{"clip", library.add_private(std::move(clip))}});
+    } catch (const InputError& error) {
+      refuse(response, 400, error.what());
+    }
+  }
+
+  ClipLibrary& library;
+  std::span<const ListenMethod> methods;
   ServeOptions options;
+  Access access;
   ListenerRegistry listeners;
+  std::mutex exporting;
+  std::mutex uploading;
   httplib::Server server;
-  int port = 0;
 };
 
-ClipServer::ClipServer(const ServedClip& clip, const ServeOptions& options)
-    : state_(std::make_unique<State>(clip, options)) {}
+ClipServer::ClipServer(ClipLibrary& library, std::span<const ListenMethod> methods,
+                       ServeOptions options) {
+  if (!is_loopback(options.host) && options.token.empty()) {
+    throw InputError("--host " + options.host, "others can reach it, and there is no token");
+  }
+  state_ = std::make_unique<State>(library, methods, std::move(options));
+}
 ClipServer::~ClipServer() = default;
 
 int ClipServer::bind() {
@@ -217,14 +333,15 @@ int ClipServer::bind() {
     throw InputError(fmt::format("{}:{}", s.options.host, s.options.port), "cannot be served",
                      "choose another --port; 0 takes any that is free");
   };
-  if (s.options.port == 0) {
-    s.port = s.server.bind_to_any_port(s.options.host.c_str());
-    if (s.port < 0) fail();
-  } else {
-    if (!s.server.bind_to_port(s.options.host.c_str(), s.options.port)) fail();
-    s.port = s.options.port;
+  int port = s.options.port;
+  if (port == 0) {
+    port = s.server.bind_to_any_port(s.options.host);
+    if (port < 0) fail();
+  } else if (!s.server.bind_to_port(s.options.host, port)) {
+    fail();
   }
-  return s.port;
+  s.access.set_port(port);
+  return port;
 }
 
 void ClipServer::run() { state_->server.listen_after_bind(); }

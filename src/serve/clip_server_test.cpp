@@ -31,7 +31,7 @@ class ClipServerTest : public testing::Test {
   }
 
   std::string join() {
-    const auto answer = client_->Post("/api/listeners");
+    const auto answer = client_->Post("/api/listeners", R"({"clip": "clip"})", "application/json");
     return answer && answer->status == 200
                ? json::parse(answer->body)["listener"].get<std::string>()
                : std::string();
@@ -40,20 +40,37 @@ class ClipServerTest : public testing::Test {
     return client_->Post("/api/listeners/" + listener + "/sound", body, "application/json");
   }
 
-  ClipServer server_{bundled_clip(), {.most_listeners = 2}};
+  static ClipLibrary& library() {
+    static ClipLibrary library;
+    if (library.list().empty()) {
+      library.add("clip", "clip.mp4", [] { return *bundled_clip(); });
+    }
+    return library;
+  }
+
+  ClipServer server_{library(), bundled_methods(), {.most_listeners = 2}};
   int port_ = 0;
   std::thread thread_;
   std::unique_ptr<httplib::Client> client_;
 };
 
 TEST_F(ClipServerTest, TellsTheClip) {
-  const auto answer = client_->Get("/api/clip");
+  const auto answer = client_->Get("/api/clips/clip");
   ASSERT_TRUE(answer);
   const json clip = json::parse(answer->body);
   EXPECT_EQ(clip["name"], "clip.mp4");
-  EXPECT_EQ(clip["samples"], bundled_clip().sound.samples());
+  EXPECT_EQ(clip["samples"], bundled_clip()->sound.samples());
   EXPECT_TRUE(clip["has_picture"]);
-  const auto picture = client_->Get("/api/picture");
+  EXPECT_TRUE(clip["has_movie"]);
+  const json list = json::parse(client_->Get("/api/clips")->body);
+  EXPECT_EQ(list["clips"][0]["id"], "clip");
+  EXPECT_EQ(list["most_upload_bytes"], 0);
+  EXPECT_EQ(client_->Get("/api/clips/other")->status, 404);
+  // dsp and vigas are told of no speaker: the page says what they lack.
+  EXPECT_FALSE(clip["methods"][0].contains("missing"));
+  EXPECT_TRUE(clip["methods"][1].contains("missing"));
+  EXPECT_TRUE(clip["methods"][3].contains("missing"));
+  const auto picture = client_->Get("/api/clips/clip/picture");
   ASSERT_TRUE(picture);
   EXPECT_EQ(picture->body.substr(1, 3), "PNG");
 }
@@ -67,7 +84,7 @@ TEST_F(ClipServerTest, SendsTheSoundThatAListenerAsksFor) {
   ASSERT_EQ(answer->body.size(), 8000U);
   std::vector<float> samples(2000);
   std::memcpy(samples.data(), answer->body.data(), answer->body.size());
-  const Waveform& sound = bundled_clip().sound;
+  const Waveform& sound = bundled_clip()->sound;
   for (std::size_t i = 0; i < 1000; ++i) {
     EXPECT_EQ(samples[2 * i], sound.channel(0)[9000 + i]);
     EXPECT_EQ(samples[2 * i + 1], sound.channel(1)[9000 + i]);
@@ -99,11 +116,12 @@ TEST_F(ClipServerTest, RefusesBadRequestsInALineAndGoesOn) {
 TEST_F(ClipServerTest, HasRoomForSoManyListeners) {
   EXPECT_FALSE(join().empty());
   EXPECT_FALSE(join().empty());
-  EXPECT_EQ(client_->Post("/api/listeners")->status, 503);
+  EXPECT_EQ(client_->Post("/api/listeners", R"({"clip": "clip"})", "application/json")->status,
+            503);
 }
 
 TEST_F(ClipServerTest, AnswersNoPageOfAnotherSite) {
-  const auto answer = client_->Get("/api/clip", {{"Host", "elsewhere.example"}});
+  const auto answer = client_->Get("/api/clips/clip", {{"Host", "elsewhere.example"}});
   ASSERT_TRUE(answer);
   EXPECT_EQ(answer->status, 403);
 }
@@ -123,10 +141,35 @@ TEST_F(ClipServerTest, ServesThePageAndNothingElse) {
   }
 }
 
+TEST_F(ClipServerTest, MakesRoomWhenAListenerLeaves) {
+  const std::string first = join();
+  EXPECT_FALSE(join().empty());
+  EXPECT_EQ(client_->Post("/api/listeners/" + first + "/leave")->status, 200);
+  EXPECT_FALSE(join().empty());
+}
+
+TEST_F(ClipServerTest, RendersAWalk) {
+  std::string walk = "time_s,x,y,z,yaw_deg,pitch_deg,roll_deg\n0,0,0,0,0,0,0\n";
+  walk += fmt::format("{},1,0,0,0,0,0\n", bundled_clip()->sound.duration_s());
+  const auto render = [&](const std::string& query, const std::string& csv) {
+    return client_->Post("/api/clips/clip/walk?" + query, csv, "text/csv");
+  };
+  const auto answer = render("method=input&format=wav", walk);
+  ASSERT_TRUE(answer);
+  ASSERT_EQ(answer->status, 200) << answer->body;
+  EXPECT_EQ(answer->body.substr(0, 4), "RIFF");
+  // 32-bit samples of both ears, and a header.
+  EXPECT_GE(answer->body.size(), 8U * static_cast<std::size_t>(bundled_clip()->sound.samples()));
+  EXPECT_EQ(render("method=input&format=wav", "nonsense")->status, 400);
+  EXPECT_EQ(render("method=magic&format=wav", walk)->status, 400);
+  EXPECT_EQ(render("method=truth&format=wav", walk)->status, 400);
+}
+
 TEST(ClipServer, SaysThatAPortIsTaken) {
-  ClipServer first(bundled_clip(), {});
+  ClipLibrary library;
+  ClipServer first(library, bundled_methods(), {});
   const int port = first.bind();
-  ClipServer second(bundled_clip(), {.port = port});
+  ClipServer second(library, bundled_methods(), {.port = port});
   try {
     second.bind();
     ADD_FAILURE() << "port " << port << " was given twice";

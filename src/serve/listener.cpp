@@ -1,94 +1,83 @@
+#include "live_sound.h"
+
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <utility>
 
 #include <earpoint/core/error.h>
 #include <earpoint/serve/listener.h>
+#include <earpoint/synth/earpoint_path.h>
 
 namespace earpoint {
 namespace {
 
-constexpr double kWarmUp_s = 0.5;
-constexpr double kPoseStep_s = 0.01;
+constexpr double kLevelMemory_s = 2.0;
+constexpr double kLargestGain = 10.0;  // 20 dB either way
+constexpr double kSilentPower = 1e-10;
+
+double power_of(const Waveform& sound) {
+  double sum = 0.0;
+  for (int ear = 0; ear < 2; ++ear) {
+    for (const float sample : sound.channel(ear)) sum += double{sample} * sample;
+  }
+  return sum;
+}
 
 }  // namespace
 
-std::optional<ListenMethod> listen_method(std::string_view name) {
-  if (name == "input") return ListenMethod::input;
-  if (name == "gtf") return ListenMethod::gtf;
-  return std::nullopt;
+Listener::Listener(std::shared_ptr<const ServedClip> clip, std::span<const ListenMethod> methods)
+    : clip_(std::move(clip)), methods_(methods) {}
+Listener::~Listener() = default;
+
+LiveSound& Listener::sound_of(const std::string& method) {
+  if (const auto known = sounds_.find(method); known != sounds_.end()) return *known->second;
+  std::unique_ptr<LiveSound> sound;
+  if (method == kTruthName && !clip_->places.empty()) {
+    sound = make_live_truth(*clip_);
+  } else {
+    const auto found = std::ranges::find(methods_, method, &ListenMethod::name);
+    if (found == methods_.end()) throw InputError("method", "is none that this clip has");
+    sound = make_live_sound(*clip_, *found);
+  }
+  return *sounds_.emplace(method, std::move(sound)).first->second;
 }
 
-Listener::Listener(const ServedClip& clip)
-    : clip_(clip),
-      stream_(clip.weights, {.sample_rate_hz = clip.sound.sample_rate_hz(),
-                             .horizontal_fov_rad = clip.horizontal_fov_rad}) {
-  stream_.see(clip.picture.get(), clip.speaker_box);
-  stream_.place_speaker(clip.speaker_m);
-}
-
-Waveform Listener::source(std::ptrdiff_t start, std::ptrdiff_t samples) const {
-  Waveform part(2, samples, clip_.sound.sample_rate_hz());
-  const std::ptrdiff_t first = std::clamp<std::ptrdiff_t>(start, 0, clip_.sound.samples());
-  const std::ptrdiff_t end =
-      std::clamp<std::ptrdiff_t>(start + samples, first, clip_.sound.samples());
+void Listener::match_level(Waveform& sound, std::ptrdiff_t start, bool matches) {
+  const double part_s = static_cast<double>(sound.samples()) / sound.sample_rate_hz();
+  const double keep = std::exp(-part_s / kLevelMemory_s);
+  power_recorded_ = keep * power_recorded_ + power_of(recorded(*clip_, start, sound.samples()));
+  power_heard_ = keep * power_heard_ + power_of(sound);
+  const float before = gain_;
+  if (!matches) {
+    gain_ = 1.0F;
+  } else if (power_recorded_ > kSilentPower && power_heard_ > kSilentPower) {
+    gain_ = static_cast<float>(
+        std::clamp(std::sqrt(power_recorded_ / power_heard_), 1.0 / kLargestGain, kLargestGain));
+  }
+  if (before == 1.0F && gain_ == 1.0F) return;
   for (int ear = 0; ear < 2; ++ear) {
-    std::copy(clip_.sound.channel(ear).begin() + first, clip_.sound.channel(ear).begin() + end,
-              part.channel(ear).begin() + (first - start));
-  }
-  return part;
-}
-
-void Listener::leap(std::ptrdiff_t start, const Pose& pose) {
-  stream_.reset();
-  stream_.move_to(pose);
-  pose_ = pose;
-  const std::ptrdiff_t latency = stream_.latency_samples();
-  const auto warm_up = static_cast<std::ptrdiff_t>(kWarmUp_s * clip_.sound.sample_rate_hz());
-  Waveform before = source(start - warm_up, warm_up + latency);
-  stream_.process({before.channel(0), before.channel(1)}, {before.channel(0), before.channel(1)});
-}
-
-Waveform Listener::rendered(std::ptrdiff_t start, std::ptrdiff_t samples, const Pose& pose) {
-  Waveform part = source(start + stream_.latency_samples(), samples);
-  const auto step = static_cast<std::ptrdiff_t>(kPoseStep_s * clip_.sound.sample_rate_hz());
-  for (std::ptrdiff_t done = 0; done < samples; done += step) {
-    const auto first = static_cast<std::size_t>(done);
-    const auto count = static_cast<std::size_t>(std::min(step, samples - done));
-    const auto end = static_cast<double>(first + count);
-    stream_.move_to(interpolate(pose_, pose, end / static_cast<double>(samples)));
-    const auto left = part.channel(0).subspan(first, count);
-    const auto right = part.channel(1).subspan(first, count);
-    stream_.process({left, right}, {left, right});
-  }
-  pose_ = pose;
-  return part;
-}
-
-Waveform Listener::listen(std::ptrdiff_t start, std::ptrdiff_t samples,
-                          const Pose& source_from_target, ListenMethod method) {
-  EARPOINT_CHECK(samples > 0 && samples <= clip_.sound.sample_rate_hz());
-  const bool joins = start == next_;
-  if (!joins) {
-    leap(start, source_from_target);
-    method_ = method;
-  }
-  next_ = start + samples;
-  Waveform there = rendered(start, samples, source_from_target);
-  Waveform here = source(start, samples);
-  const ListenMethod before = std::exchange(method_, method);
-  if (before == method) return method == ListenMethod::gtf ? there : here;
-  // From one method to the other within the part.
-  const bool to_there = method == ListenMethod::gtf;
-  for (int ear = 0; ear < 2; ++ear) {
-    for (std::ptrdiff_t i = 0; i < samples; ++i) {
-      const float rising = static_cast<float>(i + 1) / static_cast<float>(samples);
-      const float share = to_there ? rising : 1.0F - rising;
-      there.channel(ear)[i] = std::lerp(here.channel(ear)[i], there.channel(ear)[i], share);
+    const auto samples = sound.channel(ear);
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      const float share = static_cast<float>(i + 1) / static_cast<float>(samples.size());
+      samples[i] = std::clamp(samples[i] * std::lerp(before, gain_, share), -1.0F, 1.0F);
     }
   }
-  return there;
+}
+
+Waveform Listener::listen(std::ptrdiff_t start, std::ptrdiff_t samples, const ListenWish& wish) {
+  EARPOINT_CHECK(samples > 0 && samples <= clip_->sound.sample_rate_hz());
+  check_place(wish.source_from_target.position_m, "position_m");
+  Waveform sound = sound_of(wish.method).part(start, samples, wish.source_from_target);
+  if (start != next_) {
+    power_recorded_ = power_heard_ = 0.0;
+  } else if (method_ != wish.method) {
+    sound = crossfaded(sound_of(method_).part(start, samples, wish.source_from_target), sound);
+    power_recorded_ = power_heard_ = 0.0;
+  }
+  next_ = start + samples;
+  method_ = wish.method;
+  match_level(sound, start, wish.matches_level);
+  return sound;
 }
 
 }  // namespace earpoint

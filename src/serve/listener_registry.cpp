@@ -1,7 +1,6 @@
-#include <random>
+#include <utility>
 
-#include <fmt/format.h>
-
+#include <earpoint/serve/clip_library.h>
 #include <earpoint/serve/listener_registry.h>
 
 namespace earpoint {
@@ -9,17 +8,9 @@ namespace {
 
 constexpr std::chrono::seconds kSilence{60};
 
-/// 128 bits from the operating system.
-std::string unguessable_name() {
-  std::random_device device;
-  std::string name;
-  for (int i = 0; i < 4; ++i) name += fmt::format("{:08x}", device());
-  return name;
-}
-
 }  // namespace
 
-std::string ListenerRegistry::add() {
+std::string ListenerRegistry::add(std::shared_ptr<const ServedClip> clip) {
   const std::lock_guard lock(mutex_);
   const auto now = std::chrono::steady_clock::now();
   std::erase_if(seats_, [&](const auto& entry) {
@@ -28,7 +19,7 @@ std::string ListenerRegistry::add() {
   });
   if (seats_.size() >= most_) return {};
   std::string name = unguessable_name();
-  seats_.emplace(name, std::make_shared<Seat>(clip_));
+  seats_.emplace(name, std::make_shared<Seat>(std::move(clip), methods_));
   return name;
 }
 
@@ -36,6 +27,11 @@ std::shared_ptr<ListenerRegistry::Seat> ListenerRegistry::find(const std::string
   const std::lock_guard lock(mutex_);
   const auto seat = seats_.find(name);
   return seat == seats_.end() ? nullptr : seat->second;
+}
+
+void ListenerRegistry::remove(const std::string& name) {
+  const std::lock_guard lock(mutex_);
+  seats_.erase(name);
 }
 
 std::size_t ListenerRegistry::size() {

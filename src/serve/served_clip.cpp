@@ -4,12 +4,14 @@
 
 #include <earpoint/core/error.h>
 #include <earpoint/serve/served_clip.h>
+#include <earpoint/synth/locate_speaker.h>
 #include <earpoint/synth/picture_stream.h>
 #include <earpoint/video/image_file.h>
-#include <earpoint/video/media.h>
 
 namespace earpoint {
 namespace {
+
+constexpr std::ptrdiff_t kBlock = 65536;  // samples read at once
 
 Waveform read_whole(const SoundSource& source, const SoundSurvey& survey) {
   if (survey.duration_s() > kLongestServed_s) {
@@ -18,11 +20,11 @@ Waveform read_whole(const SoundSource& source, const SoundSurvey& survey) {
                                  survey.duration_s() / 60.0, kLongestServed_s / 60.0),
                      "cut it, or use earpoint render");
   }
-  AudioReader reader(source.path, source.binaural_channels, source.audio_stream);
+  const BlockReader read = read_blocks(source);
   Waveform sound(2, survey.samples, survey.sample_rate_hz);
   std::ptrdiff_t filled = 0;
   while (filled < sound.samples()) {
-    const Waveform block = reader.read(std::min<std::ptrdiff_t>(65536, sound.samples() - filled));
+    const Waveform block = read(std::min(kBlock, sound.samples() - filled));
     if (block.samples() == 0) break;
     for (int ear = 0; ear < 2; ++ear) {
       std::ranges::copy(block.channel(ear), sound.channel(ear).begin() + filled);
@@ -34,16 +36,16 @@ Waveform read_whole(const SoundSource& source, const SoundSurvey& survey) {
 
 }  // namespace
 
-ServedClip open_served_clip(const RenderSource& source, const std::filesystem::path& gtf_file,
+ServedClip open_served_clip(const RenderSource& source, const GtfWeights* finder,
                             double horizontal_fov_rad, ProgressSink& progress) {
   ServedClip clip;
-  clip.weights = read_gtf_weights(gtf_file);
   clip.name = source.sound.path.filename().string();
   clip.horizontal_fov_rad = horizontal_fov_rad;
-  clip.located = locate_speaker(source, clip.weights, horizontal_fov_rad, progress);
-  clip.warnings = clip.located.survey.warnings;
-  clip.sound = read_whole(source.sound, clip.located.survey);
-  const double middle_s = 0.5 * clip.located.survey.duration_s();
+  clip.source = source;
+  const SoundSurvey survey = survey_sound(source.sound);
+  clip.warnings = survey.warnings;
+  clip.sound = read_whole(source.sound, survey);
+  const double middle_s = 0.5 * survey.duration_s();
   PictureStream pictures = open_pictures(source.picture, source.sound.path);
   if (!pictures.empty()) clip.picture = pictures.nearest(middle_s);
   if (clip.picture) {
@@ -52,7 +54,16 @@ ServedClip open_served_clip(const RenderSource& source, const std::filesystem::p
     clip.warnings.emplace_back("no picture: the speaker is found by sound alone");
   }
   if (source.speaker_track) clip.speaker_box = source.speaker_track->at(middle_s);
+  if (clip.speaker_box) clip.people = {{*clip.speaker_box, true}};
   clip.speaker_m = source.speaker_m;
+  if (clip.speaker_m) {
+    clip.speaker = ServedSpeaker{.position_m = *clip.speaker_m, .is_told = true};
+  } else if (finder != nullptr) {
+    const LocatedSpeaker found = locate_speaker(source, *finder, horizontal_fov_rad, progress);
+    clip.speaker = ServedSpeaker{.position_m = found.speaker.position_m,
+                                 .heading_rad = found.speaker.yaw_rad,
+                                 .spread_rad = found.azimuth_spread_rad};
+  }
   return clip;
 }
 

@@ -1,15 +1,25 @@
-/** What the server tells of its clip: GET /api/clip. Metres; x front, y left, z up. */
+/** What the server tells of a clip: GET /api/clips/ID. Metres; x front, y left, z up. */
 export interface Clip {
+  id: string;
   name: string;
   duration_s: number;
   sample_rate_hz: number;
   samples: number;
   has_picture: boolean;
+  has_movie: boolean;
   fov_deg: number;
-  methods: string[];
+  methods: { name: string; missing?: string }[];
   warnings: string[];
-  box?: [number, number, number, number];
-  speaker: { position_m: [number, number, number]; told: boolean; heading_deg: number; spread_deg: number };
+  people: { box: [number, number, number, number]; speaks: boolean }[];
+  places: { name: string; position_m: [number, number, number]; yaw_deg: number }[];
+  speaker?: { position_m: [number, number, number]; told: boolean; heading_deg: number; spread_deg: number };
+  map?: { camera_px: [number, number]; pixels_per_metre: number };
+  plan?: { rooms: [number, number][][]; doors: [number, number][][] };
+}
+
+export interface ClipList {
+  clips: { id: string; name: string }[];
+  most_upload_bytes: number;
 }
 
 /** Where a head is: metres in the source camera's frame; a positive yaw turns left. */
@@ -20,28 +30,60 @@ export interface Pose {
   yaw_deg: number;
 }
 
+/** What a part of the sound is asked for with. */
+export interface Wish {
+  pose: Pose;
+  method: string;
+  matches_level: boolean;
+}
+
+export class ServerError extends Error {
+  constructor(readonly status: number, message: string) {
+    super(message);
+  }
+}
+
 async function checked(response: Response): Promise<Response> {
   if (response.ok) return response;
   const told = await response.json().catch(() => ({}));
-  throw new Error(told.error ?? `the server answered ${response.status}`);
+  throw new ServerError(response.status, told.error ?? `the server answered ${response.status}`);
 }
 
-export async function fetchClip(): Promise<Clip> {
-  return (await checked(await fetch('/api/clip'))).json();
+const post = async (address: string, body?: BodyInit) => checked(await fetch(address, { method: 'POST', body }));
+
+export async function fetchClips(): Promise<ClipList> {
+  return (await checked(await fetch('/api/clips'))).json();
 }
 
-export async function joinAsListener(): Promise<string> {
-  const answer = await checked(await fetch('/api/listeners', { method: 'POST' }));
-  return (await answer.json()).listener;
+export async function fetchClip(id: string): Promise<Clip> {
+  return { ...(await (await checked(await fetch(`/api/clips/${id}`))).json()), id };
+}
+
+/** Sends somebody's own recording. @returns the id of the clip that it has become */
+export async function sendClip(file: File): Promise<string> {
+  return (await (await post(`/api/clips?name=${encodeURIComponent(file.name)}`, file)).json()).clip;
+}
+
+export async function joinAsListener(clip: string): Promise<string> {
+  return (await (await post('/api/listeners', JSON.stringify({ clip }))).json()).listener;
+}
+
+/** Makes room for another listener, also while the page is being closed. */
+export function leave(listener: string): void {
+  navigator.sendBeacon(`/api/listeners/${listener}/leave`);
 }
 
 /** The sound from sample `start` on, left and right in turns. */
-export async function fetchSound(
-  listener: string, start: number, samples: number, pose: Pose, method: string,
-): Promise<Float32Array> {
+export async function fetchSound(listener: string, start: number, samples: number, wish: Wish): Promise<Float32Array> {
+  const { pose, method, matches_level } = wish;
   const body = JSON.stringify({
-    start, samples, method, position_m: [pose.x, pose.y, pose.z], yaw_deg: pose.yaw_deg,
+    start, samples, method, matches_level, position_m: [pose.x, pose.y, pose.z], yaw_deg: pose.yaw_deg,
   });
-  const answer = await checked(await fetch(`/api/listeners/${listener}/sound`, { method: 'POST', body }));
-  return new Float32Array(await answer.arrayBuffer());
+  return new Float32Array(await (await post(`/api/listeners/${listener}/sound`, body)).arrayBuffer());
+}
+
+/** A walk rendered as `earpoint render --path` renders it. */
+export async function renderWalk(clip: string, method: string, format: string, csv: string): Promise<Blob> {
+  const query = `method=${encodeURIComponent(method)}&format=${format}`;
+  return (await post(`/api/clips/${clip}/walk?${query}`, csv)).blob();
 }

@@ -1,27 +1,40 @@
 import { Clip, Pose } from './api';
 
 const REACH_M = 5; // the network was trained on moves up to here
+const STEP_M = 0.1;
+const STEP_DEGREES = 5;
+const STEP_UP_M = 0.05;
+const HIGHEST_M = 0.3;
+const SNAP_PIXELS = 14; // a click that near to a known place goes there
 
-function colour(name: string): string {
+export function colour(name: string): string {
   return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 }
+
+const clamp = (value: number, most: number) => Math.max(-most, Math.min(most, value));
 
 /** The scene from above: the camera looks up the page, you are dragged. */
 export class SceneMap {
   readonly pose: Pose = { x: 0, y: 0, z: 0, yaw_deg: 0 };
   onmove: () => void = () => {};
+  private readonly picture?: HTMLImageElement; // of the scene from above
 
   constructor(private readonly canvas: HTMLCanvasElement, private readonly clip: Clip) {
+    if (clip.map) {
+      this.picture = new Image();
+      this.picture.onload = () => this.draw();
+      this.picture.src = `/api/clips/${clip.id}/map`;
+    }
     canvas.addEventListener('pointerdown', (event) => {
       canvas.setPointerCapture(event.pointerId);
-      this.drag(event);
+      if (!this.snap(event)) this.drag(event);
     });
     canvas.addEventListener('pointermove', (event) => {
       if (event.buttons) this.drag(event);
     });
     canvas.addEventListener('wheel', (event) => {
       event.preventDefault();
-      this.turn(event.deltaY > 0 ? -5 : 5);
+      this.turn(event.deltaY > 0 ? -STEP_DEGREES : STEP_DEGREES);
     }, { passive: false });
     canvas.addEventListener('keydown', (event) => this.key(event));
     new ResizeObserver(() => this.draw()).observe(canvas);
@@ -29,17 +42,22 @@ export class SceneMap {
   }
 
   moveTo(x: number, y: number): void {
-    this.pose.x = Math.max(-REACH_M, Math.min(REACH_M, x));
-    this.pose.y = Math.max(-REACH_M, Math.min(REACH_M, y));
-    this.changed();
+    this.set({ ...this.pose, x, y });
   }
 
   turn(by_deg: number): void {
-    this.pose.yaw_deg = ((this.pose.yaw_deg + by_deg + 540) % 360) - 180;
-    this.changed();
+    this.set({ ...this.pose, yaw_deg: this.pose.yaw_deg + by_deg });
   }
 
-  changed(): void {
+  rise(by_m: number): void {
+    this.set({ ...this.pose, z: this.pose.z + by_m });
+  }
+
+  set(pose: Pose): void {
+    this.pose.x = clamp(pose.x, REACH_M);
+    this.pose.y = clamp(pose.y, REACH_M);
+    this.pose.z = clamp(pose.z, HIGHEST_M);
+    this.pose.yaw_deg = ((pose.yaw_deg + 540) % 360) - 180;
     this.draw();
     this.onmove();
   }
@@ -53,6 +71,13 @@ export class SceneMap {
     return [this.canvas.clientWidth / 2 - y * this.scale, this.canvas.clientHeight / 2 - x * this.scale];
   }
 
+  /** Where a place is drawn, in the page's pixels; by default where you are. */
+  pagePoint(x = this.pose.x, y = this.pose.y): [number, number] {
+    const bounds = this.canvas.getBoundingClientRect();
+    const [across, down] = this.toPage(x, y);
+    return [bounds.left + across, bounds.top + down];
+  }
+
   private drag(event: PointerEvent): void {
     const bounds = this.canvas.getBoundingClientRect();
     const across = event.clientX - bounds.left - bounds.width / 2;
@@ -60,18 +85,34 @@ export class SceneMap {
     this.moveTo(-down / this.scale, -across / this.scale);
   }
 
+  /** Goes to a known place that was clicked on, and looks where it looks. */
+  private snap(event: PointerEvent): boolean {
+    const place = this.clip.places.find(({ position_m: [x, y] }) => {
+      const [across, down] = this.pagePoint(x, y);
+      return Math.hypot(event.clientX - across, event.clientY - down) < SNAP_PIXELS;
+    });
+    if (place) this.goTo(place);
+    return place !== undefined;
+  }
+
+  goTo({ position_m: [x, y, z], yaw_deg }: Clip['places'][number]): void {
+    this.set({ x, y, z, yaw_deg });
+  }
+
   private key(event: KeyboardEvent): void {
-    const step = 0.1;
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
     const { x, y } = this.pose;
     const keys: Record<string, () => void> = {
-      ArrowUp: () => this.moveTo(x + step, y),
-      ArrowDown: () => this.moveTo(x - step, y),
-      ArrowLeft: () => this.moveTo(x, y + step),
-      ArrowRight: () => this.moveTo(x, y - step),
-      q: () => this.turn(5),
-      e: () => this.turn(-5),
+      ArrowUp: () => this.moveTo(x + STEP_M, y),
+      ArrowDown: () => this.moveTo(x - STEP_M, y),
+      ArrowLeft: () => this.moveTo(x, y + STEP_M),
+      ArrowRight: () => this.moveTo(x, y - STEP_M),
+      q: () => this.turn(STEP_DEGREES),
+      e: () => this.turn(-STEP_DEGREES),
+      r: () => this.rise(STEP_UP_M),
+      f: () => this.rise(-STEP_UP_M),
     };
-    const action = keys[event.key];
+    const action = keys[event.key.length === 1 ? event.key.toLowerCase() : event.key];
     if (!action) return;
     event.preventDefault();
     action();
@@ -85,10 +126,52 @@ export class SceneMap {
     const pen = canvas.getContext('2d')!;
     pen.scale(ratio, ratio);
     pen.font = '12px system-ui, sans-serif';
+    this.drawPicture(pen);
+    this.drawPlan(pen);
     this.drawRings(pen);
     this.drawCamera(pen);
     this.drawSpeaker(pen);
+    this.clip.places.forEach((place, i) => this.drawPlace(pen, place, i + 1));
     this.drawYou(pen);
+  }
+
+  private outline(pen: CanvasRenderingContext2D, polygon: [number, number][]): void {
+    pen.beginPath();
+    polygon.forEach(([x, y]) => pen.lineTo(...this.toPage(x, y)));
+    pen.closePath();
+  }
+
+  private drawPicture(pen: CanvasRenderingContext2D): void {
+    const { picture } = this;
+    if (!picture?.complete || !this.clip.map) return;
+    const { camera_px, pixels_per_metre } = this.clip.map;
+    const ratio = this.scale / pixels_per_metre;
+    const [cx, cy] = this.toPage(0, 0);
+    pen.globalAlpha = 0.55;
+    pen.drawImage(picture, cx - ratio * camera_px[0], cy - ratio * camera_px[1],
+      ratio * picture.naturalWidth, ratio * picture.naturalHeight);
+    pen.globalAlpha = 1;
+  }
+
+  /** Rooms in their walls, which open where doors are. */
+  private drawPlan(pen: CanvasRenderingContext2D): void {
+    const { plan } = this.clip;
+    if (!plan) return;
+    pen.fillStyle = colour('--ground');
+    pen.strokeStyle = colour('--wall');
+    pen.lineWidth = 3;
+    for (const room of plan.rooms) {
+      this.outline(pen, room);
+      pen.fill();
+      pen.stroke();
+    }
+    pen.strokeStyle = colour('--ground');
+    for (const door of plan.doors) {
+      this.outline(pen, door);
+      pen.fill();
+      pen.stroke();
+    }
+    pen.lineWidth = 1;
   }
 
   private drawRings(pen: CanvasRenderingContext2D): void {
@@ -118,6 +201,7 @@ export class SceneMap {
   }
 
   private drawSpeaker(pen: CanvasRenderingContext2D): void {
+    if (!this.clip.speaker) return;
     const { position_m, told } = this.clip.speaker;
     const [x, y] = this.toPage(position_m[0], position_m[1]);
     pen.fillStyle = colour('--speaker');
@@ -127,20 +211,33 @@ export class SceneMap {
     pen.fillText(told ? 'speaker' : 'speaker, as found', x + 12, y + 4);
   }
 
+  /** Numbered, as on its button: names would lie over each other. */
+  private drawPlace(pen: CanvasRenderingContext2D, place: Clip['places'][number], number: number): void {
+    const [x, y] = this.toPage(place.position_m[0], place.position_m[1]);
+    pen.fillStyle = pen.strokeStyle = colour('--ink');
+    pen.lineWidth = 2;
+    this.drawHead(pen, x, y, place.yaw_deg, 6, false);
+    pen.fillText(String(number), x + 10, y - 6);
+  }
+
   private drawYou(pen: CanvasRenderingContext2D): void {
     const [x, y] = this.toPage(this.pose.x, this.pose.y);
-    const yaw = (this.pose.yaw_deg * Math.PI) / 180;
-    const ahead = [-Math.sin(yaw), -Math.cos(yaw)];
     pen.fillStyle = pen.strokeStyle = colour('--you');
     pen.lineWidth = 3;
+    this.drawHead(pen, x, y, this.pose.yaw_deg, 10, true);
+    pen.fillText('you', x + 14, y + 18);
+  }
+
+  private drawHead(
+    pen: CanvasRenderingContext2D, x: number, y: number, yaw_deg: number, radius: number, isFilled: boolean,
+  ): void {
+    const yaw = (yaw_deg * Math.PI) / 180;
     pen.beginPath();
-    pen.arc(x, y, 10, 0, 2 * Math.PI);
-    pen.fill();
-    pen.beginPath();
+    pen.arc(x, y, radius, 0, 2 * Math.PI);
+    if (isFilled) pen.fill();
     pen.moveTo(x, y);
-    pen.lineTo(x + 22 * ahead[0], y + 22 * ahead[1]);
+    pen.lineTo(x - 2.2 * radius * Math.sin(yaw), y - 2.2 * radius * Math.cos(yaw));
     pen.stroke();
     pen.lineWidth = 1;
-    pen.fillText('you', x + 14, y + 18);
   }
 }

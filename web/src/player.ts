@@ -1,54 +1,55 @@
-import { Clip, Pose, fetchSound, joinAsListener } from './api';
+import { Clip, Pose, ServerError, Wish, fetchSound, joinAsListener, leave } from './api';
 
-const PART = 2048; // samples asked for at once
+const PART_S = 0.043; // sound asked for at once
 const AHEAD_S = 0.09; // sound kept ready, so that a move is heard soon
-
-/** Row of a walk: where one was when a part of the clip was asked for. */
-export interface Step extends Pose {
-  time_s: number;
-}
 
 /** Plays the clip as it is heard from where the listener is. */
 export class Player {
   readonly context: AudioContext;
   readonly output: AudioWorkletNode;
-  pose: () => Pose = () => ({ x: 0, y: 0, z: 0, yaw_deg: 0 });
-  method = 'gtf';
+  /** What to ask for, for the part that ends at that time of the clip. */
+  wish: (time_s: number) => Wish = () => ({
+    pose: { x: 0, y: 0, z: 0, yaw_deg: 0 }, method: 'input', matches_level: false,
+  });
+  /** A part was rendered that ends there and then. */
+  onpart: (time_s: number, pose: Pose) => void = () => {};
+  /** The clip is over; it begins again. */
+  onend: () => void = () => {};
+  onproblem: (what: string) => void = () => {};
   playing = false;
-  walk: Step[] = [];
   /** Share of real time that the server takes for a part. */
   load = 0;
+  /** From a move until its sound begins to change, as it was the last time. */
+  latency_s?: number;
 
   private next = 0; // sample to be asked for
   private sent = 0; // samples given to the output
   private played = 0;
   private asking = false;
+  private moved_ms?: number; // when a move was made that no part was asked for with
+  private mark?: { sample: number; moved_ms: number }; // that part of the output is the first after a move
 
-  private constructor(readonly clip: Clip, private readonly listener: string, context: AudioContext) {
+  private constructor(readonly clip: Clip, private listener: string, context: AudioContext) {
     this.context = context;
     this.output = new AudioWorkletNode(context, 'queue', { numberOfInputs: 0, outputChannelCount: [2] });
     this.output.connect(context.destination);
     this.output.port.onmessage = (event) => {
       this.played = event.data as number;
+      this.measureLatency();
       void this.pump();
     };
+    addEventListener('pagehide', () => leave(this.listener));
   }
 
   static async open(clip: Clip): Promise<Player> {
     const context = new AudioContext({ sampleRate: clip.sample_rate_hz, latencyHint: 'interactive' });
     await context.audioWorklet.addModule('worklet.js');
-    return new Player(clip, await joinAsListener(), context);
+    return new Player(clip, await joinAsListener(clip.id), context);
   }
 
   get time_s(): number {
     const waiting = this.sent - this.played;
     return Math.max(0, this.next - waiting) / this.clip.sample_rate_hz;
-  }
-
-  /** From a move to its sound: what is ready, and what the system adds. */
-  get latency_s(): number {
-    const system = (this.context.baseLatency ?? 0) + (this.context.outputLatency ?? 0);
-    return AHEAD_S + PART / this.clip.sample_rate_hz + system;
   }
 
   async play(): Promise<void> {
@@ -64,12 +65,22 @@ export class Player {
   leap(time_s: number): void {
     this.next = Math.min(Math.round(time_s * this.clip.sample_rate_hz), this.clip.samples - 1);
     this.sent = this.played;
-    this.walk = [];
+    this.mark = this.moved_ms = undefined;
     this.output.port.postMessage('clear');
     void this.pump();
   }
 
-  onproblem: (what: string) => void = () => {};
+  /** The listener has moved: how long until that is heard? */
+  moved(): void {
+    if (this.playing && !this.mark) this.moved_ms ??= performance.now();
+  }
+
+  private measureLatency(): void {
+    if (!this.mark || this.played < this.mark.sample) return;
+    const system_s = (this.context.baseLatency ?? 0) + (this.context.outputLatency ?? 0);
+    this.latency_s = (performance.now() - this.mark.moved_ms) / 1000 + system_s;
+    this.mark = undefined;
+  }
 
   private async pump(): Promise<void> {
     if (this.asking) return;
@@ -84,28 +95,38 @@ export class Player {
     }
   }
 
+  /** Sound from the server, which forgets listeners who were silent for long. */
+  private async fetch(start: number, samples: number, wish: Wish): Promise<Float32Array> {
+    try {
+      return await fetchSound(this.listener, start, samples, wish);
+    } catch (error) {
+      if (!(error instanceof ServerError && error.status === 404)) throw error;
+      this.listener = await joinAsListener(this.clip.id);
+      return fetchSound(this.listener, start, samples, wish);
+    }
+  }
+
   private async ask(): Promise<void> {
+    const rate_hz = this.clip.sample_rate_hz;
     const start = this.next;
-    const samples = Math.min(PART, this.clip.samples - start);
-    const pose = this.pose();
+    const samples = Math.min(Math.round(PART_S * rate_hz), this.clip.samples - start);
+    const end_s = (start + samples) / rate_hz;
+    const wish = this.wish(end_s);
+    const pose = { ...wish.pose };
+    if (this.moved_ms !== undefined) this.mark = { sample: this.sent, moved_ms: this.moved_ms };
+    this.moved_ms = undefined;
     const began = performance.now();
-    const sound = await fetchSound(this.listener, start, samples, pose, this.method);
+    const sound = await this.fetch(start, samples, wish);
     const took_s = (performance.now() - began) / 1000;
-    this.load += 0.1 * (took_s / (samples / this.clip.sample_rate_hz) - this.load);
+    this.load += 0.1 * (took_s / (samples / rate_hz) - this.load);
     if (this.next !== start) return; // somebody leapt meanwhile
-    this.walk.push({ time_s: start / this.clip.sample_rate_hz, ...pose });
     this.output.port.postMessage(sound, [sound.buffer]);
     this.sent += samples;
     this.next = start + samples;
+    this.onpart(end_s, pose);
     if (this.next >= this.clip.samples) {
       this.next = 0; // once more from the beginning
-      this.walk = [];
+      this.onend();
     }
   }
-}
-
-/** The walk as `earpoint render --path` reads it. */
-export function walkCsv(walk: Step[]): string {
-  const rows = walk.map((s) => [s.time_s, s.x, s.y, s.z, s.yaw_deg, 0, 0].map((n) => n.toFixed(4)).join(','));
-  return ['time_s,x,y,z,yaw_deg,pitch_deg,roll_deg', ...rows, ''].join('\n');
 }

@@ -1,10 +1,25 @@
-function colour(name: string): string {
-  return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
-}
+import { colour } from './map';
+
+const WAVE_SAMPLES = 2048;
+const HEIGHT = 160; // of both spectrograms together, pixels
+const WIDTH = 600;
+const STEP = 2; // columns a drawing
+const FLOOR_DB = -110;
+const RANGE_DB = 80;
+
+/** Black over violet and orange to white, by level. */
+const SHADES = Uint8ClampedArray.from({ length: 1024 }, (_, i) => {
+  const share = (i >> 2) / 255;
+  return [255 * Math.min(1, 1.6 * share), 255 * Math.max(0, 1.8 * share - 0.8),
+    255 * Math.max(0.12, share < 0.5 ? 0.9 * share : 1.1 - 1.2 * share, 4 * share - 3), 255][i & 3];
+});
 
 /** Waveforms and spectrograms of both ears, while they sound. */
 export class Scope {
   private readonly ears: AnalyserNode[];
+  private readonly samples = new Float32Array(WAVE_SAMPLES);
+  private readonly levels;
+  private readonly bins: number[]; // of a row of a spectrogram; low frequencies get more room
 
   constructor(
     source: AudioNode, private readonly waves: HTMLCanvasElement, private readonly spectrogram: HTMLCanvasElement,
@@ -12,20 +27,23 @@ export class Scope {
     const splitter = new ChannelSplitterNode(source.context, { numberOfOutputs: 2 });
     source.connect(splitter);
     this.ears = [0, 1].map((ear) => {
-      const analyser = new AnalyserNode(source.context, { fftSize: 2048, smoothingTimeConstant: 0.3 });
+      const analyser = new AnalyserNode(source.context, { fftSize: WAVE_SAMPLES, smoothingTimeConstant: 0.3 });
       splitter.connect(analyser, ear);
       return analyser;
     });
-    spectrogram.width = 600;
-    spectrogram.height = 160;
+    this.levels = new Float32Array(this.ears[0].frequencyBinCount);
+    const highest = (8000 / (source.context.sampleRate / 2)) * this.levels.length;
+    const half = HEIGHT / 2;
+    this.bins = Array.from({ length: half }, (_, y) => Math.floor(((half - 1 - y) / half) ** 2 * highest));
+    spectrogram.width = WIDTH;
+    spectrogram.height = HEIGHT;
   }
 
   /** The loudest sample of each ear just now. */
   peaks(): number[] {
-    const samples = new Float32Array(2048);
     return this.ears.map((ear) => {
-      ear.getFloatTimeDomainData(samples);
-      return samples.reduce((most, x) => Math.max(most, Math.abs(x)), 0);
+      ear.getFloatTimeDomainData(this.samples);
+      return this.samples.reduce((most, x) => Math.max(most, Math.abs(x)), 0);
     });
   }
 
@@ -35,11 +53,10 @@ export class Scope {
   }
 
   private drawWaves(): void {
-    const { waves } = this;
+    const { waves, samples } = this;
     waves.width = waves.clientWidth;
     waves.height = waves.clientHeight;
     const pen = waves.getContext('2d')!;
-    const samples = new Float32Array(2048);
     this.ears.forEach((ear, i) => {
       ear.getFloatTimeDomainData(samples);
       const middle = (waves.height * (2 * i + 1)) / 4;
@@ -56,19 +73,17 @@ export class Scope {
   }
 
   private drawSpectra(): void {
-    const { spectrogram } = this;
-    const pen = spectrogram.getContext('2d')!;
-    pen.drawImage(spectrogram, -1, 0);
-    const bins = new Uint8Array(this.ears[0].frequencyBinCount);
-    const half = spectrogram.height / 2;
+    const pen = this.spectrogram.getContext('2d')!;
+    pen.drawImage(this.spectrogram, -STEP, 0);
+    const column = pen.createImageData(1, HEIGHT);
     this.ears.forEach((ear, i) => {
-      ear.getByteFrequencyData(bins);
-      for (let y = 0; y < half; ++y) {
-        // Low frequencies get more room.
-        const level = bins[Math.floor(((half - 1 - y) / half) ** 2 * bins.length * 0.5)];
-        pen.fillStyle = `hsl(${260 - level} 80% ${8 + level / 5}%)`;
-        pen.fillRect(spectrogram.width - 1, i * half + y, 1, 1);
-      }
+      ear.getFloatFrequencyData(this.levels);
+      this.bins.forEach((bin, y) => {
+        const share = Math.max(0, Math.min(1, (this.levels[bin] - FLOOR_DB) / RANGE_DB));
+        const shade = 4 * Math.round(255 * share);
+        column.data.set(SHADES.subarray(shade, shade + 4), 4 * (i * this.bins.length + y));
+      });
     });
+    for (let x = 1; x <= STEP; ++x) pen.putImageData(column, WIDTH - x, 0);
   }
 }

@@ -1,9 +1,15 @@
 #pragma once
 
+#include <cstddef>
+#include <filesystem>
+#include <functional>
 #include <memory>
+#include <span>
 #include <string>
+#include <string_view>
 
-#include <earpoint/serve/served_clip.h>
+#include <earpoint/serve/clip_library.h>
+#include <earpoint/serve/listen_method.h>
 
 namespace earpoint {
 
@@ -11,22 +17,36 @@ struct ServeOptions {
   std::string host = "127.0.0.1";
   int port = 0;  ///< 0: any that is free
   int most_listeners = 8;
+  /// What every request must bring; empty: nothing, and only this computer is answered.
+  std::string token{};
+  /// Makes a clip of a file that somebody has dropped on the page; empty: they cannot. Called by
+  /// one thread at a time. The name is what its sender calls it.
+  std::function<ServedClip(const std::filesystem::path& file, const std::string& name)>
+      open_upload{};
+  std::size_t most_upload_bytes = std::size_t{256} << 20U;
 };
 
-/// Serves the page on which one walks through a clip, and the sound of its listeners:
+/// Serves the page on which one walks through clips, and the sound of its listeners:
 ///
 ///   GET  /                        the page and its files
-///   GET  /api/clip                what there is to hear, as JSON
-///   GET  /api/picture             PNG
-///   POST /api/listeners           {"listener": name}; 503 if there is no room
+///   GET  /api/clips               {"clips": [{"id", "name"}], "most_upload_bytes"}; 0: no uploads
+///   POST /api/clips?name=NAME     a movie or a sound file -> {"clip": id}
+///   GET  /api/clips/ID            what there is to hear, as JSON
+///   GET  /api/clips/ID/picture    PNG
+///   GET  /api/clips/ID/map        PNG, from above
+///   POST /api/clips/ID/walk?method=NAME&format=wav|mp4  CSV of a walk -> the rendered file
+///   POST /api/listeners           {"clip": id} -> {"listener": name}; 503 if there is no room
 ///   POST /api/listeners/NAME/sound  {"start", "samples", "position_m", "yaw_deg", "pitch_deg",
-///                                 "method"} -> float32, left and right in turns, little-endian
+///                                 "method", "matches_level"} -> float32, left and right in turns,
+///                                 little-endian
+///   POST /api/listeners/NAME/leave
 ///
-/// Answers only requests that name this host (no page of another site can reach it).
+/// What is refused is answered with {"error": one line}.
 class ClipServer {
  public:
-  /// @param clip  must outlive it
-  ClipServer(const ServedClip& clip, const ServeOptions& options);
+  /// @param library  must outlive it, and the methods too
+  /// @throws InputError if the host is not this computer alone and there is no token
+  ClipServer(ClipLibrary& library, std::span<const ListenMethod> methods, ServeOptions options);
   ~ClipServer();
 
   /// @return the port
@@ -41,6 +61,9 @@ class ClipServer {
   struct State;
   std::unique_ptr<State> state_;
 };
+
+/// Whether an address to listen at is reached from this computer alone.
+[[nodiscard]] bool is_loopback(std::string_view host);
 
 /// Whether this build holds the page: esbuild was there when it was configured.
 [[nodiscard]] bool has_page();

@@ -1,50 +1,60 @@
 #pragma once
 
 #include <cstddef>
-#include <optional>
-#include <string_view>
+#include <map>
+#include <memory>
+#include <span>
+#include <string>
 
 #include <earpoint/core/pose.h>
 #include <earpoint/core/waveform.h>
+#include <earpoint/serve/listen_method.h>
 #include <earpoint/serve/served_clip.h>
-#include <earpoint/synth/render_stream.h>
 
 namespace earpoint {
 
-/// What a listener hears of a clip.
-enum class ListenMethod {
-  input,  ///< the recording itself
-  gtf,
+class LiveSound;
+
+/// Where a listener is and what they want to hear.
+struct ListenWish {
+  Pose source_from_target;
+  std::string method = "input";  ///< a name among the methods, or kTruthName
+  /// As loud as the recording is at the same time, over two seconds: what remains is place and
+  /// timbre.
+  bool matches_level = false;
 };
 
-/// @return the method of that name; nothing if there is none
-[[nodiscard]] std::optional<ListenMethod> listen_method(std::string_view name);
-
 /// Somebody who walks through a clip: asks for its sound part by part, each from where they are
-/// then. A recording can be read ahead, so that no latency of the network remains.
+/// then.
 class Listener {
  public:
-  /// @param clip  must outlive it
-  explicit Listener(const ServedClip& clip);
+  /// @param methods  must outlive it
+  Listener(std::shared_ptr<const ServedClip> clip, std::span<const ListenMethod> methods);
+  ~Listener();
 
-  /// What is heard from sample `start` on, at the clip's rate. Parts that follow one another join;
-  /// a leap takes half a second of the sound before to warm up. From the pose of the part before
-  /// the head moves to this one evenly, and methods fade into each other.
+  /// What is heard from sample `start` on, at the clip's rate. Parts that follow one another join:
+  /// the head moves evenly from the pose of the part before to this one, and methods fade into each
+  /// other. A leap takes some of the sound before to warm up.
   /// @param samples  1 to the clip's rate; beyond the clip there is silence
-  /// @throws InputError if the pose is not finite or absurdly far
+  /// @throws InputError if the pose is not finite or absurdly far, no method has that name, or the
+  ///         method lacks what it needs
   [[nodiscard]] Waveform listen(std::ptrdiff_t start, std::ptrdiff_t samples,
-                                const Pose& source_from_target, ListenMethod method);
+                                const ListenWish& wish);
+
+  [[nodiscard]] const ServedClip& clip() const { return *clip_; }
 
  private:
-  void leap(std::ptrdiff_t start, const Pose& pose);
-  [[nodiscard]] Waveform source(std::ptrdiff_t start, std::ptrdiff_t samples) const;
-  [[nodiscard]] Waveform rendered(std::ptrdiff_t start, std::ptrdiff_t samples, const Pose& pose);
+  LiveSound& sound_of(const std::string& method);
+  void match_level(Waveform& sound, std::ptrdiff_t start, bool matches);
 
-  const ServedClip& clip_;
-  RenderStream stream_;
+  std::shared_ptr<const ServedClip> clip_;
+  std::span<const ListenMethod> methods_;
+  std::map<std::string, std::unique_ptr<LiveSound>> sounds_;  ///< of the methods listened to so far
   std::ptrdiff_t next_ = -1;  ///< the sample that a part must begin with to join the last one
-  Pose pose_;
-  ListenMethod method_ = ListenMethod::gtf;
+  std::string method_;
+  double power_recorded_ = 0.0;  ///< over the last seconds
+  double power_heard_ = 0.0;
+  float gain_ = 1.0F;
 };
 
 }  // namespace earpoint

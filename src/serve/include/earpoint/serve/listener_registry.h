@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <span>
 #include <string>
 
 #include <earpoint/serve/listener.h>
@@ -15,15 +16,18 @@ namespace earpoint {
 /// room.
 class ListenerRegistry {
  public:
-  /// @param most  > 0
-  ListenerRegistry(const ServedClip& clip, std::size_t most) : clip_(clip), most_(most) {}
+  /// @param methods  must outlive it
+  /// @param most     > 0
+  ListenerRegistry(std::span<const ListenMethod> methods, std::size_t most)
+      : methods_(methods), most_(most) {}
 
   /// @return the new listener's name, which nobody can guess; empty if there is no room
-  [[nodiscard]] std::string add();
+  [[nodiscard]] std::string add(std::shared_ptr<const ServedClip> clip);
 
   /// Keeps others away from one listener.
   struct Seat {
-    explicit Seat(const ServedClip& clip) : listener(clip) {}
+    Seat(std::shared_ptr<const ServedClip> clip, std::span<const ListenMethod> methods)
+        : listener(std::move(clip), methods) {}
     std::mutex mutex;
     Listener listener;
     std::chrono::steady_clock::time_point last_heard = std::chrono::steady_clock::now();
@@ -32,10 +36,13 @@ class ListenerRegistry {
   /// @return null if nobody has that name (any more)
   [[nodiscard]] std::shared_ptr<Seat> find(const std::string& name);
 
+  /// The listener has left: there is room for another.
+  void remove(const std::string& name);
+
   [[nodiscard]] std::size_t size();
 
  private:
-  const ServedClip& clip_;
+  std::span<const ListenMethod> methods_;
   std::size_t most_;
   std::mutex mutex_;
   std::map<std::string, std::shared_ptr<Seat>> seats_;

@@ -1,0 +1,94 @@
+#include <algorithm>
+#include <filesystem>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include <earpoint/core/error.h>
+#include <earpoint/model/safetensors.h>
+#include <earpoint/model/shipped_model.h>
+#include <earpoint/model/weights.h>
+#include <earpoint/serve/listen_method.h>
+#include <earpoint/spatial/sofa_file.h>
+#include <earpoint/synth/make_synthesizer.h>
+
+namespace earpoint {
+namespace {
+
+namespace fs = std::filesystem;
+
+ListenMethod network(std::string name, const std::string& file) {
+  ListenMethod method{.name = std::move(name), .model = file};
+  if (!fs::exists(file)) throw InputError("--methods " + file, "there is no such file");
+  SafetensorsFile weights = read_safetensors(file);
+  if (network_kind(weights, file) == NetworkKind::gtf) {
+    method.gtf = std::make_shared<const GtfWeights>(gtf_weights(std::move(weights), file));
+  } else {
+    // A bad file is found before anything is served.
+    method.needs_box = make_synthesizer(file, {})->picture_use() == PictureUse::always;
+  }
+  return method;
+}
+
+ListenMethod method_of(const std::string& word) {
+  if (word == "input") return {.name = word, .model = word};
+  if (word == "dsp") {
+    (void)make_synthesizer(word, {});
+    return {.name = word, .model = word, .needs_speaker = true};
+  }
+  if (const auto equals = word.find('='); equals != std::string::npos) {
+    if (equals == 0 || equals + 1 == word.size() || word.substr(0, equals) == kTruthName) {
+      throw InputError("--methods " + word, "expected NAME=FILE");
+    }
+    return network(word.substr(0, equals), word.substr(equals + 1));
+  }
+  if (const auto shipped = shipped_model_path(word + ".safetensors")) {
+    return network(word, shipped->string());
+  }
+  throw InputError("--methods " + word, "is neither a known method nor a shipped model",
+                   "name a weight file: NAME=FILE.safetensors");
+}
+
+bool has_head_filters() {
+  try {
+    (void)default_hrtf_path();
+    return true;
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
+}  // namespace
+
+std::vector<ListenMethod> listen_methods(std::span<const std::string> words) {
+  std::vector<ListenMethod> methods;
+  for (const std::string& word : words) {
+    ListenMethod method = method_of(word);
+    if (std::ranges::find(methods, method.name, &ListenMethod::name) != methods.end()) {
+      throw InputError("--methods", "names " + method.name + " twice", "give one NAME=FILE");
+    }
+    methods.push_back(std::move(method));
+  }
+  if (methods.empty()) throw InputError("--methods", "names nothing to listen to");
+  return methods;
+}
+
+std::vector<std::string> default_listen_words() {
+  std::vector<std::string> words{"input"};
+  if (has_head_filters()) words.emplace_back("dsp");
+  const auto first = shipped_model_path("gtf.safetensors");
+  if (!first) return words;
+  std::vector<std::string> models;
+  for (const fs::directory_entry& file : fs::directory_iterator(first->parent_path())) {
+    const std::string name = file.path().stem().string();
+    if (file.path().extension() != ".safetensors") continue;
+    for (const std::string family : {"gtf", "vam", "vigas"}) {
+      if (name == family || name.starts_with(family + "-")) models.push_back(name);
+    }
+  }
+  std::ranges::sort(models);
+  words.insert(words.end(), models.begin(), models.end());
+  return words;
+}
+
+}  // namespace earpoint

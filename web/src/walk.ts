@@ -1,0 +1,52 @@
+import { Pose } from './api';
+
+/** Where one was at a time of the clip. */
+export interface Step extends Pose {
+  time_s: number;
+}
+
+const between = (a: number, b: number, share: number) => a + share * (b - a);
+
+/** The shorter way round from one heading to another. */
+const turn = (from_deg: number, to_deg: number) => ((to_deg - from_deg + 540) % 360) - 180;
+
+/** A walk through a clip from its beginning to its end. */
+export class Walk {
+  private readonly steps: Step[] = [];
+
+  constructor(private readonly duration_s: number) {}
+
+  /** Times must grow. */
+  add(step: Step): void {
+    const last = this.steps[this.steps.length - 1];
+    if (!last || step.time_s > last.time_s) this.steps.push({ ...step });
+  }
+
+  get isEmpty(): boolean {
+    return this.steps.length === 0;
+  }
+
+  at(time_s: number): Pose {
+    const after = this.steps.findIndex((step) => step.time_s >= time_s);
+    if (after < 0) return this.steps[this.steps.length - 1];
+    if (after === 0) return this.steps[0];
+    const [a, b] = [this.steps[after - 1], this.steps[after]];
+    const share = (time_s - a.time_s) / (b.time_s - a.time_s);
+    return {
+      x: between(a.x, b.x, share),
+      y: between(a.y, b.y, share),
+      z: between(a.z, b.z, share),
+      yaw_deg: a.yaw_deg + share * turn(a.yaw_deg, b.yaw_deg),
+    };
+  }
+
+  /** As `earpoint render --path` reads it: the whole clip is covered, one stands still after the last step. */
+  csv(): string {
+    const rows = [...this.steps];
+    if (rows[0].time_s > 0) rows.unshift({ ...rows[0], time_s: 0 });
+    const last = rows[rows.length - 1];
+    if (last.time_s < this.duration_s - 1e-3) rows.push({ ...last, time_s: this.duration_s });
+    const lines = rows.map((s) => [s.time_s, s.x, s.y, s.z, s.yaw_deg, 0, 0].map((n) => n.toFixed(4)).join(','));
+    return ['time_s,x,y,z,yaw_deg,pitch_deg,roll_deg', ...lines, ''].join('\n');
+  }
+}
