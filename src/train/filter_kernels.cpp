@@ -195,8 +195,8 @@ void mix_row_back(const BinRows& rows, const BinTurns& turns, std::ptrdiff_t row
       }
     }
     for (int ear = 0; ear < 2; ++ear) {
-      by_source[ear] = hn::Add(by_source[ear],
-                               inner_turned(m.voiced[ear], plus(by_voice, by_voiced[ear])));
+      by_source[ear] =
+          hn::Add(by_source[ear], inner_turned(m.voiced[ear], plus(by_voice, by_voiced[ear])));
     }
   }
   for (int ear = 0; ear < 2; ++ear) {

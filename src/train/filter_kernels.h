@@ -63,8 +63,8 @@ struct BinRows {
 struct BinTurns {
   float source_cosine[2], source_sine[2];
   float target_cosine[2], target_sine[2];
-  float share[2];        ///< of the moved voice in the phase
-  bool moves_ears;       ///< whether the rest is each ear's own sound moved, or unmoved
+  float share[2];   ///< of the moved voice in the phase
+  bool moves_ears;  ///< whether the rest is each ear's own sound moved, or unmoved
 };
 
 /// (max(filtered, 0) + 1e-3) * exp(gain between -3 and 2) with the phase of

@@ -64,8 +64,8 @@ struct GtfDescription {
   /// Whether it finds the speaker and computes what the move does; else it knows the bare pose.
   bool geometry = true;
   bool delays = true;  ///< whether the ears' delays are moved to the target's; needs geometry
-  /// What is mixed with the moved voice: each ear's sound, moved by its own delay, or unmoved; needs
-  /// delays.
+  /// What is mixed with the moved voice: each ear's sound, moved by its own delay, or unmoved;
+  /// needs delays.
   bool ear_delays = false;
 
   /// Rounds of fast Griffin-Lim that make the phases of neighbouring frames agree; each needs two
