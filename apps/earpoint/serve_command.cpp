@@ -67,7 +67,7 @@ std::vector<ListenMethod> methods_of(const ServeArguments& arguments) {
     const std::filesystem::path path(model);
     std::string name = path.stem().string();
     if (name == "best" && path.has_parent_path()) name = path.parent_path().filename().string();
-    words.push_back(name + "=" + model);
+    words.push_back(fmt::format("{}={}", name, model));
   }
   return listen_methods(words);
 }

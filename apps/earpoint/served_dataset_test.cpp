@@ -4,6 +4,7 @@
 #include <string>
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <earpoint/core/error.h>
 #include <earpoint/dataset_testing/tiny_dataset.h>
@@ -16,7 +17,7 @@ namespace fs = std::filesystem;
 class ServedDataset : public testing::Test {
  protected:
   void SetUp() override {
-    folder_ = fs::path(testing::TempDir()) / "served_dataset";
+    folder_ = fs::path(testing::TempDir()) / ("served_dataset." + std::to_string(::getpid()));
     fs::remove_all(folder_);
     write_tiny_dataset(folder_);
   }

@@ -118,7 +118,7 @@ struct ClipServer::State {
       return admit(request, response) ? httplib::Server::HandlerResponse::Unhandled
                                       : httplib::Server::HandlerResponse::Handled;
     });
-    server.set_exception_handler([](const Request&, Response& response, std::exception_ptr) {
+    server.set_exception_handler([](const Request&, Response& response, const std::exception_ptr&) {
       refuse(response, 500, "the server failed at this: a fault of the program");
     });
     route_pages();
