@@ -15,6 +15,7 @@
 #include <earpoint/model/vam.h>
 #include <earpoint/model/weights.h>
 #include <earpoint/train/initial_weights.h>
+#include <earpoint/train/train_config.h>
 #include <earpoint/train/trainer.h>
 #include <earpoint/train/training_task.h>
 #include <earpoint/video/image_file.h>
@@ -112,6 +113,22 @@ TEST_F(TaskKinds, NamesWhatIsWrongWithAGeometricNetwork) {
             std::string::npos);
   EXPECT_NE(said(R"({"kind": "gtf", "loss": {"dry_voice": 1}})").find("'loss.dry_voice' needs"),
             std::string::npos);
+}
+
+TEST_F(TaskKinds, ShippedConfigurationsOfGeometricNetworksCanStart) {
+  int count = 0;
+  for (const auto& entry :
+       fs::recursive_directory_iterator(fs::path(EARPOINT_SOURCE_DIR) / "configs")) {
+    if (entry.path().extension() != ".json") continue;
+    const TrainConfig config = read_train_config(entry.path());
+    // What goes on from other weights needs theirs.
+    if (config.kind != "gtf" || config.network.find("\"init\"") != std::string::npos) continue;
+    ++count;
+    EXPECT_NO_THROW(static_cast<void>(make_training_task(config, entry.path().string(),
+                                                         {.data = folder_ / "data", .on_bad = {}})))
+        << entry.path();
+  }
+  EXPECT_GE(count, 14);
 }
 
 TEST_F(TaskKinds, TrainsAGeometricNetworkByAnEstimatorsEar) {
