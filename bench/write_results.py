@@ -16,6 +16,7 @@ is left out. Each section says on which day and after which commit its file was 
 import datetime
 import os
 import platform
+import shutil
 import subprocess
 import sys
 
@@ -183,9 +184,11 @@ SECTIONS = [
 def stamp(path):
     """When a file was measured, and the last commit before that where this is a checkout."""
     seconds = os.path.getmtime(path)
-    commit = subprocess.run(["git", "log", "-1", f"--before={int(seconds)}", "--format=%h"],
-                            capture_output=True, text=True, check=False,
-                            cwd=os.path.dirname(os.path.abspath(__file__))).stdout.strip()
+    commit = ""
+    if shutil.which("git"):
+        commit = subprocess.run(["git", "log", "-1", f"--before={int(seconds)}", "--format=%h"],
+                                capture_output=True, text=True, check=False,
+                                cwd=os.path.dirname(os.path.abspath(__file__))).stdout.strip()
     day = datetime.datetime.fromtimestamp(seconds, datetime.timezone.utc).date()
     return f"*Measured on {day}{' at ' + commit if commit else ''}.*"
 
