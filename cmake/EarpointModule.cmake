@@ -28,12 +28,14 @@ if(EARPOINT_SANITIZE)
 endif()
 
 # earpoint_add_module(<name>
-#   [DEPENDS <module>...]         modules whose headers its own headers may include
+#   [DEPENDS <module>...]         modules whose headers it may include
 #   [LIBRARIES <target>...]       outside libraries, private to the module
-#   SOURCES <file>... [TESTS <file>...] [TEST_DEPENDS <module>...] [TEST_LIBRARIES <target>...])
+#   [SOURCES <file>...] [TESTS <file>...] [TEST_DEPENDS <module>...] [TEST_LIBRARIES <target>...])
 #
-# Makes earpoint::<name> with the include root src/<name>/include, and <name>_test from TESTS.
-# A file that includes a module which is not in DEPENDS does not compile.
+# Makes earpoint::<name> with the include root include/ beside the CMakeLists.txt, and <name>_test from TESTS; without
+# SOURCES a library of headers alone. A file may include headers of its own module and of those in DEPENDS, a test also
+# of those in TEST_DEPENDS: ./dev lint holds it to that (cmake/check_modules.py), as the compiler sees whatever these
+# include in turn.
 function(earpoint_add_module name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" ""
     "DEPENDS;LIBRARIES;SOURCES;TESTS;TEST_DEPENDS;TEST_LIBRARIES")
@@ -41,10 +43,17 @@ function(earpoint_add_module name)
     message(FATAL_ERROR "earpoint_add_module(${name}): unknown ${arg_UNPARSED_ARGUMENTS}")
   endif()
 
+  list(TRANSFORM arg_DEPENDS PREPEND earpoint::)
+  if(NOT arg_SOURCES)
+    add_library(earpoint_${name} INTERFACE)
+    add_library(earpoint::${name} ALIAS earpoint_${name})
+    target_include_directories(earpoint_${name} INTERFACE include)
+    target_link_libraries(earpoint_${name} INTERFACE ${arg_DEPENDS})
+    return()
+  endif()
   add_library(earpoint_${name} STATIC ${arg_SOURCES})
   add_library(earpoint::${name} ALIAS earpoint_${name})
   target_include_directories(earpoint_${name} PUBLIC include)
-  list(TRANSFORM arg_DEPENDS PREPEND earpoint::)
   target_link_libraries(earpoint_${name}
     PUBLIC ${arg_DEPENDS}
     PRIVATE earpoint_flags fmt::fmt nlohmann_json::nlohmann_json Threads::Threads

@@ -26,11 +26,11 @@
 #include <earpoint/audio/sound_file.h>
 #include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
+#include <earpoint/media/image_file.h>
+#include <earpoint/media/movie_writer.h>
 #include <earpoint/spatial/hrtf.h>
 #include <earpoint/trace/response_renderer.h>
 #include <earpoint/trace/tracer.h>
-#include <earpoint/video/image_file.h>
-#include <earpoint/video/movie_writer.h>
 
 namespace earpoint {
 namespace {

@@ -7,7 +7,7 @@
 
 #include <earpoint/audio/ambient_separation.h>
 #include <earpoint/core/error.h>
-#include <earpoint/synth/earpoint_path.h>
+#include <earpoint/synthesis/earpoint_path.h>
 
 namespace earpoint {
 

@@ -16,9 +16,9 @@
 
 #include <earpoint/core/error.h>
 #include <earpoint/core/parallel.h>
-#include <earpoint/model/shipped_model.h>
-#include <earpoint/synth/make_synthesizer.h>
-#include <earpoint/synth/render.h>
+#include <earpoint/network/shipped_model.h>
+#include <earpoint/render/make_synthesizer.h>
+#include <earpoint/render/render.h>
 
 namespace earpoint {
 namespace {

@@ -33,8 +33,8 @@
 #include <earpoint/evaluate/metrics.h>
 #include <earpoint/evaluate/report.h>
 #include <earpoint/evaluate/speaker_boxes.h>
-#include <earpoint/infer/rt60_estimator.h>
-#include <earpoint/model/weights.h>
+#include <earpoint/rt60/engine.h>
+#include <earpoint/rt60/weights.h>
 
 namespace {
 

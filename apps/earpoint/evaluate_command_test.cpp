@@ -12,8 +12,9 @@
 #include <earpoint/audio/sound_file.h>
 #include <earpoint/core/file.h>
 #include <earpoint/core/random.h>
-#include <earpoint/model/weights.h>
-#include <earpoint/model_testing/random_weights.h>
+#include <earpoint/network/pose_encoding.h>
+#include <earpoint/network_testing/random_weights.h>
+#include <earpoint/vigas/weights.h>
 
 namespace {
 
@@ -200,7 +201,7 @@ void write_network(const fs::path& path, const std::string& name) {
   earpoint::ViGasWeights weights{.description = description, .tensors = {}, .unused = {}};
   earpoint::RandomStream random(name.size());
   weights.tensors = earpoint::random_tensors(required_tensors(description), random, -0.3, 0.3);
-  write_safetensors(path, vigas_weight_file(weights));
+  write_safetensors(path, to_weight_file(weights));
 }
 
 TEST_F(EvaluateCommandTest, RunsAndShippedModelsAreRows) {

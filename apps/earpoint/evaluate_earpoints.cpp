@@ -8,7 +8,7 @@
 
 #include <earpoint/core/error.h>
 #include <earpoint/evaluate/earpoint_comparison.h>
-#include <earpoint/model/shipped_model.h>
+#include <earpoint/network/shipped_model.h>
 
 namespace {
 

@@ -9,7 +9,7 @@
 #include <earpoint/core/error.h>
 #include <earpoint/evaluate/oracles.h>
 #include <earpoint/evaluate/transfer_function.h>
-#include <earpoint/model/shipped_model.h>
+#include <earpoint/network/shipped_model.h>
 
 namespace {
 

@@ -1,6 +1,8 @@
 #include "gtf_file.h"
 
-#include <earpoint/model_testing/random_weights.h>
+#include <earpoint/gtf/description.h>
+#include <earpoint/network/weights.h>
+#include <earpoint/network_testing/random_weights.h>
 
 namespace earpoint {
 
@@ -14,7 +16,7 @@ void write_gtf_file(const std::filesystem::path& path, int picture_px, bool geom
   description.geometry = description.delays = geometry;
   description.texture = texture;
   description.highpass_cutoff_hz = 80.0;
-  write_safetensors(path, gtf_weight_file(random_gtf_weights(description)));
+  write_safetensors(path, to_weight_file(random_gtf_weights(description)));
 }
 
 }  // namespace earpoint

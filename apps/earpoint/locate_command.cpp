@@ -16,11 +16,12 @@
 
 #include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
+#include <earpoint/gtf/weights.h>
 #include <earpoint/locate/plot_people.h>
-#include <earpoint/model/safetensors.h>
-#include <earpoint/model/shipped_model.h>
-#include <earpoint/synth/locate_speaker.h>
-#include <earpoint/video/image_file.h>
+#include <earpoint/media/image_file.h>
+#include <earpoint/network/shipped_model.h>
+#include <earpoint/render/locate_speaker.h>
+#include <earpoint/weights/safetensors.h>
 
 namespace earpoint {
 namespace {

@@ -12,7 +12,7 @@
 
 #include <earpoint/audio/sound_file.h>
 #include <earpoint/core/random.h>
-#include <earpoint/video/image_file.h>
+#include <earpoint/media/image_file.h>
 
 namespace earpoint {
 namespace {

@@ -25,7 +25,7 @@
 #include <earpoint/evaluate/metrics.h>
 #include <earpoint/evaluate/reverberation_error.h>
 #include <earpoint/evaluate/speech_metrics.h>
-#include <earpoint/model/weights.h>
+#include <earpoint/rt60/weights.h>
 
 namespace {
 

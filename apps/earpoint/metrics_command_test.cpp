@@ -11,9 +11,9 @@
 #include <earpoint/audio/sound_file.h>
 #include <earpoint/core/file.h>
 #include <earpoint/core/random.h>
-#include <earpoint/model/network.h>
-#include <earpoint/model/safetensors.h>
-#include <earpoint/model/weights.h>
+#include <earpoint/network/pose_encoding.h>
+#include <earpoint/rt60/weights.h>
+#include <earpoint/weights/safetensors.h>
 
 namespace {
 
@@ -105,7 +105,7 @@ void write_estimator(const std::string& path, float bias_s) {
         static_cast<std::size_t>(earpoint::element_count(shape).value()), value);
     weights.tensors[name] = earpoint::make_tensor<float>(values, shape);
   }
-  earpoint::write_safetensors(path, earpoint::rt60_weight_file(weights));
+  earpoint::write_safetensors(path, earpoint::to_weight_file(weights));
 }
 
 TEST_F(MetricsCommand, ReverberationErrorComesFromTheNamedEstimator) {

@@ -15,14 +15,16 @@
 #include <nlohmann/json.hpp>
 
 #include <earpoint/core/file.h>
-#include <earpoint/model/checkpoint.h>
-#include <earpoint/model/checkpoint_export.h>
-#include <earpoint/model/gtf.h>
-#include <earpoint/model/network.h>
-#include <earpoint/model/people.h>
-#include <earpoint/model/safetensors.h>
-#include <earpoint/model/vam.h>
-#include <earpoint/model/weights.h>
+#include <earpoint/gtf/weights.h>
+#include <earpoint/network/checked_tensors.h>
+#include <earpoint/network/network_kind.h>
+#include <earpoint/people/weights.h>
+#include <earpoint/rt60/weights.h>
+#include <earpoint/vam/weights.h>
+#include <earpoint/vigas/checkpoint_export.h>
+#include <earpoint/vigas/weights.h>
+#include <earpoint/weights/checkpoint.h>
+#include <earpoint/weights/safetensors.h>
 
 namespace {
 

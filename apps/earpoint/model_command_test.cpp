@@ -14,7 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 
 const std::string kCheckpoint =
-    EARPOINT_SOURCE_DIR "/src/model/testdata/C_mini_noresnet/best_val.ckpt";
+    EARPOINT_SOURCE_DIR "/src/networks/vigas/testdata/C_mini_noresnet/best_val.ckpt";
 
 class ModelCommand : public ::testing::Test {
  protected:
@@ -89,9 +89,10 @@ TEST_F(ModelCommand, BadFilesGiveOneLineAndNoOutput) {
   expect_refused({"model", "import", text, "-o", output_}, "is not a whole zip archive");
   expect_refused({"model", "info", text}, "safetensors");
   expect_refused({"model", "info", kCheckpoint}, "safetensors");
-  expect_refused({"model", "info",
-                  EARPOINT_SOURCE_DIR "/src/model/testdata/C_mini_noresnet/inputs.safetensors"},
-                 "has no metadata 'earpoint.network'; make it with earpoint model import");
+  expect_refused(
+      {"model", "info",
+       EARPOINT_SOURCE_DIR "/src/networks/vigas/testdata/C_mini_noresnet/inputs.safetensors"},
+      "has no metadata 'earpoint.network'; make it with earpoint model import");
   expect_refused({"model", "import", kCheckpoint, "-o", (folder_ / "no" / "x").string()},
                  "its folder does not exist");
 }

@@ -17,9 +17,9 @@
 
 #include <earpoint/core/error.h>
 #include <earpoint/core/parallel.h>
-#include <earpoint/infer/vigas.h>
-#include <earpoint/model/safetensors.h>
-#include <earpoint/model/weights.h>
+#include <earpoint/vigas/engine.h>
+#include <earpoint/vigas/weights.h>
+#include <earpoint/weights/safetensors.h>
 
 namespace {
 

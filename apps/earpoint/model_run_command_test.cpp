@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include <earpoint/core/file.h>
-#include <earpoint/model/safetensors.h>
+#include <earpoint/weights/safetensors.h>
 
 namespace {
 
@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 using earpoint::SafetensorsFile;
 using earpoint::Tensor;
 
-const std::string kOracle = EARPOINT_SOURCE_DIR "/src/model/testdata/C_mini_noresnet";
+const std::string kOracle = EARPOINT_SOURCE_DIR "/src/networks/vigas/testdata/C_mini_noresnet";
 
 class ModelRunCommand : public ::testing::Test {
  protected:

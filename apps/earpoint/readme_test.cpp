@@ -12,9 +12,9 @@
 
 #include <earpoint/audio/sound_file.h>
 #include <earpoint/core/file.h>
+#include <earpoint/media/image_file.h>
+#include <earpoint/media/media.h>
 #include <earpoint/record_testing/test_session.h>
-#include <earpoint/video/image_file.h>
-#include <earpoint/video/media.h>
 
 namespace earpoint {
 namespace {
@@ -48,7 +48,7 @@ Waveform beginning_of(const Waveform& sound) {
 /// A folder with the files that README speaks of.
 void fill(const fs::path& folder) {
   const fs::path examples = EARPOINT_SOURCE_DIR "/examples";
-  const fs::path mini = EARPOINT_SOURCE_DIR "/src/model/testdata/C_mini_noresnet";
+  const fs::path mini = EARPOINT_SOURCE_DIR "/src/networks/vigas/testdata/C_mini_noresnet";
   fs::copy(examples, folder / "examples");
   fs::copy_file(examples / "clip.mp4", folder / "clip.mp4");
   fs::copy_file(examples / "walk.csv", folder / "walk.csv");
@@ -60,7 +60,7 @@ void fill(const fs::path& folder) {
               beginning_of(read_sound(examples / "truth-in-the-next-room.flac")));
   write_sound(folder / "estimate.wav", beginning_of(read_sound(examples / "truth-far-away.flac")));
   write_gtf_file(folder / "gtf.safetensors");
-  fs::copy_file(EARPOINT_SOURCE_DIR "/src/scene/testdata/room.glb", folder / "flat.glb");
+  fs::copy_file(EARPOINT_SOURCE_DIR "/lab/scene/testdata/room.glb", folder / "flat.glb");
   write_file(folder / "room-walk.csv",
              "time_s,x,y,z,yaw_deg,pitch_deg,roll_deg\n0,5,1,1.6,90,0,0\n2,3,4,1.6,180,0,0\n");
   TestSession session =

@@ -10,7 +10,7 @@
 #include <earpoint/audio/sound_file.h>
 #include <earpoint/core/file.h>
 #include <earpoint/core/random.h>
-#include <earpoint/video/media.h>
+#include <earpoint/media/media.h>
 
 namespace {
 

@@ -11,13 +11,13 @@
 #include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
 #include <earpoint/core/progress.h>
+#include <earpoint/media/image_file.h>
 #include <earpoint/record/session.h>
 #include <earpoint/record/session_sync.h>
 #include <earpoint/record/session_truth.h>
 #include <earpoint/record/sync.h>
 #include <earpoint/record/sync_file.h>
 #include <earpoint/record/sync_plot.h>
-#include <earpoint/video/image_file.h>
 
 namespace earpoint {
 namespace {

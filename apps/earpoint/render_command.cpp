@@ -18,12 +18,12 @@
 
 #include <earpoint/core/error.h>
 #include <earpoint/core/parallel.h>
-#include <earpoint/model/shipped_model.h>
-#include <earpoint/synth/gtf_synthesizer.h>
-#include <earpoint/synth/make_synthesizer.h>
-#include <earpoint/synth/render.h>
-#include <earpoint/video/image_file.h>
-#include <earpoint/video/plot.h>
+#include <earpoint/gtf/synthesizer.h>
+#include <earpoint/media/image_file.h>
+#include <earpoint/network/shipped_model.h>
+#include <earpoint/plot/plot.h>
+#include <earpoint/render/make_synthesizer.h>
+#include <earpoint/render/render.h>
 
 namespace earpoint {
 namespace {

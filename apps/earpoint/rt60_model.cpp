@@ -1,6 +1,6 @@
 #include "rt60_model.h"
 
-#include <earpoint/model/shipped_model.h>
+#include <earpoint/network/shipped_model.h>
 
 std::optional<std::filesystem::path> rt60_model(const std::filesystem::path& given) {
   if (!given.empty()) return given;

@@ -18,8 +18,8 @@
 #include <earpoint/dataset/dataset_folder.h>
 #include <earpoint/dataset/pair_list.h>
 #include <earpoint/dataset/pair_sample.h>
+#include <earpoint/media/image_file.h>
 #include <earpoint/scene/homes.h>
-#include <earpoint/video/image_file.h>
 
 namespace earpoint {
 namespace {

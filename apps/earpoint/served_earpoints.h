@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <string>
 
-#include <earpoint/model/gtf.h>
+#include <earpoint/gtf/weights.h>
 #include <earpoint/serve/served_clip.h>
 
 namespace earpoint {

@@ -13,9 +13,9 @@
 #include <earpoint/audio/sound_file.h>
 #include <earpoint/core/error.h>
 #include <earpoint/core/progress.h>
+#include <earpoint/media/image_file.h>
+#include <earpoint/render/picture_stream.h>
 #include <earpoint/serve/limited_process.h>
-#include <earpoint/synth/picture_stream.h>
-#include <earpoint/video/image_file.h>
 
 namespace earpoint {
 namespace {

@@ -7,7 +7,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include <earpoint/model/gtf.h>
+#include <earpoint/gtf/weights.h>
 #include <earpoint/serve/served_clip.h>
 
 namespace earpoint {

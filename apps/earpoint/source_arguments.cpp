@@ -12,7 +12,7 @@
 
 #include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
-#include <earpoint/video/media.h>
+#include <earpoint/media/media.h>
 
 namespace earpoint {
 namespace {

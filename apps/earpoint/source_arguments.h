@@ -6,7 +6,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include <earpoint/synth/render.h>
+#include <earpoint/render/render.h>
 
 namespace earpoint {
 

@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include <earpoint/core/error.h>
-#include <earpoint/model/shipped_model.h>
+#include <earpoint/network/shipped_model.h>
 
 namespace earpoint {
 namespace {

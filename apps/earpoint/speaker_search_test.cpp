@@ -15,9 +15,9 @@
 #include <earpoint/core/file.h>
 #include <earpoint/core/pose.h>
 #include <earpoint/core/random.h>
-#include <earpoint/video/image_file.h>
-#include <earpoint/video/media.h>
-#include <earpoint/video/movie_writer.h>
+#include <earpoint/media/image_file.h>
+#include <earpoint/media/media.h>
+#include <earpoint/media/movie_writer.h>
 
 namespace earpoint {
 namespace {

@@ -199,7 +199,7 @@ TEST_F(TraceCommand, TracesAModelInTheCoordinatesOfALandSurvey) {
 
 TEST_F(TraceCommand, TracesAModelFileWithItsOptions) {
   // An L-shaped room with a corner at the origin, 6 m along x and 4 m along y.
-  const std::string room = EARPOINT_SOURCE_DIR "/src/scene/testdata/room.glb";
+  const std::string room = EARPOINT_SOURCE_DIR "/lab/scene/testdata/room.glb";
   const ProgramOutcome outcome = run_earpoint(
       {"trace", room, "--source", "3,1,1.4", "--listener", "1,1,1.4,yaw=90", "--up", "y", "--unit",
        "1", "--duration", "0.3", "--rays", "200", "-o", output_, "--report"});

@@ -15,7 +15,7 @@
 #include <earpoint/audio/sound_file.h>
 #include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
-#include <earpoint/synth/earpoint_path.h>
+#include <earpoint/synthesis/earpoint_path.h>
 #include <earpoint/trace/moving_sound.h>
 
 namespace {

@@ -19,10 +19,10 @@
 #include <earpoint/core/error.h>
 #include <earpoint/core/parallel.h>
 #include <earpoint/core/progress.h>
-#include <earpoint/model/safetensors.h>
 #include <earpoint/train/process_group.h>
 #include <earpoint/train/trainer.h>
 #include <earpoint/train/training_task.h>
+#include <earpoint/weights/safetensors.h>
 
 namespace {
 

@@ -16,7 +16,7 @@
 #include <earpoint/audio/sound_file.h>
 #include <earpoint/core/file.h>
 #include <earpoint/dataset_testing/tiny_dataset.h>
-#include <earpoint/model/safetensors.h>
+#include <earpoint/weights/safetensors.h>
 
 namespace {
 

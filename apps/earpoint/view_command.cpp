@@ -17,7 +17,7 @@
 
 #include <earpoint/camera/scene_renderer.h>
 #include <earpoint/core/error.h>
-#include <earpoint/video/image_file.h>
+#include <earpoint/media/image_file.h>
 
 namespace {
 

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include <earpoint/core/file.h>
-#include <earpoint/video/image_file.h>
+#include <earpoint/media/image_file.h>
 
 namespace {
 
@@ -73,7 +73,7 @@ TEST_F(ViewCommand, GivesTheSameBytesForAnyNumberOfJobs) {
 
 TEST_F(ViewCommand, SeesAModelFromAFile) {
   const ProgramOutcome outcome =
-      run_earpoint({"view", EARPOINT_SOURCE_DIR "/src/scene/testdata/room.glb", "--camera",
+      run_earpoint({"view", EARPOINT_SOURCE_DIR "/lab/scene/testdata/room.glb", "--camera",
                     "1,1,1.2,yaw=30", "--size", "32x32", "-o", path("view.png")});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
   EXPECT_EQ(earpoint::read_image(path("view.png")).width(), 32);

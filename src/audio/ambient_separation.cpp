@@ -1,3 +1,5 @@
+#include <earpoint/audio/ambient_separation.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -5,7 +7,6 @@
 #include <numbers>
 #include <vector>
 
-#include <earpoint/audio/ambient_separation.h>
 #include <earpoint/audio/fft.h>
 #include <earpoint/audio/noise_tracker.h>
 #include <earpoint/core/error.h>

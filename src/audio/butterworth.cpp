@@ -1,8 +1,9 @@
+#include <earpoint/audio/butterworth.h>
+
 #include <algorithm>
 #include <cmath>
 #include <complex>
 
-#include <earpoint/audio/butterworth.h>
 #include <earpoint/core/error.h>
 
 namespace earpoint {

@@ -1,8 +1,9 @@
+#include <earpoint/audio/convolution.h>
+
 #include <algorithm>
 #include <complex>
 #include <cstddef>
 
-#include <earpoint/audio/convolution.h>
 #include <earpoint/audio/fft.h>
 #include <earpoint/core/error.h>
 

@@ -1,10 +1,11 @@
+#include <earpoint/audio/decay.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 
 #include <fmt/format.h>
 
-#include <earpoint/audio/decay.h>
 #include <earpoint/core/error.h>
 
 namespace earpoint {

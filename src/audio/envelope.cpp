@@ -1,7 +1,8 @@
+#include <earpoint/audio/envelope.h>
+
 #include <cmath>
 #include <complex>
 
-#include <earpoint/audio/envelope.h>
 #include <earpoint/audio/fft.h>
 #include <earpoint/core/error.h>
 

@@ -1,3 +1,5 @@
+#include <earpoint/audio/fft.h>
+
 #include "complex_fft.h"
 #include "roots_of_unity.h"
 
@@ -5,7 +7,6 @@
 #include <cstdint>
 #include <vector>
 
-#include <earpoint/audio/fft.h>
 #include <earpoint/core/error.h>
 
 namespace earpoint {

@@ -1,3 +1,5 @@
+#include <earpoint/audio/gcc_phat.h>
+
 #include "roots_of_unity.h"
 
 #include <algorithm>
@@ -7,7 +9,6 @@
 #include <vector>
 
 #include <earpoint/audio/fft.h>
-#include <earpoint/audio/gcc_phat.h>
 #include <earpoint/core/error.h>
 
 namespace earpoint {

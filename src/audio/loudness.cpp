@@ -1,10 +1,11 @@
+#include <earpoint/audio/loudness.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>
 
 #include <earpoint/audio/butterworth.h>
-#include <earpoint/audio/loudness.h>
 #include <earpoint/audio/resample.h>
 #include <earpoint/core/error.h>
 

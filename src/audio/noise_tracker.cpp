@@ -1,7 +1,8 @@
+#include <earpoint/audio/noise_tracker.h>
+
 #include <algorithm>
 #include <cmath>
 
-#include <earpoint/audio/noise_tracker.h>
 #include <earpoint/core/error.h>
 
 namespace earpoint {

@@ -13,7 +13,7 @@
 #include <earpoint/audio/gcc_phat.h>
 #include <earpoint/audio/resample.h>
 #include <earpoint/audio/stft.h>
-#include <earpoint/model/safetensors.h>
+#include <earpoint/weights/safetensors.h>
 
 namespace earpoint {
 namespace {

@@ -1,8 +1,9 @@
+#include <earpoint/audio/peak_limiter.h>
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include <earpoint/audio/peak_limiter.h>
 #include <earpoint/core/error.h>
 
 namespace earpoint {

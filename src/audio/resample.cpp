@@ -1,3 +1,5 @@
+#include <earpoint/audio/resample.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -7,7 +9,6 @@
 
 #include <soxr.h>
 
-#include <earpoint/audio/resample.h>
 #include <earpoint/core/error.h>
 
 namespace earpoint {

@@ -1,8 +1,9 @@
+#include <earpoint/audio/stereo_check.h>
+
 #include <algorithm>
 #include <cmath>
 #include <functional>
 
-#include <earpoint/audio/stereo_check.h>
 #include <earpoint/core/error.h>
 #include <earpoint/core/pose.h>
 

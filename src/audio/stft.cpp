@@ -1,8 +1,9 @@
+#include <earpoint/audio/stft.h>
+
 #include <algorithm>
 #include <cmath>
 
 #include <earpoint/audio/fft.h>
-#include <earpoint/audio/stft.h>
 #include <earpoint/core/error.h>
 
 namespace earpoint {

@@ -1,9 +1,10 @@
+#include <earpoint/audio/stream_rate.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numeric>
 
-#include <earpoint/audio/stream_rate.h>
 #include <earpoint/core/error.h>
 #include <earpoint/core/pose.h>
 

@@ -1,8 +1,9 @@
+#include <earpoint/core/atomic_folder.h>
+
 #include <string>
 #include <system_error>
 #include <utility>
 
-#include <earpoint/core/atomic_folder.h>
 #include <earpoint/core/error.h>
 
 namespace earpoint {

@@ -1,9 +1,10 @@
+#include <earpoint/core/csv.h>
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <string>
 
-#include <earpoint/core/csv.h>
 #include <earpoint/core/error.h>
 
 namespace earpoint {

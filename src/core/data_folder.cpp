@@ -1,6 +1,6 @@
-#include <cstdlib>
-
 #include <earpoint/core/data_folder.h>
+
+#include <cstdlib>
 
 namespace earpoint {
 namespace {

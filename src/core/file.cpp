@@ -1,3 +1,5 @@
+#include <earpoint/core/file.h>
+
 #include "errno_error.h"
 
 #include <cerrno>
@@ -6,7 +8,6 @@
 #include <system_error>
 
 #include <earpoint/core/error.h>
-#include <earpoint/core/file.h>
 
 namespace earpoint {
 namespace fs = std::filesystem;

@@ -1,3 +1,5 @@
+#include <earpoint/core/parallel.h>
+
 #include <atomic>
 #include <condition_variable>
 #include <exception>
@@ -9,7 +11,6 @@
 #include <sched.h>
 
 #include <earpoint/core/error.h>
-#include <earpoint/core/parallel.h>
 
 namespace earpoint {
 

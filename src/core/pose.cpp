@@ -1,8 +1,9 @@
+#include <earpoint/core/pose.h>
+
 #include <algorithm>
 #include <cmath>
 
 #include <earpoint/core/error.h>
-#include <earpoint/core/pose.h>
 
 namespace earpoint {
 namespace {

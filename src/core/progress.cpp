@@ -1,9 +1,9 @@
+#include <earpoint/core/progress.h>
+
 #include <algorithm>
 #include <cmath>
 
 #include <unistd.h>
-
-#include <earpoint/core/progress.h>
 
 namespace earpoint {
 namespace {

@@ -1,9 +1,10 @@
+#include <earpoint/core/random.h>
+
 #include <bit>
 #include <cmath>
 
 #include <earpoint/core/error.h>
 #include <earpoint/core/pose.h>
-#include <earpoint/core/random.h>
 
 namespace earpoint {
 namespace {

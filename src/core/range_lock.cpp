@@ -1,3 +1,5 @@
+#include <earpoint/core/range_lock.h>
+
 #include "lock_descriptors.h"
 
 #include <cerrno>
@@ -8,7 +10,6 @@
 #include <unistd.h>
 
 #include <earpoint/core/error.h>
-#include <earpoint/core/range_lock.h>
 
 namespace earpoint {
 namespace {

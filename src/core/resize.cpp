@@ -1,7 +1,8 @@
+#include <earpoint/core/resize.h>
+
 #include <algorithm>
 
 #include <earpoint/core/error.h>
-#include <earpoint/core/resize.h>
 
 namespace earpoint {
 namespace {

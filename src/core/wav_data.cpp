@@ -1,9 +1,9 @@
+#include <earpoint/core/wav_data.h>
+
 #include <array>
 #include <cstring>
 #include <fstream>
 #include <string_view>
-
-#include <earpoint/core/wav_data.h>
 
 namespace earpoint {
 namespace {

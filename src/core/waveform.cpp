@@ -1,5 +1,6 @@
-#include <earpoint/core/error.h>
 #include <earpoint/core/waveform.h>
+
+#include <earpoint/core/error.h>
 
 namespace earpoint {
 

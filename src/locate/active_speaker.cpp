@@ -1,3 +1,5 @@
+#include <earpoint/locate/active_speaker.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -5,7 +7,6 @@
 
 #include <earpoint/core/error.h>
 #include <earpoint/core/pose.h>
-#include <earpoint/locate/active_speaker.h>
 
 namespace earpoint {
 namespace {

@@ -1,10 +1,11 @@
+#include <earpoint/locate/assignment.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <limits>
 
 #include <earpoint/core/error.h>
-#include <earpoint/locate/assignment.h>
 
 namespace earpoint {
 namespace {

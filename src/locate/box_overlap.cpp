@@ -1,6 +1,6 @@
-#include <algorithm>
-
 #include <earpoint/locate/box_overlap.h>
+
+#include <algorithm>
 
 namespace earpoint {
 namespace {

@@ -1,10 +1,11 @@
+#include <earpoint/locate/decode_people.h>
+
 #include <algorithm>
 #include <cmath>
 
 #include <earpoint/core/error.h>
 #include <earpoint/locate/box_overlap.h>
-#include <earpoint/locate/decode_people.h>
-#include <earpoint/model/people.h>
+#include <earpoint/people/description.h>
 
 namespace earpoint {
 namespace {

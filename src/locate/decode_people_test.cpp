@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <earpoint/locate/decode_people.h>
-#include <earpoint/model/people.h>
+#include <earpoint/people/description.h>
 
 namespace earpoint {
 namespace {

@@ -1,8 +1,9 @@
+#include <earpoint/locate/detection_count.h>
+
 #include <utility>
 #include <vector>
 
 #include <earpoint/locate/box_overlap.h>
-#include <earpoint/locate/detection_count.h>
 
 namespace earpoint {
 

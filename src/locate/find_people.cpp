@@ -1,3 +1,5 @@
+#include <earpoint/locate/find_people.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -10,8 +12,7 @@
 #include <fmt/format.h>
 
 #include <earpoint/core/error.h>
-#include <earpoint/locate/find_people.h>
-#include <earpoint/synth/picture_stream.h>
+#include <earpoint/render/picture_stream.h>
 
 namespace earpoint {
 namespace {

@@ -10,9 +10,9 @@
 #include <earpoint/core/random.h>
 #include <earpoint/locate/find_people.h>
 #include <earpoint/locate/plot_people.h>
+#include <earpoint/media/image_file.h>
+#include <earpoint/media/media.h>
 #include <earpoint/spatial/binaural.h>
-#include <earpoint/video/image_file.h>
-#include <earpoint/video/media.h>
 
 namespace earpoint {
 namespace {

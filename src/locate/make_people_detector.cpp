@@ -7,8 +7,9 @@
 
 #include <earpoint/core/data_folder.h>
 #include <earpoint/core/error.h>
-#include <earpoint/model/shipped_model.h>
-#include <earpoint/model/weights.h>
+#include <earpoint/network/network_kind.h>
+#include <earpoint/network/shipped_model.h>
+#include <earpoint/people/weights.h>
 
 namespace earpoint {
 namespace {

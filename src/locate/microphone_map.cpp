@@ -1,10 +1,11 @@
+#include <earpoint/locate/microphone_map.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include <earpoint/core/error.h>
 #include <earpoint/locate/assignment.h>
-#include <earpoint/locate/microphone_map.h>
 
 namespace earpoint {
 namespace {

@@ -4,6 +4,9 @@
 
 #include <earpoint/core/error.h>
 #include <earpoint/locate/decode_people.h>
+#include <earpoint/people/description.h>
+#include <earpoint/people/view.h>
+#include <earpoint/people/weights.h>
 
 namespace earpoint {
 

@@ -2,8 +2,9 @@
 
 #include <string>
 
-#include <earpoint/infer/people_network.h>
 #include <earpoint/locate/people_detector.h>
+#include <earpoint/people/engine.h>
+#include <earpoint/people/weights.h>
 
 namespace earpoint {
 

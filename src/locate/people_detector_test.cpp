@@ -8,8 +8,7 @@
 #include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
 #include <earpoint/locate/people_detector.h>
-#include <earpoint/model/people.h>
-#include <earpoint/model/safetensors.h>
+#include <earpoint/weights/safetensors.h>
 
 namespace earpoint {
 namespace {

@@ -1,3 +1,5 @@
+#include <earpoint/locate/person_tracker.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,7 +11,6 @@
 #include <earpoint/core/error.h>
 #include <earpoint/locate/assignment.h>
 #include <earpoint/locate/box_overlap.h>
-#include <earpoint/locate/person_tracker.h>
 
 namespace earpoint {
 namespace {

@@ -1,3 +1,5 @@
+#include <earpoint/locate/plot_people.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -6,11 +8,10 @@
 #include <fmt/format.h>
 
 #include <earpoint/core/error.h>
-#include <earpoint/locate/plot_people.h>
-#include <earpoint/synth/picture_stream.h>
-#include <earpoint/video/draw.h>
-#include <earpoint/video/media.h>
-#include <earpoint/video/movie_writer.h>
+#include <earpoint/media/media.h>
+#include <earpoint/media/movie_writer.h>
+#include <earpoint/plot/draw.h>
+#include <earpoint/render/picture_stream.h>
 
 namespace earpoint {
 namespace {

@@ -1,3 +1,5 @@
+#include <earpoint/locate/voice_direction.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,7 +11,6 @@
 #include <earpoint/audio/fft.h>
 #include <earpoint/core/error.h>
 #include <earpoint/core/pose.h>
-#include <earpoint/locate/voice_direction.h>
 
 namespace earpoint {
 namespace {

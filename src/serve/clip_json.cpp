@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include <earpoint/core/error.h>
-#include <earpoint/synth/earpoint_path.h>
+#include <earpoint/synthesis/earpoint_path.h>
 
 namespace earpoint {
 namespace {

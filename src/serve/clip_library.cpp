@@ -1,3 +1,5 @@
+#include <earpoint/serve/clip_library.h>
+
 #include <algorithm>
 #include <random>
 #include <utility>
@@ -5,7 +7,6 @@
 #include <fmt/format.h>
 
 #include <earpoint/core/error.h>
-#include <earpoint/serve/clip_library.h>
 
 namespace earpoint {
 namespace {

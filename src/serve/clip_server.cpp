@@ -1,3 +1,5 @@
+#include <earpoint/serve/clip_server.h>
+
 #include "access.h"
 #include "clip_json.h"
 #include "page_files.h"
@@ -20,7 +22,6 @@
 #include <nlohmann/json.hpp>
 
 #include <earpoint/core/error.h>
-#include <earpoint/serve/clip_server.h>
 #include <earpoint/serve/listener_registry.h>
 #include <earpoint/serve/walk_export.h>
 

@@ -1,3 +1,5 @@
+#include <earpoint/serve/limited_process.h>
+
 #include <algorithm>
 #include <array>
 #include <cerrno>
@@ -11,8 +13,6 @@
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-#include <earpoint/serve/limited_process.h>
 
 namespace earpoint {
 namespace {

@@ -1,3 +1,5 @@
+#include <earpoint/serve/listen_method.h>
+
 #include <algorithm>
 #include <filesystem>
 #include <utility>
@@ -5,12 +7,11 @@
 #include <fmt/format.h>
 
 #include <earpoint/core/error.h>
-#include <earpoint/model/safetensors.h>
-#include <earpoint/model/shipped_model.h>
-#include <earpoint/model/weights.h>
-#include <earpoint/serve/listen_method.h>
+#include <earpoint/network/network_kind.h>
+#include <earpoint/network/shipped_model.h>
+#include <earpoint/render/make_synthesizer.h>
 #include <earpoint/spatial/sofa_file.h>
-#include <earpoint/synth/make_synthesizer.h>
+#include <earpoint/weights/safetensors.h>
 
 namespace earpoint {
 namespace {

@@ -1,3 +1,5 @@
+#include <earpoint/serve/listener.h>
+
 #include "live_sound.h"
 
 #include <algorithm>
@@ -5,8 +7,7 @@
 #include <utility>
 
 #include <earpoint/core/error.h>
-#include <earpoint/serve/listener.h>
-#include <earpoint/synth/earpoint_path.h>
+#include <earpoint/synthesis/earpoint_path.h>
 
 namespace earpoint {
 namespace {

@@ -1,7 +1,8 @@
+#include <earpoint/serve/listener_registry.h>
+
 #include <utility>
 
 #include <earpoint/serve/clip_library.h>
-#include <earpoint/serve/listener_registry.h>
 
 namespace earpoint {
 namespace {

@@ -10,10 +10,10 @@
 #include <gtest/gtest.h>
 
 #include <earpoint/core/error.h>
+#include <earpoint/render/make_synthesizer.h>
 #include <earpoint/serve/listener.h>
 #include <earpoint/serve/listener_registry.h>
 #include <earpoint/serve/walk_export.h>
-#include <earpoint/synth/make_synthesizer.h>
 
 namespace earpoint {
 namespace {

@@ -7,7 +7,8 @@
 #include <utility>
 
 #include <earpoint/core/error.h>
-#include <earpoint/synth/render_stream.h>
+#include <earpoint/gtf/weights.h>
+#include <earpoint/render/render_stream.h>
 
 namespace earpoint {
 namespace {

@@ -5,10 +5,10 @@
 
 #include <earpoint/core/pose.h>
 #include <earpoint/core/waveform.h>
+#include <earpoint/render/make_synthesizer.h>
+#include <earpoint/render/render.h>
 #include <earpoint/serve/listen_method.h>
 #include <earpoint/serve/served_clip.h>
-#include <earpoint/synth/make_synthesizer.h>
-#include <earpoint/synth/render.h>
 
 namespace earpoint {
 

@@ -1,12 +1,13 @@
+#include <earpoint/serve/served_clip.h>
+
 #include <algorithm>
 
 #include <fmt/format.h>
 
 #include <earpoint/core/error.h>
-#include <earpoint/serve/served_clip.h>
-#include <earpoint/synth/locate_speaker.h>
-#include <earpoint/synth/picture_stream.h>
-#include <earpoint/video/image_file.h>
+#include <earpoint/media/image_file.h>
+#include <earpoint/render/locate_speaker.h>
+#include <earpoint/render/picture_stream.h>
 
 namespace earpoint {
 namespace {

@@ -1,11 +1,12 @@
+#include <earpoint/serve/walk_export.h>
+
 #include "live_sound.h"
 
 #include <array>
 
 #include <earpoint/core/error.h>
 #include <earpoint/core/progress.h>
-#include <earpoint/serve/walk_export.h>
-#include <earpoint/synth/sound_sink.h>
+#include <earpoint/render/sound_sink.h>
 
 namespace earpoint {
 

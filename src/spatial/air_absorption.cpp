@@ -1,9 +1,10 @@
+#include <earpoint/spatial/air_absorption.h>
+
 #include <cmath>
 
 #include <fmt/format.h>
 
 #include <earpoint/core/error.h>
-#include <earpoint/spatial/air_absorption.h>
 
 namespace earpoint {
 namespace {

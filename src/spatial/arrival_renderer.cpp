@@ -1,3 +1,5 @@
+#include <earpoint/spatial/arrival_renderer.h>
+
 #include "impulse_grid.h"
 
 #include <algorithm>
@@ -9,7 +11,6 @@
 #include <earpoint/audio/fft.h>
 #include <earpoint/core/error.h>
 #include <earpoint/spatial/air_absorption.h>
-#include <earpoint/spatial/arrival_renderer.h>
 #include <earpoint/spatial/octave_bands.h>
 
 namespace earpoint {

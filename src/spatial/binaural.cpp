@@ -1,3 +1,5 @@
+#include <earpoint/spatial/binaural.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -7,7 +9,6 @@
 #include <earpoint/audio/convolution.h>
 #include <earpoint/audio/fft.h>
 #include <earpoint/core/error.h>
-#include <earpoint/spatial/binaural.h>
 #include <earpoint/spatial/dsp_renderer.h>
 
 namespace earpoint {

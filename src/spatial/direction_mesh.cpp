@@ -1,3 +1,5 @@
+#include <earpoint/spatial/direction_mesh.h>
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -5,7 +7,6 @@
 
 #include <earpoint/core/error.h>
 #include <earpoint/core/pose.h>
-#include <earpoint/spatial/direction_mesh.h>
 
 namespace earpoint {
 namespace {

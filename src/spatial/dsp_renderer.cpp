@@ -1,3 +1,5 @@
+#include <earpoint/spatial/dsp_renderer.h>
+
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -6,7 +8,6 @@
 #include <earpoint/audio/convolution.h>
 #include <earpoint/audio/fft.h>
 #include <earpoint/core/error.h>
-#include <earpoint/spatial/dsp_renderer.h>
 
 namespace earpoint {
 namespace {

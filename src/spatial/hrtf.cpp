@@ -1,3 +1,5 @@
+#include <earpoint/spatial/hrtf.h>
+
 #include "hrtf_preparation.h"
 
 #include <algorithm>
@@ -11,7 +13,6 @@
 #include <earpoint/core/error.h>
 #include <earpoint/core/pose.h>
 #include <earpoint/spatial/direction_mesh.h>
-#include <earpoint/spatial/hrtf.h>
 #include <earpoint/spatial/rigid_sphere.h>
 
 namespace earpoint {

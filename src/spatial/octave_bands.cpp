@@ -1,9 +1,10 @@
+#include <earpoint/spatial/octave_bands.h>
+
 #include <algorithm>
 #include <cmath>
 
 #include <earpoint/core/error.h>
 #include <earpoint/core/pose.h>
-#include <earpoint/spatial/octave_bands.h>
 
 namespace earpoint {
 namespace {

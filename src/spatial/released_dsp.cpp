@@ -1,3 +1,5 @@
+#include <earpoint/spatial/released_dsp.h>
+
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -7,7 +9,6 @@
 
 #include <earpoint/core/error.h>
 #include <earpoint/core/pose.h>
-#include <earpoint/spatial/released_dsp.h>
 
 namespace earpoint {
 namespace {

@@ -8,8 +8,8 @@
 #include <gtest/gtest.h>
 
 #include <earpoint/core/error.h>
-#include <earpoint/model/safetensors.h>
 #include <earpoint/spatial/released_dsp.h>
+#include <earpoint/weights/safetensors.h>
 
 namespace earpoint {
 namespace {

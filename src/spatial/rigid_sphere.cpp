@@ -1,10 +1,11 @@
+#include <earpoint/spatial/rigid_sphere.h>
+
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include <earpoint/core/error.h>
 #include <earpoint/core/pose.h>
-#include <earpoint/spatial/rigid_sphere.h>
 
 namespace earpoint {
 namespace {

@@ -1,10 +1,11 @@
+#include <earpoint/spatial/shoebox.h>
+
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
 #include <earpoint/core/error.h>
-#include <earpoint/spatial/shoebox.h>
 
 namespace earpoint {
 namespace {

@@ -1,3 +1,5 @@
+#include <earpoint/spatial/sofa_file.h>
+
 #include "sofa_contents.h"
 
 #include <algorithm>
@@ -13,7 +15,6 @@
 #include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
 #include <earpoint/core/pose.h>
-#include <earpoint/spatial/sofa_file.h>
 
 namespace earpoint {
 namespace {

@@ -1,10 +1,11 @@
+#include <earpoint/spatial/speaker_direction.h>
+
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
 #include <earpoint/core/error.h>
-#include <earpoint/spatial/speaker_direction.h>
 
 namespace earpoint {
 namespace {

@@ -1,8 +1,8 @@
+#include <earpoint/core_testing/allocation_count.h>
+
 #include <atomic>
 #include <cerrno>
 #include <cstddef>
-
-#include <earpoint/core_testing/allocation_count.h>
 
 // NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming): not our names
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)

@@ -10,9 +10,9 @@
 #include <earpoint/locate/people_detector.h>
 #include <earpoint/locate/person_tracker.h>
 #include <earpoint/locate/voice_direction.h>
-#include <earpoint/synth/render.h>
-#include <earpoint/synth/source_stream.h>
-#include <earpoint/synth/speaker_track.h>
+#include <earpoint/render/render.h>
+#include <earpoint/render/source_stream.h>
+#include <earpoint/synthesis/speaker_track.h>
 
 namespace earpoint {
 

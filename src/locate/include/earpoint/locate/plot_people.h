@@ -5,7 +5,7 @@
 #include <earpoint/core/image.h>
 #include <earpoint/core/progress.h>
 #include <earpoint/locate/find_people.h>
-#include <earpoint/synth/render.h>
+#include <earpoint/render/render.h>
 
 namespace earpoint {
 

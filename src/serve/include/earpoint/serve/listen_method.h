@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include <earpoint/model/gtf.h>
+#include <earpoint/gtf/weights.h>
 
 namespace earpoint {
 

@@ -12,8 +12,8 @@
 #include <earpoint/core/pose.h>
 #include <earpoint/core/progress.h>
 #include <earpoint/core/waveform.h>
-#include <earpoint/model/gtf.h>
-#include <earpoint/synth/render.h>
+#include <earpoint/gtf/weights.h>
+#include <earpoint/render/render.h>
 
 namespace earpoint {
 

@@ -1,0 +1,130 @@
+#!/usr/bin/env python3
+"""Whether the modules keep to what they declare. Run by ./dev lint; prints one line per fault.
+
+- A file includes headers of its own module and of those that its CMakeLists.txt names in DEPENDS, a test also of those in
+  TEST_DEPENDS. The compiler cannot tell, as it sees whatever these include in turn.
+- No module depends on itself by way of others, and nothing that ships depends on the lab.
+- The graphs that train share a network's description, weights and input encoding with its engine, not the engine: that
+  both give the same sound is the proof of both.
+- A source file includes its own header first, so that the header is known to stand alone.
+
+usage: check_modules.py ROOT
+"""
+
+import re
+import sys
+from pathlib import Path
+
+INCLUDE = re.compile(r'^#include ([<"])([^>"]+)[>"]', re.M)
+# What a training graph may read of networks.
+SHARED_WITH_TRAINING = {"description", "weights", "view", "constants", "encoding", "checkpoint_export"}
+NETWORKS = {"gtf", "vigas", "vam", "rt60", "people"}
+
+
+class Module:
+    def __init__(self, name, folder, depends, test_depends):
+        self.name, self.folder, self.depends, self.test_depends = name, folder, depends, test_depends
+
+
+def keyword(call, name):
+    keys = "DEPENDS|LIBRARIES|SOURCES|TESTS|TEST_DEPENDS|TEST_LIBRARIES"
+    found = re.search(rf"\b{name}\b(.*?)(?=\b(?:{keys})\b|$)", call, re.S)
+    return set(re.findall(r"[\w]+", found.group(1))) if found else set()
+
+
+def read_modules(root):
+    modules = {}
+    for path in sorted([*root.glob("src/**/CMakeLists.txt"), *root.glob("lab/**/CMakeLists.txt")]):
+        text = re.sub(r"#.*", "", path.read_text())
+        for name, call in re.findall(r"earpoint_add_module\((\w+)([^)]*)\)", text):
+            test_depends = keyword(call, "TEST_DEPENDS")
+            modules[name] = Module(name, path.parent, keyword(call, r"(?<!TEST_)DEPENDS"), test_depends)
+    return modules
+
+
+def owner(modules, path):
+    held = [m for m in modules.values() if path.is_relative_to(m.folder)]
+    return max(held, key=lambda m: len(m.folder.parts), default=None)
+
+
+def is_test(path):
+    return bool(re.search(r"(_test|_fuzz)\.cpp$|^test_|^drawn_|^reference_|^oracle_batch", path.name))
+
+
+def check_includes(root, modules, path):
+    module, text = owner(modules, path), path.read_text()
+    if module is None:
+        return
+    here = path.relative_to(root)
+    allowed = module.depends | {module.name}
+    if is_test(path):
+        allowed |= module.test_depends
+    for bracket, name in INCLUDE.findall(text):
+        parts = name.split("/")
+        if bracket != "<" or parts[0] != "earpoint" or len(parts) < 3:
+            continue
+        if parts[1] not in allowed:
+            yield f"{here}: includes {name}, but module {module.name} does not name {parts[1]} among its dependencies"
+        if module.name == "train" and not is_test(path) and parts[1] in NETWORKS and \
+                Path(name).stem not in SHARED_WITH_TRAINING:
+            yield f"{here}: includes {name}, of the engine that the graph is held against"
+    yield from check_own_header(here, path, module, text)
+
+
+def check_own_header(here, path, module, text):
+    if path.suffix != ".cpp" or is_test(path):
+        return
+    headers = [f"{path.stem}.h"]
+    if path.parent != module.folder:  # train/gtf/learner.cpp has its declarations in earpoint/train/gtf_learner.h
+        headers.append(f"{path.parent.name}_{path.stem}.h")
+    public = module.folder / "include" / "earpoint" / module.name
+    own = [h for h in headers if (public / h).exists() and (h != headers[0] or path.parent == module.folder)]
+    own += [h for h in headers[:1] if (path.parent / h).exists()]
+    first = INCLUDE.search(text)
+    if own and not (first and Path(first.group(2)).name in own):
+        yield f"{here}: does not include its own header, {own[0]}, first"
+
+
+def check_circles(modules):
+    done, way = set(), []
+
+    def visit(name):
+        if name in way:
+            yield "modules depend on each other in a circle: " + " -> ".join([*way[way.index(name):], name])
+            return
+        if name in done or name not in modules:
+            return
+        way.append(name)
+        for other in sorted(modules[name].depends):
+            yield from visit(other)
+        way.pop()
+        done.add(name)
+
+    for name in sorted(modules):
+        yield from visit(name)
+
+
+def check_halves(root, modules):
+    for module in modules.values():
+        for other in sorted(module.depends):
+            if other not in modules:
+                yield f"{module.folder.relative_to(root)}: depends on {other}, which is no module"
+            elif module.folder.is_relative_to(root / "src") and modules[other].folder.is_relative_to(root / "lab"):
+                yield f"{module.folder.relative_to(root)}: what ships depends on {other} of the lab"
+
+
+def main(root):
+    modules = read_modules(root)
+    faults = [*check_circles(modules), *check_halves(root, modules)]
+    for folder in ("src", "lab"):
+        for path in sorted((root / folder).rglob("*")):
+            if path.suffix in (".h", ".cpp"):
+                faults += check_includes(root, modules, path)
+    print("\n".join(faults), end="\n" if faults else "")
+    return 1 if faults else 0
+
+
+if __name__ == "__main__":
+    if len(sys.argv) != 2:
+        sys.exit(__doc__)
+    sys.exit(main(Path(sys.argv[1]).resolve()))

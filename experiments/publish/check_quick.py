@@ -1,0 +1,63 @@
+#!/usr/bin/env python3
+"""Holds what ./dev results --quick measured against the numbers that are expected.
+
+usage: experiments/publish/check_quick.py MEASURED.json EXPECTED.json [--write]
+
+MEASURED is the JSON of `earpoint evaluate`. Every mean of every method must lie within a tolerance, which is
+a share of what is expected and of `input`'s error, for errors near 0 have no share to speak of. --write makes
+EXPECTED of what was measured.
+
+The tolerances: the same program gives the same numbers, but other processors take other instructions, and
+rays that graze an edge then hit or miss; training takes such differences further with each step. With its
+libraries held to AVX2 in place of AVX-512 the trained networks' errors moved by up to a twentieth of input's.
+"""
+import json
+import sys
+
+METRICS = ("mag", "lre_db", "rte_s", "level_db", "itd_us", "edt_s", "c50_db")
+GIVEN, TRAINED = 0.05, 0.20
+
+
+def means(text):
+    rows = json.loads(text)["rows"]
+    return {row["method"]: {name: row[name]["mean"] for name in METRICS
+                            if row.get(name) and row[name].get("mean") is not None} for row in rows}
+
+
+def differences(measured, expected):
+    """(method, metric, measured, expected) of all that is too far off, or missing on either side."""
+    for method in sorted(measured.keys() | expected.keys()):
+        tolerance = TRAINED if method.endswith("-quick") else GIVEN
+        ours, theirs = measured.get(method, {}), expected.get(method, {})
+        for metric in sorted(ours.keys() | theirs.keys()):
+            found, wanted = ours.get(metric), theirs.get(metric)
+            if found is None or wanted is None:
+                yield method, metric, found, wanted
+            elif not abs(found - wanted) <= tolerance * max(wanted, expected["input"][metric]):
+                yield method, metric, found, wanted
+
+
+def main():
+    if len(sys.argv) not in (3, 4) or sys.argv[3:] not in ([], ["--write"]):
+        sys.exit(__doc__)
+    with open(sys.argv[1], encoding="utf-8") as file:
+        measured = means(file.read())
+    if sys.argv[3:]:
+        with open(sys.argv[2], "w", encoding="utf-8") as file:
+            json.dump(measured, file, indent=1)
+            file.write("\n")
+        return
+    with open(sys.argv[2], encoding="utf-8") as file:
+        expected = json.load(file)
+    wrong = list(differences(measured, expected))
+    for method, metric, found, wanted in wrong:
+        print(f"{method}: {metric} is {found}, expected {wanted}", file=sys.stderr)
+    count = sum(len(row) for row in expected.values())
+    if wrong:
+        sys.exit(f"check_quick: {len(wrong)} of {count} numbers are not as expected; if they ought to "
+                 "be, ./dev results --quick --write")
+    print(f"check_quick: all {count} numbers as expected")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,280 @@
+# What ./dev results does. ./dev sources this file; say, build, bench, demo, gather_speech and
+# speech_folder are its own.
+# shellcheck shell=bash disable=SC2154
+
+# The data of the paper's two set-ups, one home and unseen homes: two cores half an hour, once.
+simulate_data() {
+  local earpoint=$1
+  [ -f "$speech_folder/speech.csv" ] || gather_speech "$speech_folder"
+  say "Simulating one home and unseen homes into out/data"
+  "$earpoint" simulate --scenes 120 --conversations 6 --rays 1000 --seed 11 --out out/data/novel
+  "$earpoint" simulate --scenes 1 --conversations 420 --rays 1000 --seed 3 --out out/data/single
+}
+
+# On one thread, as sums depend on how many there are; goes on where it was stopped.
+# Usage: train_run EARPOINT CONFIG DATA RUN
+train_run() {
+  say "Training configs/$2.json on $3 into $4"
+  OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 \
+    "$1" train "configs/$2.json" --data "$3" --out "$4" --jobs 1 --resume
+}
+
+# Trains NAME=CONFIG of each entry on one data set into FOLDER/DATA/NAME.
+# Usage: train_on EARPOINT FOLDER DATA ENTRY...
+train_on() {
+  local earpoint=$1 folder=$2 data=$3 entry
+  shift 3
+  for entry in "$@"; do
+    train_run "$earpoint" "${entry#*=}-$data" "out/data/$data" "$folder/$data/${entry%%=*}"
+  done
+}
+
+# What the tables compare, and the networks without one of their parts, which train for less long.
+train_data_set() {
+  local earpoint=$1 data=$2 name ablations=()
+  train_on "$earpoint" out/runs "$data" gtf=gtf vigas=vigas-small \
+    vigas-blind=vigas-blind vam=vam
+  for name in gtf{,-blind,-no-picture,-no-3d,-no-delay,-no-tail} \
+    vigas{,-blind,-no-picture,-no-box,-no-alignment}; do
+    ablations+=("$name=ablations/$name")
+  done
+  train_on "$earpoint" out/ablations "$data" "${ablations[@]}"
+  train_on "$earpoint" out/ambient "$data" with-ambient=ablations/vigas-with-ambient \
+    no-separation=ablations/vigas-no-separation
+}
+
+# Both data sets side by side, then enhancement: hours on two cores.
+train_methods() {
+  local earpoint=$1 novel single name
+  train_data_set "$earpoint" novel &
+  novel=$!
+  train_data_set "$earpoint" single &
+  single=$!
+  wait "$novel"
+  wait "$single"
+  for name in gtf vigas-small; do
+    train_run "$earpoint" "enhance-$name" out/data/novel "out/enhance/$name"
+  done
+}
+
+# Recordings as Replay-NVAS has them: twelve sessions in one flat, split by session, and the clips that are
+# cut from them. About an hour on two cores.
+record_sessions() {
+  local earpoint=$1 session
+  say "Recording simulated sessions into out/data/sessions, and their clips into out/data/recorded"
+  "$earpoint" record simulate --scenarios 12 --minutes 1.5 --size 384x216 --seed 21 --out out/data/sessions
+  for session in out/data/sessions/scenario-*/session.json; do
+    "$earpoint" record prepare "$session" --out out/data/recorded
+  done
+  say "Methods side by side in recorded sessions"
+  "$earpoint" evaluate --data out/data/recorded --layout replay --methods input,gtf --json \
+    >out/bench/evaluate-recorded.json
+}
+
+# Every method side by side on the frozen test pairs, into out/bench; what was not trained has no row.
+# Usage: evaluate_methods EARPOINT DATA...
+evaluate_methods() {
+  local earpoint=$1 data name methods weights
+  shift
+  for data in "$@"; do
+    methods=input,tf,dsp
+    for name in vam vigas-blind vigas gtf; do
+      weights=out/runs/$data/$name/best.safetensors
+      [ -f "$weights" ] || continue
+      methods+=,$name=$weights
+      [ "$name" != gtf ] || methods+=,$name=$weights:mean
+    done
+    say "Methods side by side in $data: $methods"
+    "$earpoint" evaluate --data "out/data/$data" --methods "$methods" --oracles --json \
+      >"out/bench/evaluate-$data.json"
+    say "The same with four seconds of sound before"
+    "$earpoint" evaluate --data "out/data/$data" --methods "${methods/input,tf,/input,}" --context 4 --json \
+      >"out/bench/context-$data.json"
+    if [ -d "out/ablations/$data" ]; then
+      say "Ablations in $data"
+      "$earpoint" evaluate --data "out/data/$data" --ablations --runs "out/ablations/$data" --json \
+        >"out/bench/ablations-$data.json"
+    fi
+    if [ -d "out/ambient/$data" ]; then
+      say "Ambient sound in $data"
+      "$earpoint" evaluate --data "out/data/$data" --ambient -40 --methods input,dsp \
+        --runs "out/ambient/$data" --json >"out/bench/ambient-$data.json"
+    fi
+    if [ "$data" = novel ]; then
+      say "Ways to separate ambient sound"
+      python3 experiments/measure/ambient_separation.py "$earpoint" out/data/novel input,gtf,vigas --context 4 --limit 240 \
+        >out/bench/separation-novel.md
+    fi
+  done
+}
+
+# The test splits that other heads and buildings are heard in: the same homes and conversations with the
+# ears of KEMAR and of FABIAN (Debian's soundscaperenderer-common, unpacked and not installed), and a house
+# that is read from a file.
+simulate_generalisation() {
+  local earpoint=$1 unpacked head
+  local homes=(--scenes 12 --conversations 3 --split test --rays 1000 --seed 99)
+  ensure_packages python3-netcdf4 python3-numpy
+  mkdir -p out/data
+  if [ ! -f out/data/fabian.sofa ]; then
+    unpacked=$(mktemp -d)
+    (cd "$unpacked" && apt-get download -qq -o APT::Sandbox::User=root soundscaperenderer-common) ||
+      fail "could not fetch soundscaperenderer-common; try apt-get update"
+    dpkg-deb -x "$unpacked"/soundscaperenderer-common_*.deb "$unpacked"
+    head=$unpacked/usr/share/ssr/impulse_responses/hrirs/hrirs_fabian_min_phase_eq.wav
+    python3 experiments/publish/fabian_sofa.py "$head" out/data/fabian.sofa
+    rm -rf "$unpacked"
+  fi
+  python3 experiments/publish/make_house.py out/data/house.obj
+  "$earpoint" simulate "${homes[@]}" --out out/data/kemar
+  EARPOINT_HRTF=out/data/fabian.sofa "$earpoint" simulate "${homes[@]}" --out out/data/fabian
+  "$earpoint" simulate --scene out/data/house.obj --up z --conversations 36 --split test \
+    --rays 1000 --seed 99 --out out/data/imported
+}
+
+# Speech enhancement, and what gtf was not trained for.
+evaluate_beyond() {
+  local earpoint=$1
+  if [ -d out/enhance ]; then
+    say "Speech enhancement"
+    "$earpoint" evaluate --data out/data/novel --enhance --methods input --runs out/enhance --oracles \
+      --json >out/bench/enhance-novel.json
+  fi
+  say "Generalisation of the shipped gtf"
+  python3 experiments/measure/generalisation.py "$earpoint" out/data/novel models/gtf.safetensors \
+    out/generalisation --every 2 >out/bench/generalisation.json
+  simulate_generalisation "$earpoint"
+  python3 experiments/measure/generalisation_heads.py "$earpoint" out/data/kemar out/data/fabian out/data/imported \
+    models/gtf.safetensors out/generalisation >out/bench/generalisation_heads.json
+}
+
+# Physics and cost of the simulator.
+measure_simulator() {
+  local earpoint=$1
+  say "Gates of the path tracer"
+  build/release/experiments/measure/trace_gates >out/bench/trace_gates.md || failed_gates="the path tracer's"
+  say "Speed of the path tracer"
+  build/release/experiments/micro/trace_bench --plot docs/images/trace-cost.png >out/bench/trace_bench.json
+  if python3 -c 'import pyroomacoustics' 2>/dev/null; then
+    say "The path tracer beside pyroomacoustics"
+    python3 experiments/peers/compare_tracers.py "$earpoint" >out/bench/compare_tracers.json
+  else
+    say "Not compared with pyroomacoustics, which this python3 does not have (pip install pyroomacoustics)"
+  fi
+  say "Pictures per second"
+  build/release/experiments/micro/camera_bench >out/bench/camera_bench.jsonl
+  say "Reverberation of 120 homes"
+  build/release/experiments/measure/home_reverberation >out/bench/home_reverberation.jsonl
+  say "Cost of simulated data"
+  [ -f "$speech_folder/speech.csv" ] || gather_speech "$speech_folder"
+  python3 experiments/measure/simulate_cost.py "$earpoint" "$speech_folder" >out/bench/simulate_cost.jsonl
+  python3 experiments/measure/session_cost.py "$earpoint" "$speech_folder" >out/bench/session_cost.jsonl
+  say "Clocks of simulated sessions"
+  python3 experiments/measure/session_sync.py "$earpoint" "$speech_folder" out/data/sync >out/bench/session_sync.jsonl
+}
+
+# Whether anything is lost or left where a command is killed.
+measure_kills() {
+  [ -f "$speech_folder/speech.csv" ] || gather_speech "$speech_folder"
+  say "Killing commands at random moments"
+  python3 experiments/stress/kill_anywhere.py "$1" "$speech_folder" examples/clip.mp4 out/kills >out/bench/kills.json
+}
+
+# Photographs of people and of things out of Debian packages, which are unpacked and not installed, with
+# the boxes that experiments/publish/photographs.json has for them.
+# Usage: gather_photographs FOLDER
+gather_photographs() (
+  local folder=$1/test/photographs unpacked package
+  unpacked=$(mktemp -d)
+  trap 'rm -rf "$unpacked"' EXIT
+  mkdir -p "$folder"
+  for package in python3-skimage opencv-doc; do
+    (cd "$unpacked" && apt-get download -qq -o APT::Sandbox::User=root "$package") ||
+      fail "could not fetch $package; try apt-get update"
+    dpkg-deb -x "$unpacked/$package"_*.deb "$unpacked"
+  done
+  cp "$unpacked"/usr/lib/python3/dist-packages/skimage/data/{astronaut,camera,chelsea,coffee}.png \
+    "$unpacked"/usr/lib/python3/dist-packages/skimage/data/rocket.jpg \
+    "$unpacked"/usr/share/doc/opencv-doc/examples/data/{basketball1.png,basketball2.png,fruits.jpg,home.jpg,stuff.jpg} \
+    "$folder"
+  cp experiments/publish/photographs.json "$folder/people.json"
+)
+
+# People in pictures that no detector of ours learned from, simulated and photographed: the shipped
+# detector, and NanoDet where ./dev assets --people has installed it.
+measure_detectors() {
+  local detector data
+  local installed=${EARPOINT_DATA_DIR:-${XDG_DATA_HOME:-$HOME/.local/share}/earpoint}/people-nanodet.onnx
+  say "Finding people"
+  build/release/apps/people_pictures/earpoint-people-pictures --seed 1 --train-homes 21 --val-homes 2 \
+    --test-homes 4 --split test --out out/data/people
+  gather_photographs out/data/photographs
+  : >out/bench/people_detection.jsonl
+  for detector in models/people.safetensors "$installed"; do
+    [ -f "$detector" ] || continue
+    for data in people novel photographs; do
+      build/release/experiments/measure/people_detection "out/data/$data" test "$detector" | python3 -c \
+        'import json, sys; print(json.dumps({"data": sys.argv[1], **json.load(sys.stdin)}))' "$data" \
+        >>out/bench/people_detection.jsonl
+    done
+  done
+}
+
+# Everything that docs/results.md shows. The exactness table needs the reference outputs.
+results() {
+  bench
+  local earpoint=build/release/apps/earpoint/earpoint data failed_gates=""
+  if [ -n "${EARPOINT_ORACLE_DIR:-}" ]; then
+    python3 experiments/measure/oracle_errors.py "$earpoint" "$EARPOINT_ORACLE_DIR" >out/bench/oracle_errors.md
+  fi
+  demo
+  "$earpoint" evaluate --earpoints examples/earpoints.json --quiet --json >out/bench/demo.json
+  cp out/demo/overview.jpg docs/images/demo.jpg
+  measure_simulator "$earpoint"
+  measure_kills "$earpoint"
+  simulate_data "$earpoint"
+  say "Training steps of gtf"
+  python3 experiments/measure/gtf_training.py "$earpoint" configs/gtf-novel.json out/data/novel out/bench
+  train_methods "$earpoint"
+  evaluate_methods "$earpoint" novel single
+  evaluate_beyond "$earpoint"
+  record_sessions "$earpoint"
+  for data in single novel; do
+    python3 experiments/publish/learning_curves.py "out/runs/$data" "docs/images/learning-curves-$data.svg" \
+      >"out/bench/learning_curves-$data.md"
+  done
+  if [ -f models/people.safetensors ]; then
+    say "Who speaks"
+    build/release/experiments/measure/active_speaker out/data/novel test shipped >out/bench/active_speaker.json
+  fi
+  build/release/experiments/measure/rt60_error out/data/novel test models/rt60.safetensors >out/bench/rt60_error.json
+  measure_detectors
+  python3 experiments/publish/write_results.py out/bench docs/results.md
+  say "Wrote docs/results.md"
+  [ -z "$failed_gates" ] || fail "$failed_gates gates do not hold: see docs/results.md"
+}
+
+# The whole way in miniature, from voices to tables, in minutes: six voices, twelve homes of stand-in
+# furniture, networks that train for seconds. Holds every number against experiments/publish/quick_expected.json.
+# EARPOINT_PRESET=dev takes the binary of the tests.
+quick_results() {
+  local preset=${EARPOINT_PRESET:-release} quick=$PWD/out/quick name
+  build "$preset" --target earpoint
+  local earpoint=build/$preset/apps/earpoint/earpoint
+  rm -rf "$quick"
+  mkdir -p "$quick/bench"
+  gather_speech "$quick/speech" \
+    asterisk_en,tuxpaint_bg,asterisk_ru,tuxpaint_ru,asterisk_fr,asterisk_it
+  say "Simulating twelve homes"
+  EARPOINT_DATA_DIR=$quick/nothing "$earpoint" simulate --scenes 12 --conversations 2 --rays 300 \
+    --seed 7 --speech "$quick/speech" --out "$quick/data"
+  for name in gtf vigas; do
+    train_run "$earpoint" "quick/$name" "$quick/data" "$quick/runs/$name-quick"
+  done
+  say "Methods side by side"
+  "$earpoint" evaluate --data "$quick/data" --methods input,tf,dsp,gtf --runs "$quick/runs" --oracles \
+    --json >"$quick/bench/evaluate-novel.json"
+  python3 experiments/publish/write_results.py "$quick/bench" "$quick/results.md" --measured-only
+  python3 experiments/publish/check_quick.py "$quick/bench/evaluate-novel.json" experiments/publish/quick_expected.json "$@"
+  say "Wrote $quick/results.md"
+}

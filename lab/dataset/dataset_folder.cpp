@@ -1,0 +1,134 @@
+#include <earpoint/dataset/dataset_folder.h>
+
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <earpoint/core/error.h>
+#include <earpoint/core/file.h>
+#include <earpoint/dataset/json_field.h>
+
+namespace earpoint {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path record_of(const fs::path& folder) { return folder / "dataset.json"; }
+
+/// The root below which `published` lies, if `folder` is that root, `published` itself or a folder
+/// between them.
+std::optional<fs::path> root_of(const fs::path& folder, const fs::path& published) {
+  if (fs::is_directory(folder / published)) return folder;
+  fs::path here = fs::absolute(folder).lexically_normal();
+  if (!here.has_filename()) here = here.parent_path();
+  fs::path walked;
+  for (const fs::path& part : published) {
+    walked /= part;
+    fs::path root = here;
+    bool ends_with = true;
+    const std::vector<fs::path> parts(walked.begin(), walked.end());
+    for (auto last = parts.rbegin(); last != parts.rend() && ends_with; ++last) {
+      ends_with = root.filename() == *last;
+      root = root.parent_path();
+    }
+    if (ends_with && fs::is_directory(root / published)) return root;
+  }
+  return std::nullopt;
+}
+
+std::optional<fs::path> soundspaces_root(const fs::path& folder) {
+  return root_of(folder, SoundSpacesDataset::Options{}.folder);
+}
+
+std::optional<fs::path> replay_root(const fs::path& folder) {
+  const ReplayDataset::Options options;
+  const auto root = root_of(folder, options.folder);
+  return root && fs::exists(*root / options.folder / options.metadata_file) ? root : std::nullopt;
+}
+
+/// Of a data set that says itself where it lies: docs/formats.md, "Simulated data sets".
+SoundSpacesDataset::Options recorded_options(const fs::path& folder, const std::string& split) {
+  SoundSpacesDataset::Options options{.root = folder, .split = split};
+  const fs::path record = record_of(folder);
+  const auto json = nlohmann::json::parse(read_text_file(record), nullptr, false);
+  if (json.is_discarded()) throw InputError(record.string(), "is not valid JSON");
+  const JsonField fields(json, record.string());
+  options.folder = ".";
+  options.speech_folder = fields.field("speech_folder").text();
+  // Paths in the metadata begin with the prefix: the root lies as far above the folder.
+  const fs::path prefix = fields.field("path_prefix").text();
+  if (prefix.empty()) return options;
+  const fs::path here = fs::weakly_canonical(folder);
+  for (const auto& part : prefix.lexically_normal()) {
+    if (!part.empty() && part != ".") options.root = options.root / "..";
+  }
+  if (fs::weakly_canonical(options.root / prefix) != here) {
+    throw InputError(folder.string(),
+                     fmt::format("its paths begin with {}, where it does not lie", prefix.string()),
+                     "move it there");
+  }
+  options.folder = prefix;
+  // As the released loader has it, else where it was written.
+  const fs::path published = "data/LibriSpeech-wav";
+  options.speech_folder =
+      fs::is_directory(options.root / published) ? published : prefix / options.speech_folder;
+  return options;
+}
+
+}  // namespace
+
+DatasetLayout layout_named(std::string_view name) {
+  if (name == "soundspaces") return DatasetLayout::soundspaces;
+  if (name == "replay") return DatasetLayout::replay;
+  throw InputError("--layout", fmt::format("expected soundspaces or replay, found {}", name));
+}
+
+DatasetLayout dataset_layout(const fs::path& folder, std::optional<DatasetLayout> asked) {
+  if (!fs::is_directory(folder)) throw InputError(folder.string(), "no such folder");
+  const bool soundspaces = fs::exists(record_of(folder)) || soundspaces_root(folder).has_value();
+  const bool replay = replay_root(folder).has_value();
+  const std::string published = SoundSpacesDataset::Options{}.folder.string();
+  const std::string recorded =
+      (ReplayDataset::Options{}.folder / ReplayDataset::Options{}.metadata_file).string();
+  const char* mend = "docs/datasets.md says how folders are named; `earpoint simulate` makes one";
+  if (asked == DatasetLayout::soundspaces && !soundspaces) {
+    throw InputError(folder.string(), fmt::format("holds neither a dataset.json nor {}", published),
+                     mend);
+  }
+  if (asked == DatasetLayout::replay && !replay) {
+    throw InputError(folder.string(), "holds no " + recorded, mend);
+  }
+  if (asked) return *asked;
+  if (soundspaces && replay) {
+    throw InputError(folder.string(), "holds SoundSpaces-NVAS and Replay-NVAS",
+                     "say which by --layout soundspaces or --layout replay");
+  }
+  if (!soundspaces && !replay) {
+    throw InputError(folder.string(),
+                     fmt::format("holds neither a dataset.json nor {} nor {}", published, recorded),
+                     mend);
+  }
+  return soundspaces ? DatasetLayout::soundspaces : DatasetLayout::replay;
+}
+
+SoundSpacesDataset::Options soundspaces_options(const fs::path& folder, const std::string& split) {
+  static_cast<void>(dataset_layout(folder, DatasetLayout::soundspaces));
+  if (fs::exists(record_of(folder))) return recorded_options(folder, split);
+  SoundSpacesDataset::Options options{.root = soundspaces_root(folder).value(), .split = split};
+  // A simulated data set may lie where the published one does.
+  if (fs::exists(record_of(options.root / options.folder))) {
+    return recorded_options(options.root / options.folder, split);
+  }
+  return options;
+}
+
+ReplayDataset::Options replay_options(const fs::path& folder, const std::string& split) {
+  static_cast<void>(dataset_layout(folder, DatasetLayout::replay));
+  ReplayDataset::Options options;
+  options.root = replay_root(folder).value();
+  options.split = split;
+  return options;
+}
+
+}  // namespace earpoint

@@ -1,0 +1,294 @@
+#include <earpoint/dataset/replay.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <set>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <earpoint/audio/gcc_phat.h>
+#include <earpoint/audio/resample.h>
+#include <earpoint/audio/sound_file.h>
+#include <earpoint/core/error.h>
+#include <earpoint/core/file.h>
+#include <earpoint/dataset/json_field.h>
+#include <earpoint/dataset/npy.h>
+#include <earpoint/dataset/replay_splits.h>
+#include <earpoint/media/image_file.h>
+#include <earpoint/media/media.h>
+
+namespace earpoint {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kRate_hz = 16000;
+constexpr std::ptrdiff_t kSamples = 16000;
+constexpr int kGreatestShift = 200;
+constexpr int kImageHeight = 216;
+constexpr int kImageWidth = 384;
+constexpr std::ptrdiff_t kBlankSamples = 96000;
+
+/// The shipped file holds bare NaN for a camera that could not be placed; JSON has no such word.
+std::string without_nan(std::string text) {
+  bool quoted = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] == '"') quoted = !quoted;
+    if (!quoted && text.compare(i, 3, "NaN") == 0) text.replace(i, 3, "null");
+  }
+  return text;
+}
+
+/// Numbers in the file may be written as texts.
+double loose_number(const JsonField& json) {
+  if (!json.is_text()) return json.number();
+  const std::string text = json.text();
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) {
+    throw InputError(json.where(), "expected a number, found '" + text + "'");
+  }
+  return value;
+}
+
+Vector3 loose_vector3(const JsonField& json) {
+  const std::vector<JsonField> values = json.items();
+  if (values.size() != 3) throw InputError(json.where(), "expected three numbers");
+  return {loose_number(values[0]), loose_number(values[1]), loose_number(values[2])};
+}
+
+bool has_null(const JsonField& json) {
+  const std::vector<JsonField> values = json.items();
+  return std::any_of(values.begin(), values.end(), [](const JsonField& v) { return v.is_null(); });
+}
+
+nlohmann::json parse_json(const fs::path& path) {
+  nlohmann::json document =
+      nlohmann::json::parse(without_nan(read_text_file(path)), nullptr, false);
+  if (document.is_discarded()) throw InputError(path.string(), "is not valid JSON");
+  return document;
+}
+
+/// The scenes of a split: those of the published data set, unless the folder has a list of its own.
+std::set<std::string> scenes_of(const fs::path& splits, const std::string& split) {
+  const std::vector<std::string_view> published = replay_scenes(split);
+  if (!fs::exists(splits)) return {published.begin(), published.end()};
+  const nlohmann::json document = parse_json(splits);
+  std::set<std::string> scenes;
+  for (const JsonField& scene : JsonField(document, splits.string()).field(split).items()) {
+    scenes.insert(scene.text());
+  }
+  return scenes;
+}
+
+std::vector<float> mean_of_channels(const Waveform& sound) {
+  std::vector<float> mean(static_cast<std::size_t>(sound.samples()));
+  for (std::size_t i = 0; i < mean.size(); ++i) {
+    mean[i] = (sound.channel(0)[i] + sound.channel(1)[i]) / 2.0F;
+  }
+  return mean;
+}
+
+/// Moves a sound later by `delay` samples, or earlier if it is negative; the length stays.
+Waveform shifted(const Waveform& sound, int delay) {
+  Waveform result(sound.channels(), sound.samples(), sound.sample_rate_hz());
+  const std::ptrdiff_t from = std::max(0, -delay);
+  const std::ptrdiff_t to = std::max(0, delay);
+  const std::ptrdiff_t count = std::max<std::ptrdiff_t>(0, sound.samples() - std::abs(delay));
+  for (int c = 0; c < sound.channels(); ++c) {
+    std::copy_n(sound.channel(c).begin() + std::min(from, sound.samples() - count), count,
+                result.channel(c).begin() + std::min(to, sound.samples() - count));
+  }
+  return result;
+}
+
+fs::path beside(fs::path image, const char* extension) {
+  return image.replace_extension(extension);
+}
+
+/// The picture, or the first frame of the camera's movie where no picture was cut out of it.
+Image read_picture(const fs::path& path) {
+  const fs::path movie = beside(path, ".mp4");
+  if (fs::exists(path) || !fs::exists(movie)) return read_image(path);
+  return FrameReader(movie).frame_nearest(0.0);
+}
+
+ImagePlanes read_rgb(const fs::path& path) {
+  // Unlike the SoundSpaces loader, this one divides after resizing.
+  ImagePlanes planes = resize_bilinear(planes_of(read_picture(path)), kImageWidth, kImageHeight);
+  for (float& value : planes.values) value /= 255.0F;
+  return planes;
+}
+
+Waveform read_recording(const fs::path& path) {
+  const Waveform sound = read_sound(path);
+  if (sound.channels() != 2) {
+    throw InputError(path.string(), fmt::format("expected 2 channels, found {}", sound.channels()));
+  }
+  return highpass(resample_sinc(sound, kRate_hz), kReplayCutoffHz);
+}
+
+/// The box of whoever is most often named in the table of x_min, y_min, x_max, y_max, id.
+std::vector<double> read_box(const fs::path& path) {
+  const NumberTable table = read_npy(path);
+  if (table.columns != 5 || table.rows == 0) {
+    throw InputError(path.string(), fmt::format("expected rows of 5 numbers, found {} x {}",
+                                                table.rows, table.columns));
+  }
+  std::map<double, int> counts;
+  for (std::size_t row = 0; row < table.rows; ++row) ++counts[table.values[row * 5 + 4]];
+  // The map runs through the ids in ascending order: of equals the smallest id wins.
+  const auto frequent =
+      std::max_element(counts.begin(), counts.end(),
+                       [](const auto& a, const auto& b) { return a.second < b.second; });
+  std::size_t row = 0;
+  while (table.values[row * 5 + 4] != frequent->first) ++row;
+  const auto first = table.values.begin() + static_cast<std::ptrdiff_t>(row * 5);
+  return {first, first + 4};
+}
+
+std::array<double, 3> angles_of(const Vector3& direction) {
+  return {std::atan2(direction.y, direction.x), std::atan2(direction.z, direction.y),
+          std::atan2(direction.z, direction.x)};
+}
+
+}  // namespace
+
+ReplayCameras read_replay_cameras(const fs::path& path) {
+  const nlohmann::json document = parse_json(path);
+  const JsonField root(document, path.string());
+  const JsonField rotations = root.field("rotations");
+  ReplayCameras cameras;
+  for (const auto& [scene, centres] : root.field("centers").fields()) {
+    for (const auto& [camera, centre] : centres.fields()) {
+      const JsonField rotation = rotations.field(scene).field(camera);
+      // A camera that could not be placed is an error only for who asks for it.
+      if (has_null(centre) || has_null(rotation)) continue;
+      cameras[scene][camera] = {loose_vector3(centre), loose_vector3(rotation)};
+    }
+  }
+  return cameras;
+}
+
+ReplayDataset::ReplayDataset(Options options) : options_(std::move(options)) {
+  read_clips();
+  read_mouths();
+  cameras_ =
+      read_replay_cameras((options_.root / options_.folder).parent_path() / options_.camera_file);
+}
+
+void ReplayDataset::read_clips() {
+  const fs::path folder = options_.root / options_.folder;
+  const std::set<std::string> scenes = scenes_of(folder / options_.splits_file, options_.split);
+  const fs::path metadata = folder / options_.metadata_file;
+  // Items keep the order of the file, which only an ordered document remembers.
+  const std::string text = without_nan(read_text_file(metadata));
+  const nlohmann::ordered_json ordered = nlohmann::ordered_json::parse(text, nullptr, false);
+  if (ordered.is_discarded()) throw InputError(metadata.string(), "is not valid JSON");
+  if (!ordered.is_object()) throw InputError(metadata.string(), "expected an object of clips");
+  for (const auto& [key, value] : ordered.items()) {
+    const std::string scene = fs::path(key).parent_path().filename().string();
+    if (!scenes.contains(scene)) continue;
+    ReplayClip clip{.folder = key, .scene = scene, .images = {}, .mouth_m = {}};
+    const nlohmann::json plain = value;
+    for (const JsonField& item : JsonField(plain, metadata.string() + ": " + key).items()) {
+      clip.images.push_back(item.text());
+    }
+    if (clip.images.size() < 2) {
+      throw InputError(metadata.string() + ": " + key, "fewer than two images");
+    }
+    clips_.push_back(std::move(clip));
+  }
+  if (clips_.empty())
+    throw InputError(metadata.string(), "holds no clip of the split " + options_.split);
+}
+
+void ReplayDataset::read_mouths() {
+  const fs::path path = options_.root / options_.folder / options_.clips_file;
+  if (!fs::exists(path)) return;
+  const nlohmann::json document = parse_json(path);
+  const JsonField known(document, path.string());
+  for (ReplayClip& clip : clips_) {
+    if (!known.has(clip.folder)) continue;
+    const JsonField fields = known.field(clip.folder);
+    if (fields.has("mouth_m")) clip.mouth_m = fields.field("mouth_m").vector3();
+  }
+}
+
+ReplayChoice ReplayDataset::draw(const ReplayClip& clip, NumpyRandom& random) const {
+  const std::vector<int> order = random.permutation(static_cast<int>(clip.images.size()));
+  return {order[0], order[1]};
+}
+
+ReplayCamera ReplayDataset::camera(const std::string& scene, const std::string& image) const {
+  const std::string name = "DSLR-" + fs::path(image).stem().string();
+  const auto found = cameras_.find(scene);
+  if (found == cameras_.end() || !found->second.contains(name)) {
+    throw InputError(options_.camera_file, "does not place " + name + " in " + scene);
+  }
+  return found->second.at(name);
+}
+
+ReplayDataset::View ReplayDataset::read_view(const fs::path& image) const {
+  try {
+    return {read_rgb(image), read_recording(beside(image, ".wav"))};
+  } catch (const InputError&) {
+    if (!options_.blank_unreadable) throw;
+    return {{3, kImageHeight, kImageWidth,
+             std::vector<float>(std::size_t{3} * kImageHeight * kImageWidth)},
+            Waveform(2, kBlankSamples, kRate_hz)};
+  }
+}
+
+NvasSample ReplayDataset::sample(const ReplayClip& clip, const ReplayChoice& choice,
+                                 bool align) const {
+  const fs::path folder = options_.root / clip.folder;
+  const fs::path source = folder / clip.images.at(choice.source);
+  const fs::path target = folder / clip.images.at(choice.target);
+
+  NvasSample sample;
+  auto [source_rgb, source_sound] = read_view(source);
+  auto [target_rgb, target_sound] = read_view(target);
+  if (align) {
+    const double delay =
+        gcc_phat_delay_samples(mean_of_channels(target_sound), mean_of_channels(source_sound));
+    source_sound =
+        shifted(source_sound, std::clamp(static_cast<int>(delay), -kGreatestShift, kGreatestShift));
+  }
+  sample.source = window_of(source_sound, 0, kSamples);
+  sample.target = window_of(target_sound, 0, kSamples);
+  sample.source_rgb = std::move(source_rgb);
+  sample.target_rgb = std::move(target_rgb);
+  sample.bboxes = read_box(beside(source, ".npy"));
+
+  const ReplayCamera from = camera(clip.scene, clip.images[choice.source]);
+  const ReplayCamera to = camera(clip.scene, clip.images[choice.target]);
+  const auto pose = replay_pose(from, to);
+  const auto rotation = replay_rotation(from, to);
+  sample.tgt_pose.assign(pose.begin(), pose.end());
+  sample.tgt_rotation.assign(rotation.begin(), rotation.end());
+  return sample;
+}
+
+std::array<double, 3> replay_pose(const ReplayCamera& source, const ReplayCamera& target) {
+  const Vector3 offset = target.centre - source.centre;
+  const double distance = std::hypot(offset.x, offset.y);
+  const double towards_rad = std::atan2(offset.y, offset.x);
+  const double turned_rad = 90.0 - (angles_of(source.direction)[0] - towards_rad);
+  return {distance * std::cos(turned_rad), distance * std::sin(turned_rad), offset.z};
+}
+
+std::array<double, 6> replay_rotation(const ReplayCamera& source, const ReplayCamera& target) {
+  const auto from = angles_of(source.direction);
+  const auto to = angles_of(target.direction);
+  std::array<double, 6> result{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    result[2 * i] = std::sin(to[i] - from[i]);
+    result[2 * i + 1] = std::cos(to[i] - from[i]);
+  }
+  return result;
+}
+
+}  // namespace earpoint

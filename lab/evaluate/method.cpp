@@ -1,0 +1,112 @@
+#include <earpoint/evaluate/method.h>
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include <earpoint/core/error.h>
+#include <earpoint/dataset/ambient.h>
+#include <earpoint/dataset/sample.h>
+#include <earpoint/render/make_synthesizer.h>
+#include <earpoint/render/render.h>
+
+namespace earpoint {
+namespace {
+
+constexpr int kRate_hz = 16000;
+
+class InputMethod : public Method {
+ public:
+  Waveform render(const Question& question) override { return question.sample.source; }
+};
+
+Waveform sum(Waveform a, const Waveform& b) {
+  EARPOINT_CHECK(a.planar().size() == b.planar().size());
+  for (std::size_t i = 0; i < a.planar().size(); ++i) a.planar()[i] += b.planar()[i];
+  return a;
+}
+
+/// What ships, over memory.
+class ShippedMethod : public Method {
+ public:
+  ShippedMethod(std::unique_ptr<AcousticSynthesizer> synthesizer, bool is_told_speaker)
+      : synthesizer_(std::move(synthesizer)), is_told_speaker_(is_told_speaker) {}
+
+  Waveform render(const Question& question) override {
+    const PairSample& sample = question.sample;
+    const bool takes_ambient =
+        sample.ambient && !is_told_speaker_ && synthesizer_->ambient_cutoff_hz() == 0.0;
+    if (!takes_ambient) return render(sample, sample.source);
+    return highpass(render(sample, sum(sample.source, *sample.ambient)), kSeparationCutoffHz);
+  }
+
+ private:
+  Waveform render(const PairSample& sample, const Waveform& heard) {
+    SoundInMemory source{.sound = heard,
+                         .picture = sample.picture,
+                         .speaker_box = sample.speaker_box.value_or(Box{}),
+                         .speaker_m = std::nullopt,
+                         .world_from_source = sample.world_from_source};
+    if (is_told_speaker_) source.speaker_m = sample.speaker_m;
+    ClipRenderOptions options;
+    options.ambient_cutoff_hz = 0.0;  // all that is heard is primary, or wanted whole
+    options.limit = false;
+    return render_in_memory(source, *synthesizer_, EarpointPath(sample.source_from_target),
+                            options);
+  }
+
+  std::unique_ptr<AcousticSynthesizer> synthesizer_;
+  bool is_told_speaker_;
+};
+
+}  // namespace
+
+Waveform ask(Method& method, const MethodEntry& entry, const PairSample& sample,
+             std::string_view scene, const PairTruth* truth) {
+  PairSample seen = entry.hears_context ? sample : without_context(sample);
+  seen.clean.reset();
+  if (!entry.is_oracle) {
+    seen.target = Waveform();
+    truth = nullptr;
+  }
+  PairSample answer;
+  answer.source = method.render({seen, scene, truth});
+  answer.context = seen.context;
+  return without_context(std::move(answer)).source;
+}
+
+MethodEntry input_method() {
+  return {.name = "input",
+          .what = "the source's sound as it is",
+          .is_oracle = false,
+          .make = [] { return std::make_unique<InputMethod>(); },
+          .fixes_sign = false};
+}
+
+MethodEntry dsp_method() {
+  (void)make_synthesizer("dsp", {});  // a missing set of head filters is found here
+  return {.name = "dsp",
+          .what = "inverse and forward head filters, true speaker position",
+          .is_oracle = false,
+          .make = [] { return std::make_unique<ShippedMethod>(make_synthesizer("dsp", {}), true); },
+          .needs_speaker = true,
+          .hears_context = true};
+}
+
+MethodEntry network_method(const std::string& name, const std::string& weights,
+                           const SynthesizerOptions& options) {
+  const auto make = [weights, options] { return make_synthesizer(weights, options); };
+  const int rate_hz = make()->window_shape(kRate_hz).sample_rate_hz;
+  if (rate_hz != kRate_hz) {
+    throw InputError(weights,
+                     fmt::format("works at {} Hz, the pairs are at {} Hz", rate_hz, kRate_hz));
+  }
+  return {.name = name,
+          .what = weights,
+          .is_oracle = false,
+          .make = [make] { return std::make_unique<ShippedMethod>(make(), false); },
+          .hears_context = true};
+}
+
+}  // namespace earpoint

@@ -1,0 +1,201 @@
+#include "graph.h"
+
+#include "phase_pass.h"
+#include "torch_tensor.h"
+#include "trunk_pass.h"
+
+#include <cmath>
+#include <cstdint>
+
+#include <ATen/TensorOperators.h>
+#include <ATen/ops/arange.h>
+#include <ATen/ops/cat.h>
+#include <ATen/ops/conv2d.h>
+#include <ATen/ops/full.h>
+#include <ATen/ops/group_norm.h>
+#include <ATen/ops/linear.h>
+#include <ATen/ops/matmul.h>
+#include <ATen/ops/silu.h>
+#include <ATen/ops/zeros.h>
+#include <fmt/format.h>
+
+#include <earpoint/core/error.h>
+#include <earpoint/core/pose.h>
+
+namespace earpoint {
+namespace {
+
+using D = GtfDescription;
+
+constexpr double kHeardLevel = 0.05;  // the root mean square that every sound is brought to
+constexpr double kQuietest = 1e-4;    // below it a sound counts as silence
+constexpr double kNormEpsilon = 1e-5;
+constexpr double kMagnitudeFloor = 1e-3;
+
+}  // namespace
+
+GtfGraph::GtfGraph(const GtfWeights& weights) : description_(weights.description) {
+  for (const auto& [name, tensor] : weights.tensors) {
+    at::Tensor values = to_torch(tensor, at::kCPU);
+    if (is_gtf_table(name)) {
+      buffers_[name] = values;
+    } else {
+      parameters_[name] = values.set_requires_grad(true);
+    }
+  }
+}
+
+GtfGraph GtfGraph::twin() const {
+  GtfGraph twin = *this;
+  for (auto& [name, parameter] : twin.parameters_) {
+    parameter = parameter.detach().set_requires_grad(true);
+  }
+  return twin;
+}
+
+at::Tensor GtfGraph::linear(const std::string& name, const at::Tensor& x) const {
+  return at::linear(x, parameter(name + ".weight"), parameter(name + ".bias"));
+}
+
+FrameLayer GtfGraph::modulated(const std::string& name, const at::Tensor& conditions) const {
+  return {parameter(name + ".weight"),
+          linear(name + ".static", conditions) + parameter(name + ".bias")};
+}
+
+at::Tensor GtfGraph::look(const at::Tensor& picture, const at::Tensor& box) const {
+  // A fourth channel marks the box.
+  const std::int64_t size = description_.picture_px;
+  const at::Tensor middles =
+      (at::arange(size, at::TensorOptions().dtype(at::kFloat)).to(picture.device()) + 0.5) / size;
+  const auto side = [&](std::int64_t i) { return box.narrow(1, i, 1); };
+  const at::Tensor across = (middles >= side(1)).logical_and(middles <= side(3)).to(at::kFloat);
+  const at::Tensor down = (middles >= side(2)).logical_and(middles <= side(4)).to(at::kFloat);
+  const at::Tensor mask = down.unsqueeze(2) * across.unsqueeze(1) * side(0).unsqueeze(2);
+  at::Tensor x = at::cat({picture - 0.5, mask.unsqueeze(1)}, 1);
+  for (int i = 0; i < D::kPictureLayers; ++i) {
+    const std::string name = fmt::format("picture.{}", i);
+    x = at::conv2d(x, parameter(name + ".weight"), parameter(name + ".bias"), 2, 1);
+    x = at::silu(at::group_norm(x, D::kNormGroups, parameter(name + ".norm.weight"),
+                                parameter(name + ".norm.bias"), kNormEpsilon));
+  }
+  return at::silu(linear("picture.output", x.flatten(1)));
+}
+
+SpeakerPlace GtfGraph::locate(const at::Tensor& picture, const at::Tensor& box,
+                              const at::Tensor& summary) const {
+  std::vector<at::Tensor> known;
+  if (picture.defined()) known.push_back(picture);
+  const auto side = [&](std::int64_t i) { return box.narrow(1, i, 1); };
+  const at::Tensor seen = side(0);
+  // The camera sees 90 degrees across.
+  const at::Tensor azimuth = (1 - (side(1) + side(3))).atan() * seen;
+  if (description_.box) {
+    const at::Tensor height = (side(4) - side(2)) * seen;
+    const at::Tensor width = (side(3) - side(1)) * seen;
+    known.push_back(at::cat({seen, azimuth, (1 - 2 * side(2)) * seen, height, width,
+                             (side(4) > 0.99).to(at::kFloat) * seen, (height + 0.02).log() * seen,
+                             (width + 0.02).log() * seen, (1 - 2 * side(4)) * seen},
+                            1));
+  }
+  known.push_back(summary);
+  at::Tensor x = at::silu(linear("locator.0", at::cat(known, 1)));
+  x = linear("locator.2", at::silu(linear("locator.1", x)));
+
+  // The direction starts from the box where there is one.
+  constexpr double kTrustInBox = 3.0;
+  const auto output = [&](std::int64_t i) { return x.narrow(1, i, 1); };
+  const at::Tensor front = output(0) + kTrustInBox * seen * azimuth.cos();
+  const at::Tensor left = output(1) + kTrustInBox * seen * azimuth.sin();
+  const at::Tensor distance = (0.6 + output(2).clamp(-2, 1.5)).exp();
+  const at::Tensor scale = distance / (front.square() + left.square() + 1e-4).sqrt();
+  return {at::cat({front * scale, left * scale, output(3) * 0.3 - 0.1}, 1), x.narrow(1, 4, 2),
+          x.select(1, 6)};
+}
+
+GtfGraph::Conditions GtfGraph::condition(const GtfInputs& inputs, const Heard& heard,
+                                         std::optional<SpeakerPlace>& speaker) const {
+  Conditions conditions;
+  const at::Tensor box = description_.box ? inputs.box : inputs.box * 0;
+  const at::Tensor picture = description_.picture_px > 0 ? look(inputs.picture, box) : at::Tensor();
+  std::vector<at::Tensor> known;
+  if (description_.geometry) {
+    speaker = locate(picture, box, heard.summary);
+    conditions.move = move_geometry(
+        {buffers_.at("head.power"), buffers_.at("head.diffuse_power"), buffers_.at("head.delay_s")},
+        *speaker, inputs.target_m, inputs.target_yaw_rad);
+    known.push_back(conditions.move.features);
+  } else {
+    known.push_back(pose_features(inputs.target_m, inputs.target_yaw_rad));
+  }
+  if (picture.defined()) known.push_back(picture);
+  known.push_back(at::silu(linear("summary", heard.summary)));
+  if (description_.texture) {
+    known.push_back(at::full({heard.summary.size(0), 1}, inputs.texture));
+  }
+  const at::Tensor hidden = at::silu(linear("conditioning.0", at::cat(known, 1)));
+  conditions.vector = at::silu(linear("conditioning.1", hidden));
+  return conditions;
+}
+
+at::Tensor GtfGraph::trunk(const Heard& heard, const at::Tensor& conditions) const {
+  TrunkTensors tensors;
+  tensors.input_weight = parameter("trunk.input.weight");
+  tensors.input_bias = parameter("trunk.input.bias");
+  for (int i = 0; i < description_.layers; ++i) {
+    const std::string name = fmt::format("trunk.{}", i);
+    tensors.weights.push_back(parameter(name + ".weight"));
+    tensors.biases.push_back(parameter(name + ".bias"));
+    tensors.films.push_back(linear(name + ".film", conditions));
+    tensors.dilations.push_back(description_.dilation(i));
+  }
+  const std::int64_t frames = 1 + heard.samples / D::kHop;
+  return trunk_pass(tensors, heard.features, frames, description_.look_ahead_frames);
+}
+
+at::Tensor GtfGraph::filter(const Heard& heard, const at::Tensor& state,
+                            const Conditions& conditions) const {
+  const std::int64_t clips = state.size(0);
+  // Without delays the phase is the source's.
+  at::Tensor share = at::zeros({clips, 2, description_.bands});
+  at::Tensor source_delay_s = at::zeros({clips, 2});
+  at::Tensor target_delay_s = source_delay_s;
+  if (description_.delays) {
+    share = linear("phase", conditions.vector).sigmoid().unflatten(1, {2, description_.bands});
+    source_delay_s = conditions.move.source_delay_s;
+    target_delay_s = conditions.move.target_delay_s;
+  }
+  const at::Tensor spectrum =
+      filter_pass(description_, {heard.spectrum, heard.magnitude, heard.samples}, state,
+                  modulated("kernel", conditions.vector), modulated("gain", conditions.vector),
+                  share, source_delay_s, target_delay_s);
+  return phase_pass(spectrum, description_.phase_rounds, heard.samples);
+}
+
+at::Tensor GtfGraph::dry_magnitude(const Heard& heard, const at::Tensor& state,
+                                   const at::Tensor& conditions) const {
+  constexpr double kLeastGain = -5.0;
+  constexpr double kMostGain = 4.0;
+  const std::int64_t frames = 1 + heard.samples / D::kHop;
+  const FrameLayer gain = modulated("dry", conditions);
+  const at::Tensor log_gain =
+      at::matmul(gain.weight, state.narrow(2, 0, frames)) + gain.still.unsqueeze(2);
+  return (heard.magnitude.mean(at::IntArrayRef({1})).narrow(2, 0, frames) + kMagnitudeFloor) *
+         log_gain.clamp(kLeastGain, kMostGain).exp();
+}
+
+GtfOutput GtfGraph::forward(const GtfInputs& inputs) {
+  const at::Tensor level =
+      inputs.source.square().mean(at::IntArrayRef({1, 2}), true).sqrt().clamp_min(kQuietest) /
+      kHeardLevel;
+  const Heard heard = hear(description_, inputs.source / level);
+  GtfOutput output;
+  const Conditions conditions = condition(inputs, heard, output.speaker);
+  const at::Tensor state = trunk(heard, conditions.vector);
+  output.sound = filter(heard, state, conditions) * level;
+  if (description_.dry_voice) {
+    output.dry_magnitude = dry_magnitude(heard, state, conditions.vector) * level;
+  }
+  return output;
+}
+
+}  // namespace earpoint

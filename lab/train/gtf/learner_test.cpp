@@ -1,0 +1,444 @@
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include <earpoint/core/error.h>
+#include <earpoint/core/pose.h>
+#include <earpoint/core/random.h>
+#include <earpoint/gtf/description.h>
+#include <earpoint/gtf/weights.h>
+#include <earpoint/rt60/description.h>
+#include <earpoint/rt60/engine.h>
+#include <earpoint/spatial/hrtf.h>
+#include <earpoint/train/gtf_learner.h>
+#include <earpoint/train/initial_weights.h>
+#include <earpoint/train/vigas_learner.h>
+
+namespace earpoint {
+namespace {
+
+constexpr std::int64_t kSamples = 4000;
+
+const HrtfSet& head() {
+  static const HrtfSet set = HrtfSet::load(GtfDescription::kSampleRateHz);
+  return set;
+}
+
+GtfDescription small() {
+  GtfDescription d;
+  d.channels = 12;
+  d.layers = 3;
+  d.bands = 12;
+  d.past_frames = 2;
+  d.picture_px = 32;
+  d.picture_width = d.locator_width = d.summary_width = d.conditioning_width = 16;
+  return d;
+}
+
+std::vector<float> noise(std::int64_t count, double size, std::uint64_t seed) {
+  RandomStream random(seed);
+  std::vector<float> values(static_cast<std::size_t>(count));
+  for (float& value : values) value = static_cast<float>(size * random.normal());
+  return values;
+}
+
+TrainingBatch batch_for(const GtfDescription& d, std::int64_t clips,
+                        std::int64_t samples = kSamples) {
+  TrainingBatch batch;
+  batch.clips = clips;
+  batch.source = noise(clips * 2 * samples, 0.1, 1);
+  batch.target = noise(clips * 2 * samples, 0.05, 2);
+  batch.inputs["dry"] = noise(clips * samples, 0.1, 7);
+  if (d.picture_px > 0) {
+    batch.pictures = noise(clips * 3 * d.picture_px * d.picture_px, 0.2, 3);
+  }
+  for (std::int64_t clip = 0; clip < clips; ++clip) {
+    const bool is_seen = clip % 2 == 0;
+    const std::vector<float> box =
+        is_seen ? std::vector<float>{1, 0.3F, 0.4F, 0.5F, 0.9F} : std::vector<float>(5);
+    batch.inputs["speaker_box"].insert(batch.inputs["speaker_box"].end(), box.begin(), box.end());
+  }
+  batch.inputs["target_m"] = noise(clips * 3, 1.0, 4);
+  batch.inputs["target_yaw_rad"] = noise(clips, 1.0, 5);
+  batch.inputs["speaker_m"] = noise(clips * 3, 1.0, 6);
+  for (std::int64_t clip = 0; clip < clips; ++clip) {
+    batch.inputs["speaker_heading"].insert(batch.inputs["speaker_heading"].end(), {0.6F, 0.8F});
+  }
+  return batch;
+}
+
+/// Initial weights leave kernels, gains and phases at constants: here every layer takes part.
+GtfWeights stirred(const GtfDescription& d) {
+  GtfWeights weights = initial_gtf_weights(d, head(), 3);
+  std::uint64_t seed = 100;
+  for (auto& [name, tensor] : weights.tensors) {
+    if (!name.starts_with("kernel") && !name.starts_with("gain") && !name.starts_with("phase")) {
+      continue;
+    }
+    std::vector<float> values = noise(tensor.elements(), 0.05, seed++);
+    const auto old = tensor.as<float>();
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] += old[i];
+    tensor = make_tensor<float>(values, tensor.shape);
+  }
+  return weights;
+}
+
+TEST(InitialGtfWeights, TablesHearTheNearEarEarlierAndLouder) {
+  const GtfWeights weights = initial_gtf_weights(GtfDescription{}, head(), 1);
+  const auto power = weights.at("head.power").as<float>();
+  const auto delay_s = weights.at("head.delay_s").as<float>();
+  constexpr int kLeft = GtfDescription::kHeadAzimuths / 4;
+  // Woodworth's sphere of 8.75 cm: 0.66 ms at the side.
+  EXPECT_NEAR(delay_s[2 * kLeft + 1] - delay_s[2 * kLeft], 0.66e-3, 0.15e-3);
+  EXPECT_NEAR(delay_s[1] - delay_s[0], 0.0, 0.05e-3);
+  // At 3 to 5 kHz the head casts a shadow of well over 6 dB.
+  constexpr int kBand = 6;
+  EXPECT_GT(power[(2 * kLeft) * 8 + kBand], 4 * power[(2 * kLeft + 1) * 8 + kBand]);
+  // The default set is diffuse-field equalised: below the highest bands an ear picks up as much
+  // as a microphone, up to the equalisation's smoothing.
+  const auto diffuse = weights.at("head.diffuse_power").as<float>();
+  for (int band = 1; band < 7; ++band) EXPECT_NEAR(diffuse[band], 1.0F, 0.3F) << band;
+}
+
+TEST(GtfLearner, StartsAsACopyOfTheMagnitudes) {
+  const GtfDescription d = small();
+  GtfLearner learner(initial_gtf_weights(d, head(), 1));
+  TrainingBatch batch = batch_for(d, 1);
+  batch.target = batch.source;
+  const double copied = learner.errors(batch)[0];
+  batch.target.assign(batch.target.size(), 0.0F);
+  // What is left: small random kernels and phases that are half the speaker's.
+  EXPECT_LT(copied, 0.5 * learner.errors(batch)[0]);
+}
+
+TEST(GtfLearner, LouderInGivesLouderOut) {
+  const GtfDescription d = small();
+  GtfLearner learner(stirred(d));
+  TrainingBatch batch = batch_for(d, 2);
+  const std::vector<float> first = learner.predict(batch);
+  for (float& sample : batch.source) sample *= 4.0F;  // a power of two: no rounding
+  const std::vector<float> louder = learner.predict(batch);
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    ASSERT_NEAR(louder[i], 4.0F * first[i], 1e-6) << i;
+  }
+}
+
+// The table's left stays on the left: the network's expectation, before it has learned anything.
+TEST(GtfLearner, MovesTheSpeakerToTheSideThatGeometryTells) {
+  GtfDescription d = small();
+  GtfWeights weights = initial_gtf_weights(d, head(), 1);
+  // All phase is the speaker's.
+  weights.tensors["phase.bias"] = make_tensor<float>(
+      std::vector<float>(static_cast<std::size_t>(2 * d.bands), 20.0F), {2 * d.bands});
+  GtfLearner learner(weights);
+  TrainingBatch batch = batch_for(d, 1);
+  std::copy_n(batch.source.begin(), kSamples, batch.source.begin() + kSamples);
+  const std::vector<float> place = learner.locate(batch);
+  const double bearing_rad = std::atan2(place[1], place[0]);
+  batch.inputs["target_m"] = {0, 0, 0};
+  const auto later_at_right = [&](double azimuth_rad) {
+    // The listener turns so that the speaker is at that azimuth.
+    batch.inputs["target_yaw_rad"] = {static_cast<float>(bearing_rad - azimuth_rad)};
+    const std::vector<float> heard = learner.predict(batch);
+    // Which lag of the right ear fits best.
+    int best = 0;
+    double most = -1e9;
+    for (int lag = -20; lag <= 20; ++lag) {
+      double sum = 0.0;
+      for (int i = 100; i < kSamples - 100; ++i) {
+        sum += double{heard[i]} * heard[kSamples + i + lag];
+      }
+      if (sum > most) {
+        most = sum;
+        best = lag;
+      }
+    }
+    return best;
+  };
+  EXPECT_GT(later_at_right(0.5 * kPi), 5);
+  EXPECT_LT(later_at_right(-0.5 * kPi), -5);
+  EXPECT_NEAR(later_at_right(0.0), 0, 1);
+}
+
+/// Central differences of the loss along a direction in which every parameter adds to the slope.
+/// @param tolerance  relative
+void expect_slope(const GtfDescription& d, std::int64_t clips = 2, double tolerance = 0.02) {
+  const GtfWeights weights = stirred(d);
+  const TrainingBatch batch = batch_for(d, clips);
+  GtfLearnerOptions options;
+  options.loss = {.log_magnitude = 0.1,
+                  .level_difference = 0.01,
+                  .level = 0.01,
+                  .modulation = 0.03,
+                  .decay = 0.01,
+                  .phase_difference = 0.1,
+                  .dry_voice = d.dry_voice ? 0.1 : 0.0,
+                  .place = 0.1};
+  if (d.texture) {
+    options.natural_loss = options.loss;
+    options.natural_loss->modulation = 0.1;
+  }
+  GtfLearner learner(weights, options);
+  learner.compute_gradients(batch);
+  double slope = 0.0;
+  GtfWeights ahead = weights;
+  GtfWeights behind = weights;
+  std::uint64_t seed = 1000;
+  // Small against curvature (error ~ step^2), large against the loss's rounding (~ 1e-7 / step).
+  constexpr double kStep = 3e-5;
+  for (const auto& [name, gradient] : learner.gradients()) {
+    std::vector<float> plus = noise(gradient.elements(), 1.0, seed++);
+    std::vector<float> minus(plus.size());
+    const auto values = weights.at(name).as<float>();
+    double share = 0.0;
+    for (std::size_t i = 0; i < plus.size(); ++i) {
+      const float step = std::copysign(plus[i], gradient.as<float>()[i]);
+      share += double{step} * gradient.as<float>()[i];
+      plus[i] = values[i] + static_cast<float>(kStep) * step;
+      minus[i] = values[i] - static_cast<float>(kStep) * step;
+    }
+    EXPECT_GT(share, 0.0) << name << " has no gradient";
+    slope += share;
+    ahead.tensors[name] = make_tensor<float>(plus, gradient.shape);
+    behind.tensors[name] = make_tensor<float>(minus, gradient.shape);
+  }
+  const double difference = GtfLearner(ahead, options).compute_gradients(batch) -
+                            GtfLearner(behind, options).compute_gradients(batch);
+  EXPECT_NEAR(difference / (2 * kStep), slope, tolerance * std::abs(slope));
+}
+
+TEST(GtfLearner, GradientIsTheSlopeOfTheLoss) { expect_slope(small()); }
+
+TEST(GtfLearner, GradientIsTheSlopeOfTheLossOfABatchInParts) { expect_slope(small(), 6); }
+
+TEST(GtfLearner, GradientIsTheSlopeOfTheLossWithPhaseRoundsTexturesAndADryVoice) {
+  GtfDescription d = small();
+  d.phase_rounds = 2;
+  d.ear_delays = d.texture = d.dry_voice = true;
+  // Two parts, one of either texture. The phases of bins that are nearly nothing turn far within a
+  // step; gtf_passes_test holds the gradient of the rounds to 0.2 %.
+  expect_slope(d, 6, 0.05);
+}
+
+TEST(GtfLearner, LearnsATextureForEachOfItsLosses) {
+  GtfDescription d = small();
+  d.texture = true;
+  TrainingBatch clip = batch_for(d, 1);
+  clip.target = clip.source;
+  GtfLearnerOptions options;
+  options.natural_loss = options.loss;
+  // What a natural texture is, a test may choose: one that is 6 dB too loud.
+  GtfLearner learner(initial_gtf_weights(d, head(), 1), options);
+  TrainingBatch louder = clip;
+  for (float& sample : louder.target) sample *= 2.0F;
+  for (int step = 0; step < 120; ++step) {
+    // One clip is one part: the steps take turns.
+    learner.compute_gradients(step % 2 == 0 ? clip : louder);
+    learner.apply_gradients(0.01);
+  }
+  const auto energy = [&](double texture) {
+    double sum = 0.0;
+    for (const float sample : learner.predict(clip, texture)) sum += double{sample} * sample;
+    return sum;
+  };
+  // 4 of power when it has learned all of it.
+  EXPECT_GT(energy(1.0), 2.0 * energy(0.0));
+}
+
+TEST(GtfLearner, TheDryVoiceIsComparedWithWhatWasSpoken) {
+  GtfDescription d = small();
+  d.dry_voice = true;
+  TrainingBatch batch = batch_for(d, 1);
+  const auto dry_loss = [&](const TrainingBatch& clip) {
+    GtfLearnerOptions without;
+    GtfLearnerOptions with = without;
+    with.loss.dry_voice = 1.0;
+    const GtfWeights weights = initial_gtf_weights(d, head(), 1);
+    return GtfLearner(weights, with).compute_gradients(clip) -
+           GtfLearner(weights, without).compute_gradients(clip);
+  };
+  // The untrained network takes the mean of both ears' magnitudes for the voice.
+  std::copy_n(batch.source.begin(), kSamples, batch.source.begin() + kSamples);
+  batch.inputs["dry"].assign(batch.source.begin(), batch.source.begin() + kSamples);
+  const double same = dry_loss(batch);
+  batch.inputs["dry"] = noise(kSamples, 0.1, 70);
+  EXPECT_LT(same, 0.1 * dry_loss(batch));
+}
+
+TEST(GtfLearner, LearnsTheSameWithAnyNumberOfThreads) {
+  const GtfDescription d = small();
+  const TrainingBatch batch = batch_for(d, 10);
+  const auto learned = [&](int threads) {
+    set_learner_threads(threads);
+    GtfLearner learner(stirred(d));
+    learner.compute_gradients(batch);
+    return learner.gradients();
+  };
+  const auto alone = learned(1);
+  EXPECT_TRUE(learned(3) == alone);
+  set_learner_threads(1);
+}
+
+TEST(GtfLearner, GradientIsTheSlopeOfTheLossWithoutGeometryPictureOrTails) {
+  GtfDescription d = small();
+  d.geometry = d.delays = d.box = false;
+  d.picture_px = 0;
+  d.tails_s.clear();
+  expect_slope(d);
+}
+
+TEST(GtfLearner, GoesOnFromItsCheckpointAsIfNeverStopped) {
+  const GtfDescription d = small();
+  const TrainingBatch batch = batch_for(d, 2);
+  GtfLearner unbroken(initial_gtf_weights(d, head(), 1));
+  std::vector<double> losses;
+  SafetensorsFile saved;
+  for (int step = 0; step < 4; ++step) {
+    if (step == 2) saved = unbroken.checkpoint();
+    losses.push_back(unbroken.compute_gradients(batch));
+    unbroken.apply_gradients(0.01);
+  }
+  GtfLearner resumed = GtfLearner::from_checkpoint(saved, "checkpoint");
+  EXPECT_EQ(resumed.steps(), 2);
+  for (std::size_t step = 2; step < 4; ++step) {
+    EXPECT_EQ(resumed.compute_gradients(batch), losses[step]);
+    resumed.apply_gradients(0.01);
+  }
+  EXPECT_TRUE(resumed.weights().tensors == unbroken.weights().tensors);
+}
+
+TEST(GtfLearner, LearnsOneClipByHeart) {
+  const GtfDescription d = small();
+  TrainingBatch clip = batch_for(d, 1);
+  // The ears change places, one softer.
+  for (std::int64_t i = 0; i < kSamples; ++i) {
+    clip.target[i] = 0.5F * clip.source[kSamples + i];
+    clip.target[kSamples + i] = 0.8F * clip.source[i];
+  }
+  GtfLearner learner(initial_gtf_weights(d, head(), 1));
+  const double first = learner.errors(clip)[0];
+  for (const double learning_rate : {0.01, 0.003}) {
+    for (int step = 0; step < 100; ++step) {
+      learner.compute_gradients(clip);
+      learner.apply_gradients(learning_rate);
+    }
+  }
+  // Magnitudes can be learned; phases stay a mixture of the ears', so frames interfere.
+  EXPECT_LT(learner.errors(clip)[0], 0.35 * first);
+}
+
+TEST(GtfLearner, ModulationCountsGapsThatAreFilled) {
+  // The untrained network gives back its input: noise in four bursts with silence between.
+  const GtfDescription d = small();
+  TrainingBatch bursts = batch_for(d, 1);
+  for (std::int64_t i = 0; i < 2 * kSamples; ++i) {
+    if (i / 500 % 2 == 1) bursts.source[i] = 0;
+  }
+  bursts.target = bursts.source;
+  TrainingBatch filled = bursts;
+  filled.target = batch_for(d, 1).source;
+  const auto modulation = [&](const TrainingBatch& batch) {
+    GtfLearnerOptions without;
+    without.loss.modulation = 0.0;
+    GtfLearnerOptions with = without;
+    with.loss.modulation = 1.0;
+    const GtfWeights weights = initial_gtf_weights(d, head(), 1);
+    return GtfLearner(weights, with).compute_gradients(batch) -
+           GtfLearner(weights, without).compute_gradients(batch);
+  };
+  // Bursts rise by 40 dB over the floor for half of the time, a spread of 2 nepers; noise varies by
+  // half a neper. What is left between copy and truth comes from phases that are mixed.
+  EXPECT_GT(modulation(filled), 1.0);
+  EXPECT_LT(modulation(bursts), 0.3 * modulation(filled));
+}
+
+TEST(GtfLearner, DecayCountsReverberationThatIsMissing) {
+  // The untrained network gives back its input, the dry speech itself.
+  const GtfDescription d = small();
+  TrainingBatch copy = batch_for(d, 1);
+  copy.inputs["dry"].assign(copy.source.begin(), copy.source.begin() + kSamples);
+  std::copy_n(copy.source.begin(), kSamples, copy.source.begin() + kSamples);
+  copy.target = copy.source;
+  TrainingBatch reverberant = copy;
+  // Half of the energy comes 60 ms later: the curve lies at -3 dB from the direct sound until then.
+  for (std::int64_t i = 2 * kSamples - 1; i >= 0; --i) {
+    if (i % kSamples >= 960) reverberant.target[i] += reverberant.target[i - 960];
+  }
+  const auto decay = [&](const TrainingBatch& batch) {
+    GtfLearnerOptions without;
+    GtfLearnerOptions with = without;
+    with.loss.decay = 1.0;
+    const GtfWeights weights = initial_gtf_weights(d, head(), 1);
+    return GtfLearner(weights, with).compute_gradients(batch) -
+           GtfLearner(weights, without).compute_gradients(batch);
+  };
+  EXPECT_LT(decay(copy), 0.5 * decay(reverberant));
+  EXPECT_GT(decay(reverberant), 3.0);
+}
+
+TEST(GtfLearner, ReverberationTimesCountAsTheEstimatorHearsThem) {
+  // The untrained network gives back its input as far as its phases let it.
+  const GtfDescription d = small();
+  constexpr std::int64_t kSecond = Rt60Description::kWindowSamples;
+  const GtfWeights weights = initial_gtf_weights(d, head(), 1);
+  TrainingBatch copy = batch_for(d, 1, kSecond);
+  copy.target = GtfLearner(weights).predict(copy);
+  TrainingBatch faded = copy;
+  for (std::int64_t i = 0; i < 2 * kSecond; ++i) {
+    faded.target[i] *= std::exp(-6.9F * static_cast<float>(i % kSecond) / 8000.0F);
+  }
+  const GtfLearnerOptions without;
+  GtfLearnerOptions with = without;
+  with.loss.reverberation = 1.0;
+  with.estimator = initial_rt60_weights({2, 1.0}, 5);
+  const auto counted = [&](const TrainingBatch& batch) {
+    return GtfLearner(weights, with).compute_gradients(batch) -
+           GtfLearner(weights, without).compute_gradients(batch);
+  };
+  Rt60Estimator engine(*with.estimator);
+  double wanted = 0.0;
+  for (std::int64_t ear = 0; ear < 2; ++ear) {
+    const auto time_of = [&](const TrainingBatch& batch) {
+      return engine.estimate_second_s(std::span(batch.target).subspan(ear * kSecond, kSecond));
+    };
+    wanted += std::abs(time_of(copy) - time_of(faded)) / 2;
+  }
+  ASSERT_GT(wanted, 0.01);
+  // Eighteen float32 layers twice, magnitudes of 3e-4 and more, and the difference of two losses.
+  EXPECT_NEAR(counted(copy), 0.0, 1e-5);
+  EXPECT_NEAR(counted(faded), wanted, 0.02 * wanted);
+}
+
+TEST(GtfExample, HoldsWhatTheNetworkIsToldAndWhereTheSpeakerIs) {
+  PairSample sample;
+  sample.source = Waveform(2, 16000, 16000);
+  sample.target = Waveform(2, 16000, 16000);
+  sample.picture = std::make_shared<const Image>(64, 64, 3, std::uint8_t{51});
+  sample.speaker_box = Box{0.1, 0.2, 0.3, 0.4};
+  sample.source_from_target = {{1, 2, 3}, quaternion_from_euler({.yaw_rad = 0.5})};
+  sample.speaker_m = {2, 1, 0};
+  sample.speaker_yaw_rad = 0.5 * kPi;
+  GtfDescription d = small();
+  TrainingExample example = gtf_example(d, sample);
+  ASSERT_EQ(example.picture.size(), 3U * 32 * 32);
+  EXPECT_NEAR(example.picture[5], 0.2F, 1e-6F);
+  EXPECT_EQ(example.inputs.at("speaker_box"), (std::vector<float>{1, 0.1F, 0.2F, 0.3F, 0.4F}));
+  EXPECT_EQ(example.inputs.at("target_m"), (std::vector<float>{1, 2, 3}));
+  EXPECT_NEAR(example.inputs.at("target_yaw_rad")[0], 0.5F, 1e-6F);
+  EXPECT_NEAR(example.inputs.at("speaker_heading")[1], 1.0F, 1e-6F);
+  sample.speaker_box.reset();
+  sample.speaker_yaw_rad.reset();
+  d.picture_px = 0;
+  example = gtf_example(d, sample);
+  EXPECT_TRUE(example.picture.empty());
+  EXPECT_EQ(example.inputs.at("speaker_box"), std::vector<float>(5));
+  EXPECT_EQ(example.inputs.at("speaker_heading"), std::vector<float>(2));
+}
+
+}  // namespace
+}  // namespace earpoint

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <earpoint/people/description.h>
+#include <earpoint/people/weights.h>
+#include <earpoint/train/learner.h>
+#include <earpoint/train/training_batch.h>
+#include <earpoint/weights/safetensors.h>
+
+namespace earpoint {
+
+/// A network that finds people and learns by gradients, with its Adam optimizer. Of a batch it
+/// looks at the pictures and the inputs of people_example(). As ViGasLearner, in all else.
+class PeopleLearner : public Learner {
+ public:
+  /// @param width_px, height_px  of the views; multiples of PeopleDescription::kCoarsest
+  /// @throws InputError if LibTorch does not have the device
+  PeopleLearner(const PeopleWeights& weights, int width_px, int height_px,
+                const std::string& device = "cpu");
+  ~PeopleLearner() override;
+  PeopleLearner(PeopleLearner&&) noexcept;
+  PeopleLearner& operator=(PeopleLearner&&) noexcept;
+
+  [[nodiscard]] const PeopleDescription& description() const;
+
+  /// A copy of the weights as they are now.
+  [[nodiscard]] PeopleWeights weights() const;
+
+  /// What PeopleNetwork says of each view: [pictures][kOutputs][height / kCell][width / kCell].
+  [[nodiscard]] std::vector<float> maps(const TrainingBatch& batch);
+
+  /// Of each picture one less the share that is right of what was found or should have been: twice
+  /// the people found over those found, missed and wrong, at an overlap of one half.
+  [[nodiscard]] std::vector<double> errors(const TrainingBatch& batch) override;
+  [[nodiscard]] std::string_view error_name() const override { return "people_error"; }
+
+  /// Computes the loss of a batch and its gradient by every parameter, in place of the last one;
+  /// batch norms move their running statistics.
+  double compute_gradients(const TrainingBatch& batch) override;
+
+  /// The last gradient, by parameter.
+  [[nodiscard]] std::map<std::string, Tensor> gradients() const;
+
+  void visit_gradients(const Visitor& visitor) override;
+  void visit_statistics(const Visitor& visitor) override;
+
+  /// One step of Adam along the last gradient.
+  void apply_gradients(double learning_rate) override;
+
+  /// Steps of Adam so far.
+  [[nodiscard]] std::int64_t steps() const override;
+
+  [[nodiscard]] SafetensorsFile weight_file() const override;
+
+  /// Everything that learning goes on from: the weight file, and the optimizer's state in it.
+  [[nodiscard]] SafetensorsFile checkpoint() const override;
+
+  /// The learner that wrote `file`.
+  /// @param where  the file, for messages
+  /// @throws InputError if it is no such file
+  [[nodiscard]] static PeopleLearner from_checkpoint(const SafetensorsFile& file,
+                                                     std::string_view where, int width_px,
+                                                     int height_px,
+                                                     const std::string& device = "cpu");
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace earpoint

@@ -1,0 +1,248 @@
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <set>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <earpoint/audio/gcc_phat.h>
+#include <earpoint/core/error.h>
+#include <earpoint/core/file.h>
+#include <earpoint/dataset_testing/tiny_dataset.h>
+#include <earpoint/train/example_source.h>
+#include <earpoint/train/train_config.h>
+#include <earpoint/train/training_task.h>
+#include <earpoint/vigas/description.h>
+
+namespace earpoint {
+namespace {
+
+namespace fs = std::filesystem;
+
+class PairExamplesTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::path(testing::TempDir()) / ("pair_examples." + std::to_string(::getpid()));
+    fs::remove_all(folder_);
+    write_tiny_dataset(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  [[nodiscard]] PairOptions options() const {
+    PairOptions options;
+    options.data = folder_;
+    options.samples = 8000;
+    options.cache_bytes = 50'000'000;
+    return options;
+  }
+
+  [[nodiscard]] static PairExamples examples(const PairOptions& options) {
+    const ViGasDescription description =
+        vigas_config_from_json(R"({"picture": {"width_px": 32, "height_px": 32}})", "x", true)
+            .description;
+    return {options, [=](const PairSample& sample) { return vigas_example(description, sample); }};
+  }
+
+  fs::path folder_;
+};
+
+double energy_of(std::span<const float> sound) {
+  double sum = 0.0;
+  for (const float value : sound) sum += static_cast<double>(value) * value;
+  return sum;
+}
+
+TEST_F(PairExamplesTest, AnySpeechIsHeardAtTheSamePlaces) {
+  PairOptions any = options();
+  any.any_speech = true;
+  // Later draws differ.
+  any.mirror = false;
+  PairOptions own = any;
+  own.any_speech = false;
+  const PairExamples retold = examples(any);
+  const PairExamples told = examples(own);
+  int changed = 0;
+  for (std::uint64_t number = 0; number < 8; ++number) {
+    const PairSample a = told.training_sample(number);
+    const PairSample b = retold.training_sample(number);
+    EXPECT_EQ(a.speaker_m, b.speaker_m);
+    EXPECT_EQ(a.source_from_target.position_m, b.source_from_target.position_m);
+    changed += std::ranges::equal(a.source.planar(), b.source.planar()) ? 0 : 1;
+  }
+  EXPECT_GE(changed, 4);
+}
+
+TEST_F(PairExamplesTest, ANumberIsAnExampleAndSeedsDiffer) {
+  const PairExamples one = examples(options());
+  const PairExamples same = examples(options());
+  PairOptions reseeded = options();
+  reseeded.seed = 2;
+  const PairExamples other = examples(reseeded);
+  // In another order, from another cache.
+  const TrainingExample later = same.training(7);
+  const TrainingExample first = same.training(0);
+  EXPECT_EQ(one.training(0).source, first.source);
+  EXPECT_EQ(one.training(7).target, later.target);
+  EXPECT_EQ(one.training(7).picture, later.picture);
+  EXPECT_NE(one.training(7).target, other.training(7).target);
+  EXPECT_EQ(later.source.size(), 16000U);
+  EXPECT_EQ(later.picture.size(), 3U * 32 * 32);
+  EXPECT_EQ(later.inputs.at("tgt_rotation").size(), 6U);
+}
+
+TEST_F(PairExamplesTest, DrawsEveryPairAndSpeaker) {
+  const PairExamples source = examples(options());
+  std::set<std::pair<double, double>> pairs;  // told by where the target is seen
+  for (std::uint64_t n = 0; n < 120; ++n) {
+    const Vector3 seen = source.training_sample(n).source_from_target.position_m;
+    pairs.emplace(seen.x, std::abs(seen.y));
+  }
+  // Two clips of three viewpoints: six ordered pairs each.
+  EXPECT_EQ(pairs.size(), 12U);
+}
+
+TEST_F(PairExamplesTest, MirroringCanBeTurnedOffAndChangesNothingElse) {
+  const PairExamples mirrored_half = examples(options());
+  PairOptions plain = options();
+  plain.mirror = false;
+  const PairExamples as_it_is = examples(plain);
+  int swapped = 0;
+  for (std::uint64_t n = 0; n < 40; ++n) {
+    const PairSample one = mirrored_half.training_sample(n);
+    const PairSample two = as_it_is.training_sample(n);
+    const bool is_mirrored =
+        one.source_from_target.position_m.y != two.source_from_target.position_m.y;
+    EXPECT_TRUE(std::ranges::equal(one.source.channel(is_mirrored ? 1 : 0), two.source.channel(0)));
+    swapped += is_mirrored ? 1 : 0;
+  }
+  // Forty fair draws: 20 +- 3.2.
+  EXPECT_GT(swapped, 7);
+  EXPECT_LT(swapped, 33);
+}
+
+TEST_F(PairExamplesTest, SpoilsPicturesAndHidesBoxesAsOftenAsAskedAndChangesNothingElse) {
+  PairOptions poor = options();
+  poor.spoilt_pictures = 0.5;
+  poor.hidden_boxes = 0.25;
+  const PairExamples plain = examples(options());
+  const PairExamples spoilt = examples(poor);
+  int pictures = 0;
+  int boxes = 0;
+  int seen = 0;
+  constexpr int kDraws = 200;
+  for (std::uint64_t n = 0; n < kDraws; ++n) {
+    const PairSample one = plain.training_sample(n);
+    const PairSample two = spoilt.training_sample(n);
+    EXPECT_TRUE(std::ranges::equal(one.source.planar(), two.source.planar()));
+    EXPECT_EQ(one.source_from_target, two.source_from_target);
+    EXPECT_EQ(one.picture->width(), two.picture->width());
+    pictures += std::ranges::equal(one.picture->pixels(), two.picture->pixels()) ? 0 : 1;
+    seen += one.speaker_box ? 1 : 0;
+    boxes += one.speaker_box && !two.speaker_box ? 1 : 0;
+  }
+  // Of 200 draws 100 +- 7 are spoilt; of those an eighth may get their own picture back from
+  // another place. Of those seen a quarter loses the box, +- 6.
+  EXPECT_GT(pictures, 60);
+  EXPECT_LT(pictures, 125);
+  EXPECT_GT(boxes, seen / 4 - 25);
+  EXPECT_LT(boxes, seen / 4 + 25);
+  EXPECT_GT(boxes, 0);
+}
+
+TEST_F(PairExamplesTest, GccPhatTakesOutTheWaysDifference) {
+  PairOptions kept = options();
+  kept.alignment = Alignment::none;
+  PairOptions aligned = options();
+  aligned.alignment = Alignment::gcc_phat;
+  const PairExamples later = examples(kept);
+  const PairExamples together = examples(aligned);
+  // Of the two ears' mean, which is what alignment looks at.
+  const auto delay_of = [](const PairSample& sample) {
+    const auto mean = [](const Waveform& sound) {
+      std::vector<float> samples(sound.channel(0).begin(), sound.channel(0).end());
+      for (std::size_t i = 0; i < samples.size(); ++i) samples[i] += sound.channel(1)[i];
+      return samples;
+    };
+    return std::abs(gcc_phat_delay_samples(mean(sample.target), mean(sample.source), 300.0));
+  };
+  double kept_delay = 0.0;
+  for (std::uint64_t n = 0; n < 10; ++n) {
+    kept_delay = std::max(kept_delay, delay_of(later.training_sample(n)));
+    // To whole samples.
+    EXPECT_LT(delay_of(together.training_sample(n)), 1.0) << n;
+  }
+  EXPECT_GT(kept_delay, 5.0);
+}
+
+TEST_F(PairExamplesTest, SeparationTakesAmbientSoundOut) {
+  PairOptions noisy = options();
+  noisy.ambient_db = -20.0;
+  noisy.separate = false;
+  PairOptions separated = noisy;
+  separated.separate = true;
+  const PairExamples clean = examples(options());
+  const auto noise = [&](const PairOptions& of) {
+    const PairSample with = examples(of).training_sample(3);
+    const PairSample without = clean.training_sample(3);
+    std::vector<float> difference(8000);
+    for (std::size_t i = 0; i < difference.size(); ++i) {
+      difference[i] = with.source.channel(0)[i] - without.source.channel(0)[i];
+    }
+    return 10.0 * std::log10(energy_of(difference) / 8000.0);
+  };
+  // A 20 Hz noise has some ten independent values in half a second: good to 3 dB.
+  EXPECT_NEAR(noise(noisy), -20.0, 3.0);
+  // Above 80 Hz lies about a sixth of its energy.
+  EXPECT_LT(noise(separated), -25.0);
+}
+
+TEST_F(PairExamplesTest, NearMicrophonesHearNoNoise) {
+  PairOptions quiet = options();
+  quiet.target = PairTarget::near_microphone;
+  PairOptions noisy = quiet;
+  noisy.ambient_db = -20.0;
+  for (std::uint64_t n = 0; n < 4; ++n) {
+    const PairSample without = examples(quiet).training_sample(n);
+    const PairSample with = examples(noisy).training_sample(n);
+    EXPECT_TRUE(std::ranges::equal(with.target.planar(), without.target.planar()));
+    EXPECT_FALSE(std::ranges::equal(with.source.planar(), without.source.planar()));
+    EXPECT_TRUE(std::ranges::equal(with.target.channel(0), with.target.channel(1)));
+    EXPECT_EQ(norm(with.source_from_target.position_m), 0.0);
+  }
+  EXPECT_EQ(examples(noisy).validation(0)->target, examples(quiet).validation(0)->target);
+}
+
+TEST_F(PairExamplesTest, ValidationIsTheFrozenListEvenlySpread) {
+  PairOptions few = options();
+  few.validation_pairs = 3;
+  EXPECT_EQ(examples(few).validations(), 3U);
+  few.validation_pairs = 0;
+  const PairExamples all = examples(few);
+  ASSERT_EQ(all.validations(), 6U);
+  // Whole seconds, aligned, whatever training looks like.
+  EXPECT_EQ(all.validation(0)->source.size(), 32000U);
+  few.alignment = Alignment::none;
+  few.seed = 9;
+  EXPECT_EQ(all.validation(5)->target, examples(few).validation(5)->target);
+}
+
+TEST_F(PairExamplesTest, BadFilesAreNamedAndLeftOutOnRequest) {
+  write_file(folder_ / "train/room/0/view_1.png", std::string_view("no picture"));
+  EXPECT_THROW(
+      {
+        const PairExamples strict = examples(options());
+        for (std::uint64_t n = 0; n < 40; ++n) static_cast<void>(strict.training(n));
+      },
+      InputError);
+  PairOptions lenient = options();
+  std::string complaints;
+  lenient.on_bad = [&](const std::string& problem) { complaints += problem; };
+  const PairExamples source = examples(lenient);
+  for (std::uint64_t n = 0; n < 40; ++n) EXPECT_FALSE(source.training(n).source.empty());
+  EXPECT_NE(complaints.find("view_1.png"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace earpoint

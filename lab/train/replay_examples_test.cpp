@@ -1,0 +1,183 @@
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <earpoint/core/error.h>
+#include <earpoint/dataset_testing/tiny_dataset.h>
+#include <earpoint/network/pose_encoding.h>
+#include <earpoint/network/weights.h>
+#include <earpoint/train/training_task.h>
+#include <earpoint/vigas/checkpoint_export.h>
+#include <earpoint/vigas/description.h>
+
+namespace earpoint {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Both data sets as they are downloaded, tiny, under one root.
+class ReplayExamplesTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::path(testing::TempDir()) / ("replay_examples." + std::to_string(::getpid()));
+    fs::remove_all(folder_);
+    // Of the training and of the validation split.
+    write_tiny_replay_dataset(folder_, {"SC-1022/0", "SC-1023/4", "SC-1026/2"});
+    write_published_dataset(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  [[nodiscard]] PairOptions options(Alignment alignment) const {
+    PairOptions options;
+    options.data = folder_;
+    options.layout = DatasetLayout::replay;
+    options.alignment = alignment;
+    options.mirror = false;
+    return options;
+  }
+
+  static TrainingExample pose_of(const PairSample& sample) {
+    ViGasDescription description;
+    description.pose_encoding = PoseEncoding::replay;
+    return vigas_example(description, sample);
+  }
+
+  [[nodiscard]] std::string refusal(const std::string& json, DatasetLayout layout) const {
+    try {
+      const TrainConfig config = train_config_from_json(json, "c.json");
+      TaskOptions options;
+      options.data = folder_;
+      options.layout = layout;
+      static_cast<void>(make_training_task(config, "c.json", options));
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "accepted";
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(ReplayExamplesTest, ExamplesAreTheLoadersNumbers) {
+  const ReplayExamples examples(options(Alignment::none), pose_of);
+  const ReplayDataset dataset(replay_options(folder_, "train"));
+  bool from_first = false;
+  bool from_second = false;
+  for (std::uint64_t number = 0; number < 8; ++number) {
+    const TrainingExample example = examples.training(number);
+    // Which pair it is tells the height of the loader's first number.
+    int matches = 0;
+    for (int source = 0; source < 2; ++source) {
+      const NvasSample sample = dataset.sample(dataset.clips()[0], {source, 1 - source}, false);
+      const auto near = [](const std::vector<float>& found, const std::vector<double>& wanted) {
+        return std::ranges::equal(found, wanted, [](float a, double b) {
+          return std::abs(a - b) < 1e-3;  // float rounding of hundreds of centimetres
+        });
+      };
+      if (!near(example.inputs.at("tgt_pose"), sample.tgt_pose)) continue;
+      EXPECT_TRUE(near(example.inputs.at("tgt_rotation"), sample.tgt_rotation));
+      ++matches;
+      (source == 0 ? from_first : from_second) = true;
+    }
+    EXPECT_EQ(matches, 1) << number;
+  }
+  EXPECT_TRUE(from_first && from_second);
+}
+
+TEST_F(ReplayExamplesTest, AlignmentMovesTheSourceToTheTarget) {
+  // Camera 2 hears everything 20 samples later; the band-pass of both is the same.
+  const auto distance = [&](Alignment alignment) {
+    const TrainingExample example = ReplayExamples(options(alignment), pose_of).training(1);
+    double sum = 0.0;
+    for (std::size_t i = 1000; i < 15000; ++i) {
+      sum += std::abs(example.source[i] - example.target[i]);
+    }
+    return sum;
+  };
+  EXPECT_LT(distance(Alignment::gcc_phat), 0.05 * distance(Alignment::none));
+}
+
+TEST_F(ReplayExamplesTest, ValidatesOnTheHeldOutScenes) {
+  const ReplayExamples examples(options(Alignment::gcc_phat), pose_of);
+  EXPECT_EQ(examples.validations(), 1U);
+  EXPECT_TRUE(examples.validation(0).has_value());
+}
+
+TEST_F(ReplayExamplesTest, WhatRecordingsDoNotTellIsRefused) {
+  const std::string training = R"(, "training": {"steps": 1, "batch": 1}})";
+  const auto with = [&](const std::string& network, const std::string& data) {
+    return R"({"format": "earpoint-train-1", "network": )" + network + R"(, "data": )" + data +
+           training;
+  };
+  const auto replay = DatasetLayout::replay;
+  const std::string vigas = R"({"kind": "vigas", "pose_encoding": "replay", "picture": null})";
+  EXPECT_EQ(refusal(with(vigas, R"({"align": "gcc_phat"})"), replay), "accepted");
+  EXPECT_NE(refusal(with(vigas, "{}"), replay).find("'align': expected \"gcc_phat\""),
+            std::string::npos);
+  EXPECT_NE(
+      refusal(with(vigas, R"({"align": "none", "ambient_db": -40})"), replay).find("'ambient_db'"),
+      std::string::npos);
+  EXPECT_NE(
+      refusal(with(R"({"kind": "vigas", "picture": null, "place": 0.1})", R"({"align": "none"})"),
+              replay)
+          .find("'place'"),
+      std::string::npos);
+  EXPECT_NE(refusal(with(R"({"kind": "gtf"})", R"({"align": "none"})"), replay)
+                .find("which recordings do not tell"),
+            std::string::npos);
+}
+
+TEST_F(ReplayExamplesTest, NetworksOfThePublishedSizeAreCheckpointsOfTheReleasedCode) {
+  // From downloads without a list of pairs, each in its own encodings.
+  for (const char* name : {"vigas-soundspaces", "vigas-replay"}) {
+    const TrainConfig config = read_train_config(fs::path(EARPOINT_SOURCE_DIR) / "configs" /
+                                                 (std::string(name) + ".json"));
+    TaskOptions task_options;
+    task_options.data = folder_;
+    task_options.layout =
+        name == std::string("vigas-replay") ? DatasetLayout::replay : DatasetLayout::soundspaces;
+    const TrainingTask task = make_training_task(config, name, task_options);
+    ASSERT_GT(task.examples->validations(), 0U);
+    const TrainingExample example = task.examples->training(0);
+    const bool replay = task_options.layout == DatasetLayout::replay;
+    EXPECT_EQ(example.inputs.at("tgt_rotation").size(), replay ? 6U : 2U);
+    EXPECT_EQ(example.picture.size(), replay ? 3U * 384 * 216 : 3U * 256 * 256);
+    const ReleasedCheckpoint released = released_checkpoint(task.learner->weight_file(), name);
+    EXPECT_EQ(released.state_dict.size(), 613U);
+    EXPECT_EQ(released.hparams.size(), 146U);
+    EXPECT_TRUE(released.differences.empty());
+  }
+}
+
+TEST_F(ReplayExamplesTest, NetworksLearnInTheEncodingsOfBothDataSets) {
+  for (const std::string encoding : {"soundspaces", "replay"}) {
+    const bool replay = encoding == "replay";
+    const TrainConfig config = train_config_from_json(
+        R"({"format": "earpoint-train-1", "network": {"kind": "vigas", "pose_encoding": ")" +
+            encoding + R"(", "blocks": 1, "layers_per_block": 2, "channels": 8, "init": "released",
+            "picture": {"width_px": 32, "height_px": 32, "trunk_channels": 4}},
+            "data": {"align": ")" +
+            (replay ? "gcc_phat" : "responses") + R"("}, "training": {"steps": 1, "batch": 2}})",
+        "c.json");
+    TaskOptions task_options;
+    task_options.data = folder_;
+    task_options.layout = layout_named(encoding);
+    const TrainingTask task = make_training_task(config, "c.json", task_options);
+    const std::vector<TrainingExample> examples{task.examples->training(0),
+                                                task.examples->training(1)};
+    const TrainingBatch batch = join(examples);
+    const double before = task.learner->compute_gradients(batch);
+    for (int step = 0; step < 20; ++step) {
+      task.learner->apply_gradients(1e-3);
+      static_cast<void>(task.learner->compute_gradients(batch));
+    }
+    EXPECT_LT(task.learner->compute_gradients(batch), before) << encoding;
+  }
+}
+
+}  // namespace
+}  // namespace earpoint

@@ -1,0 +1,20 @@
+#include <cstdint>
+#include <cstdlib>
+#include <span>
+
+#include <earpoint/core/error.h>
+#include <earpoint/vigas/weights.h>
+#include <earpoint/weights/checkpoint.h>
+
+/// Any bytes as a checkpoint file: the zip archive is what is under attack here; pickle_fuzz gets
+/// behind its checksums.
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace earpoint;  // NOLINT(google-build-using-namespace): one function
+  try {
+    Checkpoint checkpoint = parse_checkpoint(std::as_bytes(std::span(data, size)), "input");
+    (void)weight_file_from_checkpoint(std::move(checkpoint), KeepTensors::all, "input");
+  } catch (const InputError&) {
+    return 0;
+  }
+  return 0;
+}

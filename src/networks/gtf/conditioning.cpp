@@ -1,0 +1,104 @@
+#include "conditioning.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include <earpoint/core/error.h>
+
+namespace earpoint::kernels {
+
+GtfConditions::GtfConditions(const GtfWeights& weights)
+    : description_(weights.description),
+      summary_(dense_of(weights, "summary")),
+      hidden_(dense_of(weights, "conditioning.0")),
+      output_(dense_of(weights, "conditioning.1")),
+      feature_(static_cast<std::size_t>(description_.picture_features())),
+      joined_(static_cast<std::size_t>(description_.conditioning_inputs())),
+      middle_(static_cast<std::size_t>(description_.conditioning_width)),
+      vector_(middle_.size()),
+      heard_(static_cast<std::size_t>(description_.summary_width)) {
+  if (description_.picture_px > 0) eye_.emplace(weights);
+  if (!description_.geometry) return;
+  for (int i = 0; i < 3; ++i) locator_[i] = dense_of(weights, fmt::format("locator.{}", i));
+  geometry_.emplace(weights);
+  known_.resize(static_cast<std::size_t>(description_.locator_inputs()));
+  first_.resize(static_cast<std::size_t>(description_.locator_width));
+  second_.resize(first_.size());
+}
+
+void GtfConditions::put_box(const std::optional<Box>& box) {
+  box_.fill(0.0F);
+  if (!box) return;
+  const double height = box->y_max - box->y_min;
+  const double width = box->x_max - box->x_min;
+  // The view is 90 degrees across.
+  const std::array<double, GtfDescription::kBoxFeatures> seen{
+      1.0,
+      std::atan(1.0 - (box->x_min + box->x_max)),
+      1.0 - 2.0 * box->y_min,
+      height,
+      width,
+      box->y_max > 0.99 ? 1.0 : 0.0,
+      std::log(height + 0.02),
+      std::log(width + 0.02),
+      1.0 - 2.0 * box->y_max};
+  std::ranges::copy(seen, box_.begin());
+}
+
+void GtfConditions::look(std::span<const float> picture, const std::optional<Box>& box) {
+  const std::optional<Box> told = description_.box ? box : std::nullopt;
+  put_box(told);
+  if (eye_) eye_->look(picture, told, feature_);
+}
+
+void GtfConditions::locate(std::span<const float> summary) {
+  auto to = std::copy(feature_.begin(), feature_.end(), known_.begin());
+  if (description_.box) to = std::copy(box_.begin(), box_.end(), to);
+  std::copy(summary.begin(), summary.end(), to);
+  locator_[0].apply(known_, first_);
+  apply_silu(first_);
+  locator_[1].apply(first_, second_);
+  apply_silu(second_);
+  locator_[2].apply(second_, found_);
+
+  // The direction starts from the box where there is one.
+  constexpr double kTrustInBox = 3.0;
+  const double seen = box_[0];
+  const double front = found_[0] + kTrustInBox * seen * std::cos(box_[1]);
+  const double left = found_[1] + kTrustInBox * seen * std::sin(box_[1]);
+  const double distance = std::exp(0.6 + std::clamp(double{found_[2]}, -2.0, 1.5));
+  const double scale = distance / std::sqrt(front * front + left * left + 1e-4);
+  located_ = {
+      {front * scale, left * scale, found_[3] * 0.3 - 0.1}, found_[4], found_[5], found_[6]};
+}
+
+void GtfConditions::hear(std::span<const float> summary) {
+  EARPOINT_CHECK(std::ssize(summary) == description_.summary_features());
+  if (description_.geometry) locate(summary);
+  summary_.apply(summary, heard_);
+  apply_silu(heard_);
+}
+
+void GtfConditions::aim(const std::optional<Vector3>& speaker_m, const Pose& source_from_target) {
+  float* to = joined_.data();
+  if (description_.geometry) {
+    place_ = located_;
+    if (speaker_m) place_.position_m = *speaker_m;
+    geometry_->move(place_, speaker_m.has_value(), source_from_target);
+    to = std::copy(geometry_->features().begin(), geometry_->features().end(), to);
+  } else {
+    to = put_pose(to, source_from_target);
+  }
+  to = std::copy(feature_.begin(), feature_.end(), to);
+  to = std::copy(heard_.begin(), heard_.end(), to);
+  if (description_.texture) *to++ = texture_;
+  EARPOINT_CHECK(to == joined_.data() + joined_.size());
+  hidden_.apply(joined_, middle_);
+  apply_silu(middle_);
+  output_.apply(middle_, vector_);
+  apply_silu(vector_);
+}
+
+}  // namespace earpoint::kernels

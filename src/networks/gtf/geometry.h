@@ -1,0 +1,75 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include <earpoint/core/pose.h>
+#include <earpoint/core/vector3.h>
+#include <earpoint/gtf/description.h>
+#include <earpoint/gtf/weights.h>
+
+namespace earpoint::kernels {
+
+/// Where a network takes its speaker to be, in the source's frame.
+struct GtfPlace {
+  Vector3 position_m;
+  double heading_x = 0.0;  ///< of any length
+  double heading_y = 0.0;
+  double log_reverberant = 0.0;  ///< diffuse power over that of the direct sound at 1 m
+};
+
+/// Per ear, left first, and band of the head tables.
+using GtfEarBands = std::array<float, std::size_t{2} * GtfDescription::kHeadBands>;
+
+/// What a move from the source to the target does to direction, distance, level and delay of the
+/// speaker's sound. What the network is shown is limited to the range of its training data; beyond
+/// it, correction() tells by how much the physics of the true move differ: the direct sound falls
+/// with distance, the diffuse field is the same everywhere.
+class GtfGeometry {
+ public:
+  /// Takes the head's tables out of the weights of a network that knows geometry.
+  explicit GtfGeometry(const GtfWeights& weights);
+
+  /// Computes everything below. Allocates nothing.
+  /// @param is_told  the speaker's place comes from the user: it has no limits of its own
+  void move(const GtfPlace& place, bool is_told, const Pose& source_from_target);
+
+  /// What conditions the network.
+  [[nodiscard]] std::span<const float> features() const { return features_; }
+  /// Of the direct sound at the ears, left first.
+  [[nodiscard]] const std::array<float, 2>& source_delay_s() const { return source_delay_s_; }
+  [[nodiscard]] const std::array<float, 2>& target_delay_s() const { return target_delay_s_; }
+
+  /// Whether the move leaves the range of the training data.
+  [[nodiscard]] bool is_beyond() const { return is_beyond_; }
+  /// Amplitude factors that lead from the limited move to the true one; 1 within the range.
+  [[nodiscard]] const GtfEarBands& correction() const { return correction_; }
+
+  /// Power at both of the target's ears over that at both of the source's, expected of the true
+  /// move.
+  /// @param band_power  of the source's sound, both ears together, [kHeadBands]; sum > 0
+  [[nodiscard]] double expected_gain(std::span<const double> band_power) const;
+
+ private:
+  struct Levels;
+
+  [[nodiscard]] Levels levels_of(const GtfPlace& place, const Pose& source_from_target) const;
+  void put_features(const GtfPlace& place, const Pose& source_from_target, const Levels& levels);
+
+  std::vector<float> power_, diffuse_power_, delay_s_;  // tables of the head
+  std::vector<float> features_;
+  std::array<float, 2> source_delay_s_{};
+  std::array<float, 2> target_delay_s_{};
+  bool is_beyond_ = false;
+  GtfEarBands correction_{};
+  GtfEarBands power_at_source_{}, power_at_target_{};  // of the true move
+};
+
+/// What describes a bare pose: position and turn.
+/// @param to  5 values
+/// @return behind the last value
+float* put_pose(float* to, const Pose& pose);
+
+}  // namespace earpoint::kernels

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <earpoint/gtf/engine.h>
+#include <earpoint/gtf/weights.h>
+#include <earpoint/synthesis/synthesizer.h>
+
+namespace earpoint {
+
+/// What a gtf network is asked for.
+struct GtfUse {
+  /// 0 the mean, 1 natural; means nothing to a network that knows one.
+  double texture = 1.0;
+  /// Keep the level within what the geometry allows: not of a network that was trained for
+  /// enhancement.
+  bool limits_level = true;
+};
+
+/// Geometric time-frequency synthesis, window by window, a quarter of which overlaps; a target that
+/// moves is followed hop by hop within. A speaker who is known neither by place nor by box is
+/// looked for by picture and sound.
+class GtfSynthesizer : public AcousticSynthesizer {
+ public:
+  /// @param horizontal_fov_rad  of the source camera
+  GtfSynthesizer(const GtfWeights& weights, double horizontal_fov_rad, const GtfUse& use = {});
+
+  [[nodiscard]] WindowShape window_shape(int source_rate_hz) const override;
+  [[nodiscard]] double ambient_cutoff_hz() const override;
+  [[nodiscard]] PictureUse picture_use() const override;
+  [[nodiscard]] std::vector<std::string> doubts(const RenderOutline& outline) const override;
+  void observe(const Observation& observation) override;
+  [[nodiscard]] Waveform synthesize(const Pose& source_from_target) override;
+  [[nodiscard]] Waveform synthesize_along(std::span<const Pose> path) override;
+
+ private:
+  struct View {
+    std::shared_ptr<const Image> picture;
+    std::optional<Box> speaker_box;
+
+    friend bool operator==(const View&, const View&) = default;
+  };
+
+  Gtf network_;
+  double horizontal_fov_rad_;
+  bool limits_level_;
+  std::optional<View> seen_;  ///< what the network looked at last
+  Waveform sound_;
+  std::optional<Vector3> speaker_m_;
+};
+
+}  // namespace earpoint

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <string_view>
+
+#include <earpoint/gtf/description.h>
+#include <earpoint/network/weights.h>
+#include <earpoint/weights/safetensors.h>
+
+namespace earpoint {
+
+/// A gtf network, every tensor checked.
+using GtfWeights = NetworkWeights<GtfDescription>;
+
+/// @throws InputError as checked_weights()
+[[nodiscard]] GtfWeights gtf_weights(SafetensorsFile file, std::string_view where);
+[[nodiscard]] GtfWeights read_gtf_weights(const std::filesystem::path& path);
+
+}  // namespace earpoint

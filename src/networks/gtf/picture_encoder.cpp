@@ -1,0 +1,161 @@
+#include "picture_encoder.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include <earpoint/core/error.h>
+#include <earpoint/gtf/description.h>
+
+namespace earpoint::kernels {
+namespace {
+
+using D = GtfDescription;
+
+constexpr int kTaps = 9;  // of a 3x3 kernel
+constexpr double kNormEpsilon = 1e-5;
+
+/// [out][in][3][3] -> [out][3][3][in].
+std::vector<float> channels_last(std::span<const float> weight, int out, int in) {
+  std::vector<float> result(weight.size());
+  for (int o = 0; o < out; ++o) {
+    for (int i = 0; i < in; ++i) {
+      for (int tap = 0; tap < kTaps; ++tap) {
+        result[(o * kTaps + tap) * in + i] = weight[(o * in + i) * kTaps + tap];
+      }
+    }
+  }
+  return result;
+}
+
+/// Groups of channels to mean zero and variance one, scaled and shifted; then SiLU.
+void normalize(std::span<float> map, int channels, const std::vector<float>& scale,
+               const std::vector<float>& shift) {
+  const int of_group = channels / D::kNormGroups;
+  const std::size_t pixels = map.size() / static_cast<std::size_t>(channels);
+  for (int group = 0; group < D::kNormGroups; ++group) {
+    double sum = 0.0;
+    double squares = 0.0;
+    for (std::size_t pixel = 0; pixel < pixels; ++pixel) {
+      for (int c = group * of_group; c < (group + 1) * of_group; ++c) {
+        const double value = map[pixel * channels + c];
+        sum += value;
+        squares += value * value;
+      }
+    }
+    const double count = static_cast<double>(pixels) * of_group;
+    const double mean = sum / count;
+    const double factor = 1.0 / std::sqrt(squares / count - mean * mean + kNormEpsilon);
+    for (std::size_t pixel = 0; pixel < pixels; ++pixel) {
+      for (int c = group * of_group; c < (group + 1) * of_group; ++c) {
+        float& value = map[pixel * channels + c];
+        value = static_cast<float>((value - mean) * factor) * scale[c] + shift[c];
+      }
+    }
+  }
+  apply_silu(map);
+}
+
+}  // namespace
+
+void apply_silu(std::span<float> values) {
+  for (float& value : values) value /= 1.0F + std::exp(-value);
+}
+
+Dense dense_of(const GtfWeights& weights, const std::string& name) {
+  return {weights.at(name + ".weight").as<float>(), weights.at(name + ".bias").as<float>()};
+}
+
+GtfEye::GtfEye(const GtfWeights& weights)
+    : size_(weights.description.picture_px), output_(dense_of(weights, "picture.output")) {
+  EARPOINT_CHECK(size_ > 0);
+  std::size_t columns = 0;
+  std::size_t rows = 0;
+  std::size_t map = static_cast<std::size_t>(D::kPictureChannels[0]) * size_ * size_;
+  for (int i = 0; i < D::kPictureLayers; ++i) {
+    const std::string name = fmt::format("picture.{}", i);
+    const auto values = [&](const char* part) { return weights.at(name + part).as<float>(); };
+    const int in = D::kPictureChannels[i];
+    const int out = D::kPictureChannels[i + 1];
+    Layer layer{in,
+                size_ >> i,
+                {channels_last(values(".weight"), out, in), out},
+                padded_row(values(".bias")),
+                {},
+                {}};
+    const auto scale = values(".norm.weight");
+    const auto shift = values(".norm.bias");
+    layer.norm_scale.assign(scale.begin(), scale.end());
+    layer.norm_shift.assign(shift.begin(), shift.end());
+    const std::size_t pixels = static_cast<std::size_t>(size_ >> (i + 1)) * (size_ >> (i + 1));
+    columns = std::max(columns, pixels * kTaps * in);
+    rows = std::max(rows, pixels * static_cast<std::size_t>(layer.weight.row()));
+    map = std::max(map, pixels * out);
+    layers_.push_back(std::move(layer));
+  }
+  columns_.resize(columns);
+  rows_.resize(rows);
+  map_.resize(map);
+  flat_.resize(static_cast<std::size_t>(output_.inputs()));
+}
+
+void GtfEye::convolve(const Layer& layer) {
+  const int in = layer.channels_in;
+  const int side = layer.side_in / 2;
+  float* column = columns_.data();
+  for (int y = 0; y < side; ++y) {
+    for (int x = 0; x < side; ++x) {
+      for (int tap = 0; tap < kTaps; ++tap) {
+        const int from_y = 2 * y - 1 + tap / 3;
+        const int from_x = 2 * x - 1 + tap % 3;
+        // Only the top and left edges reach out: the side is even.
+        if (from_y < 0 || from_x < 0) {
+          column = std::fill_n(column, in, 0.0F);
+        } else {
+          column = std::copy_n(map_.data() + std::ptrdiff_t{from_y * layer.side_in + from_x} * in,
+                               in, column);
+        }
+      }
+    }
+  }
+  const std::ptrdiff_t pixels = std::ptrdiff_t{side} * side;
+  const std::ptrdiff_t out = layer.weight.outputs();
+  layer.weight.multiply(columns_.data(), std::ptrdiff_t{kTaps} * in, pixels, layer.bias.data(),
+                        rows_.data(), false);
+  for (std::ptrdiff_t pixel = 0; pixel < pixels; ++pixel) {
+    std::copy_n(rows_.data() + pixel * layer.weight.row(), out, map_.data() + pixel * out);
+  }
+  normalize(std::span(map_).first(static_cast<std::size_t>(pixels * out)), static_cast<int>(out),
+            layer.norm_scale, layer.norm_shift);
+}
+
+void GtfEye::look(std::span<const float> picture, const std::optional<Box>& box,
+                  std::span<float> feature) {
+  const std::size_t pixels = static_cast<std::size_t>(size_) * size_;
+  EARPOINT_CHECK(picture.size() == 3 * pixels && std::ssize(feature) == output_.outputs());
+  for (int y = 0; y < size_; ++y) {
+    for (int x = 0; x < size_; ++x) {
+      const std::size_t pixel = static_cast<std::size_t>(y) * size_ + x;
+      for (std::size_t c = 0; c < 3; ++c) map_[4 * pixel + c] = picture[c * pixels + pixel] - 0.5F;
+      const float across = (static_cast<float>(x) + 0.5F) / static_cast<float>(size_);
+      const float down = (static_cast<float>(y) + 0.5F) / static_cast<float>(size_);
+      const bool is_inside = box && across >= static_cast<float>(box->x_min) &&
+                             across <= static_cast<float>(box->x_max) &&
+                             down >= static_cast<float>(box->y_min) &&
+                             down <= static_cast<float>(box->y_max);
+      map_[4 * pixel + 3] = is_inside ? 1.0F : 0.0F;
+    }
+  }
+  for (const Layer& layer : layers_) convolve(layer);
+  const std::size_t channels = D::kPictureChannels[D::kPictureLayers];
+  const std::size_t places = flat_.size() / channels;
+  for (std::size_t place = 0; place < places; ++place) {
+    for (std::size_t c = 0; c < channels; ++c)
+      flat_[c * places + place] = map_[place * channels + c];
+  }
+  output_.apply(flat_, feature);
+  apply_silu(feature);
+}
+
+}  // namespace earpoint::kernels

@@ -1,0 +1,64 @@
+#include <earpoint/gtf/synthesizer.h>
+
+#include "warnings.h"
+
+#include <earpoint/gtf/level.h>
+#include <earpoint/gtf/view.h>
+
+namespace earpoint {
+
+GtfSynthesizer::GtfSynthesizer(const GtfWeights& weights, double horizontal_fov_rad,
+                               const GtfUse& use)
+    : network_(weights), horizontal_fov_rad_(horizontal_fov_rad), limits_level_(use.limits_level) {
+  network_.ask_for_texture(use.texture);
+}
+
+WindowShape GtfSynthesizer::window_shape(int /*source_rate_hz*/) const {
+  const std::ptrdiff_t samples = network_.description().window_samples;
+  return {.sample_rate_hz = GtfDescription::kSampleRateHz,
+          .samples = samples,
+          .overlap = samples / 4,
+          .context = 0,
+          .pose_step = GtfDescription::kHop};
+}
+
+double GtfSynthesizer::ambient_cutoff_hz() const {
+  return network_.description().highpass_cutoff_hz.value_or(0.0);
+}
+
+PictureUse GtfSynthesizer::picture_use() const {
+  return network_.description().picture_px > 0 ? PictureUse::if_there : PictureUse::never;
+}
+
+std::vector<std::string> GtfSynthesizer::doubts(const RenderOutline& outline) const {
+  return gtf_doubts(network_.description(), outline, horizontal_fov_rad_);
+}
+
+void GtfSynthesizer::observe(const Observation& observation) {
+  const int size = network_.description().picture_px;
+  const View seen{observation.picture, observation.speaker_box};
+  if (!seen_ || *seen_ != seen) {
+    const GtfView view = gtf_view(size > 0 ? seen.picture.get() : nullptr, seen.speaker_box,
+                                  horizontal_fov_rad_, size > 0 ? size : 1);
+    network_.look(view.picture, view.speaker_box);
+    seen_ = seen;
+  }
+  speaker_m_ = observation.speaker_m;
+  sound_ = observation.sound;
+}
+
+Waveform GtfSynthesizer::synthesize(const Pose& source_from_target) {
+  return synthesize_along({&source_from_target, 1});
+}
+
+Waveform GtfSynthesizer::synthesize_along(std::span<const Pose> path) {
+  network_.aim(path.front(), speaker_m_);
+  Waveform result(2, sound_.samples(), sound_.sample_rate_hz());
+  network_.synthesize(sound_.planar(), path, result.planar());
+  if (!limits_level_) return result;
+  limit_level(sound_, network_.expected_gain(), gtf_level_tolerance(path), speaker_m_.has_value(),
+              result);
+  return result;
+}
+
+}  // namespace earpoint

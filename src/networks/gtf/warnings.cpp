@@ -1,0 +1,121 @@
+#include "warnings.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include <fmt/format.h>
+
+#include <earpoint/core/pose.h>
+#include <earpoint/gtf/view.h>
+
+namespace earpoint {
+namespace {
+
+// Training knows neither at all; people who hold a camera are not as exact.
+constexpr double kLevelMove_m = 0.1;
+constexpr double kLevelHead_rad = radians_from_degrees(5.0);
+// Below it the network takes everything for silence.
+constexpr double kQuietest_db = -80.0;
+constexpr double kStep_s = 0.1;
+
+/// The extremes of all targets over the recording.
+struct Reach {
+  double distance_m = 0.0;
+  double height_m = 0.0;  ///< up or down
+  double tilt_rad = 0.0;  ///< pitch or roll
+  double nearest_speaker_m = 1e9;
+};
+
+Reach reach_of(const RenderOutline& outline) {
+  Reach reach;
+  const auto include = [&](const Pose& pose) {
+    const EulerAngles angles = euler_from_quaternion(pose.orientation);
+    reach.distance_m = std::max(reach.distance_m, norm(pose.position_m));
+    reach.height_m = std::max(reach.height_m, std::abs(pose.position_m.z));
+    reach.tilt_rad =
+        std::max({reach.tilt_rad, std::abs(angles.pitch_rad), std::abs(angles.roll_rad)});
+    if (outline.speaker_m) {
+      reach.nearest_speaker_m =
+          std::min(reach.nearest_speaker_m, norm(*outline.speaker_m - pose.position_m));
+    }
+  };
+  const auto steps = static_cast<std::ptrdiff_t>(outline.duration_s / kStep_s);
+  for (const EarpointPath& target : outline.targets) {
+    for (std::ptrdiff_t i = 0; i <= (target.is_moving() ? steps : 0); ++i) {
+      include(target.at(static_cast<double>(i) * kStep_s));
+    }
+  }
+  return reach;
+}
+
+/// Whether at some time the speaker's box lies outside of what the network is shown.
+bool leaves_view(const RenderOutline& outline, double horizontal_fov_rad) {
+  for (double time_s = 0.0; time_s <= outline.duration_s; time_s += 1.0) {
+    const std::optional<Box> box = outline.speaker_track->at(time_s);
+    if (box && !gtf_view(nullptr, box, horizontal_fov_rad, 1).speaker_box) return true;
+  }
+  return false;
+}
+
+void doubt_knowledge(const GtfDescription& description, const RenderOutline& outline,
+                     double horizontal_fov_rad, std::vector<std::string>& doubts) {
+  const bool looks = description.picture_px > 0;
+  if (looks && !outline.has_picture) {
+    doubts.emplace_back("there is no picture: the room is guessed by ear");
+  }
+  if (!description.box || outline.speaker_m) return;
+  if (!outline.speaker_track) {
+    doubts.push_back(
+        fmt::format("nobody says who speaks: the speaker is looked for by {}; "
+                    "--speaker-box or --speaker would tell",
+                    looks && outline.has_picture ? "picture and sound" : "ear"));
+  } else if (leaves_view(outline, horizontal_fov_rad)) {
+    doubts.emplace_back("the speaker's box leaves the 90 degrees that the network sees");
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> gtf_doubts(const GtfDescription& description, const RenderOutline& outline,
+                                    double horizontal_fov_rad) {
+  std::vector<std::string> doubts;
+  const Reach reach = reach_of(outline);
+  if (reach.distance_m > GtfDescription::kFarthestMove_m) {
+    doubts.push_back(
+        fmt::format("an earpoint is {:.1f} m from the camera, it learned moves of up to "
+                    "{:g} m",
+                    reach.distance_m, GtfDescription::kFarthestMove_m));
+  }
+  if (reach.height_m > kLevelMove_m) {
+    doubts.push_back(
+        fmt::format("an earpoint is {:.1f} m above or below the camera, it learned "
+                    "level moves",
+                    reach.height_m));
+  }
+  if (reach.tilt_rad > kLevelHead_rad) {
+    doubts.push_back(
+        fmt::format("a head pitches or rolls by {:.0f} degrees, it learned level heads",
+                    degrees_from_radians(reach.tilt_rad)));
+  }
+  if (reach.nearest_speaker_m < GtfDescription::kNearestSpeaker_m) {
+    doubts.push_back(
+        fmt::format("an earpoint is {:.2f} m from the speaker's mouth, below {:g} m "
+                    "nothing gets louder",
+                    reach.nearest_speaker_m, GtfDescription::kNearestSpeaker_m));
+  }
+  if (outline.speaker_m && norm(*outline.speaker_m) > GtfDescription::kFarthestSpeaker_m) {
+    doubts.push_back(
+        fmt::format("the speaker is {:.1f} m from the camera, it learned speakers up to "
+                    "{:g} m away",
+                    norm(*outline.speaker_m), GtfDescription::kFarthestSpeaker_m));
+  }
+  if (outline.level_db < kQuietest_db) {
+    doubts.push_back(fmt::format("the recording has {:.0f} dB, below {:g} dB it hears silence",
+                                 outline.level_db, kQuietest_db));
+  }
+  doubt_knowledge(description, outline, horizontal_fov_rad, doubts);
+  return doubts;
+}
+
+}  // namespace earpoint

@@ -1,0 +1,64 @@
+#include <earpoint/render/make_synthesizer.h>
+
+#include <utility>
+
+#include <earpoint/core/error.h>
+#include <earpoint/gtf/synthesizer.h>
+#include <earpoint/gtf/weights.h>
+#include <earpoint/network/network_kind.h>
+#include <earpoint/synthesis/dsp_synthesizer.h>
+#include <earpoint/synthesis/input_synthesizer.h>
+#include <earpoint/vam/synthesizer.h>
+#include <earpoint/vam/weights.h>
+#include <earpoint/vigas/synthesizer.h>
+#include <earpoint/vigas/weights.h>
+#include <earpoint/weights/safetensors.h>
+
+namespace earpoint {
+namespace {
+
+[[noreturn]] void refuse_texture(const std::string& model) {
+  throw InputError(model, "has one texture only", "leave out the choice of a texture");
+}
+
+}  // namespace
+
+std::unique_ptr<AcousticSynthesizer> make_synthesizer(const std::string& model,
+                                                      const SynthesizerOptions& options) {
+  if (options.texture && (model == "input" || model == "dsp")) refuse_texture(model);
+  if (model == "input") return std::make_unique<InputSynthesizer>();
+  if (model == "dsp") {
+    return std::make_unique<DspSynthesizer>(options.hrtf, options.horizontal_fov_rad);
+  }
+  if (!std::filesystem::exists(model)) {
+    throw InputError("--model " + model, "is neither a known name nor a file",
+                     "use input, dsp or the path of a weight file");
+  }
+  SafetensorsFile file = read_safetensors(model);
+  const NetworkKind kind = network_kind(file, model);
+  if (options.texture && kind != NetworkKind::gtf) refuse_texture(model);
+  switch (kind) {
+    case NetworkKind::gtf: {
+      const GtfWeights weights = gtf_weights(std::move(file), model);
+      if (options.texture && !weights.description.texture) refuse_texture(model);
+      return std::make_unique<GtfSynthesizer>(
+          weights, options.horizontal_fov_rad,
+          GtfUse{.texture = options.texture.value_or(1.0), .limits_level = !options.enhances});
+    }
+    case NetworkKind::vam:
+      return std::make_unique<VamSynthesizer>(vam_weights(std::move(file), model), model,
+                                              options.threads);
+    case NetworkKind::rt60_estimator:
+      throw InputError(model, "is an estimator of reverberation time, which makes no sound",
+                       "use it with `earpoint metrics --rt60-model`");
+    case NetworkKind::people:
+      throw InputError(model, "finds people in pictures, and makes no sound",
+                       "use it with `earpoint locate --detector`");
+    case NetworkKind::vigas:
+      break;
+  }
+  return std::make_unique<ViGasSynthesizer>(vigas_weights(std::move(file), model), model,
+                                            options.threads);
+}
+
+}  // namespace earpoint

@@ -1,0 +1,96 @@
+#include <earpoint/synthesis/dsp_synthesizer.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include <earpoint/audio/convolution.h>
+#include <earpoint/core/error.h>
+#include <earpoint/spatial/speaker_direction.h>
+
+namespace earpoint {
+namespace {
+
+constexpr double kHalfWindow_s = 0.05;
+// Nearer than this a direction means nothing; the distance gain is clamped at 0.2 m anyway.
+constexpr double kNearest_m = 0.01;
+
+Spherical seen_from(const Vector3& point_m) {
+  Spherical spherical = spherical_from_cartesian(point_m);
+  if (spherical.distance_m < kNearest_m) spherical = {.distance_m = kNearest_m};
+  return spherical;
+}
+
+std::ptrdiff_t half_window(int sample_rate_hz) {
+  return static_cast<std::ptrdiff_t>(std::lround(kHalfWindow_s * sample_rate_hz));
+}
+
+}  // namespace
+
+DspSynthesizer::DspSynthesizer(std::optional<std::filesystem::path> hrtf, double horizontal_fov_rad)
+    : hrtf_path_(std::move(hrtf)), horizontal_fov_rad_(horizontal_fov_rad) {
+  // A missing or broken set is found before any work is done. Its rate does not matter yet.
+  if (hrtf_path_) {
+    (void)read_sofa(*hrtf_path_);
+  } else {
+    (void)default_hrtf_path();
+  }
+}
+
+const HrtfSet& DspSynthesizer::hrtf(int sample_rate_hz) const {
+  if (!hrtf_ || hrtf_->sample_rate_hz() != sample_rate_hz) {
+    hrtf_ = hrtf_path_ ? HrtfSet::load(*hrtf_path_, sample_rate_hz) : HrtfSet::load(sample_rate_hz);
+  }
+  return *hrtf_;
+}
+
+WindowShape DspSynthesizer::window_shape(int source_rate_hz) const {
+  // The filters' lengths depend on the rate alone: any direction tells them.
+  const Spherical ahead{.distance_m = 1.0};
+  const EarFilterMatrix filters = dsp_filters(hrtf(source_rate_hz), ahead, ahead);
+  const auto taps = static_cast<std::ptrdiff_t>(filters.taps[0][0].size());
+  const std::ptrdiff_t half = half_window(source_rate_hz);
+  return {.sample_rate_hz = source_rate_hz, .samples = 2 * half, .overlap = half, .context = taps};
+}
+
+Vector3 DspSynthesizer::locate_speaker(const Observation& observation) const {
+  if (observation.speaker_m) return *observation.speaker_m;
+  if (!observation.speaker_box) {
+    throw InputError("dsp", "does not know where the speaker is",
+                     "give --speaker x,y,z in metres, or --speaker-box with a picture");
+  }
+  if (observation.picture == nullptr) {
+    throw InputError("--speaker-box", "means nothing without a picture",
+                     "give the picture too, or --speaker x,y,z in metres");
+  }
+  return cartesian_from_spherical(
+      speaker_direction_from_box(*observation.speaker_box, horizontal_fov_rad_,
+                                 observation.picture->width(), observation.picture->height()));
+}
+
+void DspSynthesizer::observe(const Observation& observation) {
+  speaker_m_ = locate_speaker(observation);
+  sound_ = observation.sound;
+}
+
+Waveform DspSynthesizer::synthesize(const Pose& source_from_target) {
+  const int rate = sound_.sample_rate_hz();
+  const std::ptrdiff_t samples = 2 * half_window(rate);
+  const std::ptrdiff_t context = (sound_.samples() - samples) / 2;
+  const Vector3 from_target = transform_point(inverse(source_from_target), speaker_m_);
+  const EarFilterMatrix filters =
+      dsp_filters(hrtf(rate), seen_from(speaker_m_), seen_from(from_target));
+
+  Waveform result(2, samples, rate);
+  for (int ear = 0; ear < 2; ++ear) {
+    const auto output = result.channel(ear);
+    for (int source_ear = 0; source_ear < 2; ++source_ear) {
+      const std::vector<float> filtered =
+          convolve(sound_.channel(source_ear), filters.taps[ear][source_ear]);
+      const auto first = filtered.begin() + context + filters.delay_samples;
+      std::transform(output.begin(), output.end(), first, output.begin(), std::plus<>());
+    }
+  }
+  return result;
+}
+
+}  // namespace earpoint
