@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <earpoint/audio/decay.h>
+#include <earpoint/core/ears.h>
 #include <earpoint/core/error.h>
 #include <earpoint/evaluate/metrics.h>
 #include <earpoint/evaluate/speech_metrics.h>
@@ -17,7 +18,6 @@
 namespace earpoint {
 namespace {
 
-constexpr int kEars = 2;
 // Long enough for the first 10 dB of any room's decay and for C50 but for what is 25 dB down.
 constexpr double kResponse_s = 0.5;
 // A method may put the sound at one ear before its beginning at the other, where the true response

@@ -12,12 +12,12 @@
 #include <earpoint/audio/gcc_phat.h>
 #include <earpoint/audio/resample.h>
 #include <earpoint/audio/stft.h>
+#include <earpoint/core/ears.h>
 #include <earpoint/core/error.h>
 
 namespace earpoint {
 namespace {
 
-constexpr int kEars = 2;
 constexpr int kLongestDelayWindowS = 60;
 constexpr StftShape kRwavsShape{512, 512, 128, Window::hann};
 

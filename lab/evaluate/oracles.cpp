@@ -12,13 +12,13 @@
 
 #include <earpoint/audio/convolution.h>
 #include <earpoint/audio/stft.h>
+#include <earpoint/core/ears.h>
 #include <earpoint/core/error.h>
 #include <earpoint/core/random.h>
 
 namespace earpoint {
 namespace {
 
-constexpr int kEars = 2;
 constexpr double kDirect_s = 4e-3;
 constexpr double kFade_s = 0.5e-3;
 constexpr std::uint64_t kTailSeed = 20230618;

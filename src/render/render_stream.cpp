@@ -13,6 +13,7 @@
 #include <earpoint/audio/butterworth.h>
 #include <earpoint/audio/peak_limiter.h>
 #include <earpoint/audio/stream_rate.h>
+#include <earpoint/core/ears.h>
 #include <earpoint/core/error.h>
 #include <earpoint/gtf/description.h>
 #include <earpoint/gtf/engine.h>
@@ -25,7 +26,6 @@ namespace {
 
 using D = GtfDescription;
 
-constexpr int kEars = 2;
 constexpr int kLowestRate_hz = D::kSampleRateHz;
 constexpr int kHighestRate_hz = 192000;
 constexpr double kHop_s = double{D::kHop} / D::kSampleRateHz;

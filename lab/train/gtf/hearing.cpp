@@ -13,7 +13,9 @@
 #include <ATen/ops/matmul.h>
 #include <ATen/ops/zeros.h>
 
+#include <earpoint/core/ears.h>
 #include <earpoint/core/pose.h>
+#include <earpoint/gtf/constants.h>
 
 namespace earpoint {
 namespace {
@@ -21,11 +23,6 @@ namespace {
 using D = GtfDescription;
 using train::FrameExtent;
 using train::kBins;
-using train::kEars;
-
-constexpr float kPowerFloor = 1e-8F;
-constexpr double kBandFloor = 1e-3;   // of a band's power, before its logarithm
-constexpr double kCrossFloor = 1e-4;  // of the product of the ears' powers
 
 /// Correlation of the ears over lags from their mean cross-spectrum: [real, imaginary][bins][lags].
 struct LagTables {
@@ -72,8 +69,8 @@ void listen(const FrameExtent& extent, const std::vector<int>& edges, const floa
       float sum_im = 0.0F;
       float sum = 0.0F;
       for (std::ptrdiff_t t = 0; t < extent.frames(); ++t) {
-        const float a = left_re[t] * left_re[t] + left_im[t] * left_im[t] + kPowerFloor;
-        const float b = right_re[t] * right_re[t] + right_im[t] * right_im[t] + kPowerFloor;
+        const float a = left_re[t] * left_re[t] + left_im[t] * left_im[t] + gtf::kPowerFloor;
+        const float b = right_re[t] * right_re[t] + right_im[t] * right_im[t] + gtf::kPowerFloor;
         const float re = left_re[t] * right_re[t] + left_im[t] * right_im[t];
         const float im = left_im[t] * right_re[t] - left_re[t] * right_im[t];
         left[t] = std::sqrt(a);
@@ -89,8 +86,8 @@ void listen(const FrameExtent& extent, const std::vector<int>& edges, const floa
         sum_im += left_im[t] * right_re[t] - left_re[t] * right_im[t];
         sum += strength[t];
       }
-      found.mean[bin] = sum_re / (sum + 1e-6F);
-      found.mean[kBins + bin] = sum_im / (sum + 1e-6F);
+      found.mean[bin] = sum_re / (sum + gtf::kStrengthFloor);
+      found.mean[kBins + bin] = sum_im / (sum + gtf::kStrengthFloor);
     }
   }
 }
@@ -122,23 +119,27 @@ Heard hear(const GtfDescription& description, const at::Tensor& sound) {
   }
 
   // Band by band: power of each ear, and what the ears have in common.
-  const at::Tensor scale = (power.select(1, 0) * power.select(1, 1) + kCrossFloor).sqrt();
+  const at::Tensor scale = (power.select(1, 0) * power.select(1, 1) + gtf::kCrossFloor).sqrt();
   const at::Tensor likeness = common / scale.unsqueeze(1);
-  heard.features =
-      at::cat({(power + kBandFloor).log().div(4).flatten(1, 2), likeness.flatten(1, 2)}, 1);
+  heard.features = at::cat({(power + gtf::kBandFloor).log().div(gtf::kBandLogScale).flatten(1, 2),
+                            likeness.flatten(1, 2)},
+                           1);
 
   // The window as a whole: loud frames count more.
   constexpr std::int64_t kTime[] = {-1};
   const at::IntArrayRef over_time(kTime);
   at::Tensor loudness = power.sum(at::IntArrayRef({1}));
-  loudness = loudness / (loudness.sum(over_time, true) + 1e-6);
+  loudness = loudness / (loudness.sum(over_time, true) + gtf::kStrengthFloor);
   const at::Tensor mean = power.sum(over_time) / static_cast<double>(extent.frames());
-  const at::Tensor between = ((mean.select(1, 0) + 1e-4) / (mean.select(1, 1) + 1e-4)).log().div(2);
-  const at::Tensor together = (mean.sum(at::IntArrayRef({1})) + kBandFloor).log().div(4);
-  constexpr double kScale = 40.0;
+  const at::Tensor between =
+      ((mean.select(1, 0) + gtf::kBalanceFloor) / (mean.select(1, 1) + gtf::kBalanceFloor))
+          .log()
+          .div(2);
+  const at::Tensor together =
+      (mean.sum(at::IntArrayRef({1})) + gtf::kBandFloor).log().div(gtf::kBandLogScale);
   const at::Tensor over_lags = (at::matmul(mean_cross.select(1, 0), kTables.cosine) -
                                 at::matmul(mean_cross.select(1, 1), kTables.sine)) /
-                               kScale;
+                               gtf::kLagScale;
   heard.summary = at::cat(
       {(likeness * loudness.unsqueeze(1)).sum(over_time).flatten(1), between, together, over_lags},
       1);

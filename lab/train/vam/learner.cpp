@@ -11,9 +11,8 @@
 #include <ATen/core/grad_mode.h>
 
 #include <earpoint/core/error.h>
-#include <earpoint/core/resize.h>
-#include <earpoint/network/pose_encoding.h>
 #include <earpoint/network/weights.h>
+#include <earpoint/vam/encoding.h>
 
 namespace earpoint {
 
@@ -50,14 +49,8 @@ TrainingExample vam_example(const VamDescription& description, const PairSample&
   TrainingExample example;
   example.source.assign(sample.source.planar().begin(), sample.source.planar().end());
   example.target.assign(sample.target.planar().begin(), sample.target.planar().end());
-  ImagePlanes picture = resize_bilinear(planes_of(*sample.picture), description.image_width_px,
-                                        description.image_height_px);
-  for (float& value : picture.values) value /= 255.0F;
-  example.picture = std::move(picture.values);
-  const EncodedPose pose = encode_pose(PoseEncoding::full, sample.source_from_target);
-  std::vector<float>& both = example.inputs[std::string(kVamPoseInput)];
-  both = pose.tgt_pose;
-  both.insert(both.end(), pose.tgt_rotation.begin(), pose.tgt_rotation.end());
+  example.picture = vam_picture(description, *sample.picture);
+  example.inputs[std::string(kVamPoseInput)] = vam_pose(sample.source_from_target);
   return example;
 }
 

@@ -11,6 +11,7 @@
 #include <earpoint/core/image.h>
 #include <earpoint/core/pose.h>
 #include <earpoint/core/vector3.h>
+#include <earpoint/gtf/constants.h>
 #include <earpoint/gtf/description.h>
 #include <earpoint/gtf/weights.h>
 #include <earpoint/kernels/dense.h>
@@ -56,7 +57,7 @@ class GtfConditions {
   std::vector<float> feature_;  // of the picture
   std::array<float, GtfDescription::kBoxFeatures> box_{};
   std::vector<float> known_, first_, second_, joined_, middle_, vector_;
-  std::array<float, 9> found_{};
+  std::array<float, gtf::kLocatorOutputs> found_{};
   std::vector<float> heard_;  // of the summary
   float texture_ = 1.0F;
   GtfPlace located_;  // by hear()

@@ -3,13 +3,14 @@
 #include <cmath>
 #include <numeric>
 
+#include <earpoint/core/ears.h>
+#include <earpoint/gtf/constants.h>
 #include <earpoint/gtf/description.h>
 
 namespace earpoint {
 namespace {
 
 constexpr std::ptrdiff_t kHalf = GtfDescription::kFrameSamples / 2;
-constexpr float kQuietest = 1e-4F;
 
 /// Share of what a stream remembers of its last second that is left from hop to hop.
 double kept_of_stream() {
@@ -18,7 +19,7 @@ double kept_of_stream() {
 }
 
 float level_of(double squares, double count) {
-  return std::max(static_cast<float>(std::sqrt(squares / std::max(count, 1.0))), kQuietest);
+  return std::max(static_cast<float>(std::sqrt(squares / std::max(count, 1.0))), gtf::kQuietest);
 }
 
 }  // namespace
@@ -36,7 +37,7 @@ void Gtf::State::measure_window(std::span<const float> source) {
   for (std::ptrdiff_t t = 0; t < count; ++t) {
     for (std::size_t e = 0; e < kEars; ++e) {
       frames.transform(source.subspan(e * samples, samples), t * D::kHop,
-                       kHeardLevel / statistics.level,
+                       gtf::kHeardLevel / statistics.level,
                        part(window_spectra, t, kFrame).subspan(e * D::kBins, D::kBins));
     }
     kernels::GtfEar::measure(part(window_spectra, t, kFrame), part(window_magnitudes, t, kFrame));
@@ -148,7 +149,7 @@ void Gtf::State::follow_power(std::span<const float> magnitude) {
 /// The frame in the middle of the recent samples.
 void Gtf::State::take_hop() {
   for (std::size_t e = 0; e < kEars; ++e) {
-    frames.transform(recent[e], kHalf, kHeardLevel / statistics.level,
+    frames.transform(recent[e], kHalf, gtf::kHeardLevel / statistics.level,
                      std::span(window_spectra).subspan(e * D::kBins, D::kBins));
   }
   const std::span<const Complex> spectrum(window_spectra.data(), kFrame);

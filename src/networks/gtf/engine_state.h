@@ -15,8 +15,10 @@
 #include <span>
 #include <vector>
 
+#include <earpoint/core/ears.h>
 #include <earpoint/core/pose.h>
 #include <earpoint/core/vector3.h>
+#include <earpoint/gtf/constants.h>
 #include <earpoint/gtf/description.h>
 #include <earpoint/gtf/engine.h>
 #include <earpoint/gtf/weights.h>
@@ -28,10 +30,8 @@ struct Gtf::State {
   using D = GtfDescription;
   using Complex = std::complex<float>;
 
-  static constexpr int kEars = 2;
   static constexpr std::ptrdiff_t kFrame = std::ptrdiff_t{kEars} * D::kBins;
   static constexpr std::ptrdiff_t kBlock = 16;  ///< frames that share one reading of the weights
-  static constexpr float kHeardLevel = 0.05F;
 
   explicit State(const GtfWeights& weights)
       : description(weights.description),
@@ -114,7 +114,7 @@ struct Gtf::State {
 
   /// Lets the frame in `filtered` sound, or the one that it pushes out of the phase rounds.
   void sound_frame() {
-    const float scale = statistics.level / kHeardLevel;
+    const float scale = statistics.level / gtf::kHeardLevel;
     if (phases.rounds() == 0) {
       frames.add(filtered, scale);
       return;
