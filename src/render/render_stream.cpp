@@ -197,7 +197,9 @@ void RenderStream::State::run_hop(std::ptrdiff_t start) {
   source_delay.process(primary);
 
   const LevelBounds bounds = gtf_level_bounds(
-      network.expected_gain(), gtf_level_tolerance(source_from_target), mouth_m.has_value());
+      network.expected_gain(),
+      gtf_level_tolerance(source_from_target, network.description().training_range),
+      mouth_m.has_value());
   const float before = level_gain;
   level_gain = level.next(power_of(primary), bounds, power_of(result));
   for (std::size_t e = 0; e < kEars; ++e) {

@@ -26,6 +26,11 @@ namespace {
 /// whatever the number of threads, and with it the numbers.
 constexpr std::int64_t kClipsOfPart = 4;
 
+GtfDescription described(GtfDescription description, const GtfLearnerOptions& options) {
+  if (options.training_range) description.training_range = *options.training_range;
+  return description;
+}
+
 }  // namespace
 
 struct GtfLearner::State {
@@ -148,7 +153,8 @@ struct GtfLearner::State {
 };
 
 GtfLearner::GtfLearner(const GtfWeights& weights, GtfLearnerOptions options)
-    : NetworkLearner(weights.description), state_(std::make_unique<State>(weights, options)) {
+    : NetworkLearner(described(weights.description, options)),
+      state_(std::make_unique<State>(weights, options)) {
   EARPOINT_CHECK(weights.description.texture == options.natural_loss.has_value());
   EARPOINT_CHECK(weights.description.dry_voice || options.loss.dry_voice == 0.0);
   GraphTensors tensors;

@@ -59,8 +59,8 @@ Vector3 limited(Vector3 v, double length, double height) {
   return v;
 }
 
-GtfPlace limited(GtfPlace place) {
-  place.position_m = limited(place.position_m, D::kFarthestSpeaker_m, D::kHighestSpeaker_m);
+GtfPlace limited(GtfPlace place, const GtfTrainingRange& range) {
+  place.position_m = limited(place.position_m, range.farthest_speaker_m, range.highest_speaker_m);
   return place;
 }
 
@@ -68,9 +68,10 @@ double azimuth_of(const Vector3& v) { return std::atan2(v.y, v.x); }
 
 /// The nearest pose in the range of the training data at which the speaker is heard from the same
 /// direction: `place` as limited, `true_m` as it is.
-Pose limited(const Pose& source_from_target, const GtfPlace& place, const Vector3& true_m) {
+Pose limited(const Pose& source_from_target, const GtfPlace& place, const Vector3& true_m,
+             const GtfTrainingRange& range) {
   const Vector3 position =
-      limited(source_from_target.position_m, D::kFarthestMove_m, D::kHighestMove_m);
+      limited(source_from_target.position_m, range.farthest_move_m, range.highest_move_m);
   if (position == source_from_target.position_m && place.position_m == true_m) {
     return source_from_target;
   }
@@ -93,7 +94,8 @@ struct GtfGeometry::Levels {
 };
 
 GtfGeometry::GtfGeometry(const GtfWeights& weights)
-    : power_(table_of(weights, "head.power")),
+    : range_(weights.description.training_range),
+      power_(table_of(weights, "head.power")),
       diffuse_power_(table_of(weights, "head.diffuse_power")),
       delay_s_(table_of(weights, "head.delay_s")),
       features_(static_cast<std::size_t>(weights.description.geometry_features())) {
@@ -149,8 +151,8 @@ void GtfGeometry::put_features(const GtfPlace& place, const Pose& source_from_ta
 }
 
 void GtfGeometry::move(const GtfPlace& place, bool is_told, const Pose& source_from_target) {
-  const GtfPlace near_place = is_told ? limited(place) : place;
-  const Pose near_pose = limited(source_from_target, near_place, place.position_m);
+  const GtfPlace near_place = is_told ? limited(place, range_) : place;
+  const Pose near_pose = limited(source_from_target, near_place, place.position_m, range_);
   const Levels levels = levels_of(near_place, near_pose);
   put_features(near_place, near_pose, levels);
   read_table(delay_s_, levels.source.azimuth_rad, source_delay_s_);

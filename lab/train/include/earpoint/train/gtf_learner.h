@@ -9,6 +9,7 @@
 
 #include <earpoint/dataset/pair_sample.h>
 #include <earpoint/gtf/description.h>
+#include <earpoint/gtf/training_range.h>
 #include <earpoint/gtf/weights.h>
 #include <earpoint/rt60/weights.h>
 #include <earpoint/spatial/hrtf.h>
@@ -42,6 +43,8 @@ struct GtfLearnerOptions {
   /// Who hears reverberation times for the loss. Not who measures them: what learns to please one
   /// estimator must convince another.
   std::optional<Rt60EstimatorWeights> estimator;
+  /// Of what it learns from; nothing: as the weights have it.
+  std::optional<GtfTrainingRange> training_range;
   double longest_gradient = 1.0;  ///< gradients are scaled down to that length
   double second_decay = 0.98;     ///< of Adam: short, as loud clips come and go
 };
