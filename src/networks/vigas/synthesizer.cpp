@@ -58,6 +58,10 @@ std::vector<std::string> ViGasSynthesizer::doubts(const RenderOutline& /*outline
       "camera is known: the camera is taken to look along the room's x axis"};
 }
 
+bool ViGasSynthesizer::needs_speaker_track() const {
+  return network_.description().has_input("bboxes");
+}
+
 void ViGasSynthesizer::observe(const Observation& observation) {
   const ViGasDescription& description = network_.description();
   if (description.image_encoder) {
@@ -67,11 +71,7 @@ void ViGasSynthesizer::observe(const Observation& observation) {
     seen_ = observation.picture;
   }
   if (description.has_input("bboxes")) {
-    if (!observation.speaker_box) {
-      throw InputError("this network", "must be told who speaks",
-                       "give --speaker-box x0,y0,x1,y1 or --speaker-boxes FILE.csv");
-    }
-    box_ = encode_box(description.box_encoding, *observation.speaker_box);
+    box_ = encode_box(description.box_encoding, observation.speaker_box);
   }
   sound_ = observation.sound;
   world_from_source_ = observation.world_from_source.value_or(Pose{});

@@ -75,7 +75,7 @@ struct RenderReport {
 struct SoundInMemory {
   Waveform sound;                        ///< 2 ears, at the synthesizer's rate or above
   std::shared_ptr<const Image> picture;  ///< a still one; null: none
-  std::optional<Box> speaker_box;
+  std::optional<Box> speaker_box;        ///< nothing: out of sight, or not known
   std::optional<Vector3> speaker_m;
   std::optional<Pose> world_from_source;  ///< as Observation has it
 };

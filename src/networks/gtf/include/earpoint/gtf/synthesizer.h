@@ -1,5 +1,11 @@
 #pragma once
 
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
 #include <earpoint/gtf/engine.h>
 #include <earpoint/gtf/weights.h>
 #include <earpoint/synthesis/synthesizer.h>

@@ -1,12 +1,14 @@
-#include "test_data.h"
+#include <earpoint/generate_testing/quick_generation.h>
 
 #include <cmath>
 
-#include <gtest/gtest.h>
 #include <unistd.h>
 
 #include <earpoint/audio/sound_file.h>
 #include <earpoint/core/file.h>
+#include <earpoint/core/pose.h>
+#include <earpoint/core/random.h>
+#include <earpoint/core/waveform.h>
 #include <earpoint/scene/material_table.h>
 
 namespace earpoint {
@@ -14,7 +16,7 @@ namespace earpoint {
 namespace fs = std::filesystem;
 
 TestFolder::TestFolder(const std::string& name)
-    : path_(fs::path(testing::TempDir()) / (name + "." + std::to_string(::getpid()))) {
+    : path_(fs::temp_directory_path() / (name + "." + std::to_string(::getpid()))) {
   fs::remove_all(path_);
   fs::create_directories(path_);
 }
