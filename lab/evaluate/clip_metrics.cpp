@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <earpoint/audio/decay.h>
+#include <earpoint/audio/energy.h>
 #include <earpoint/core/ears.h>
 #include <earpoint/core/error.h>
 #include <earpoint/evaluate/metrics.h>
@@ -51,12 +52,6 @@ constexpr std::array<MetricName, kMetricCount> kNames = {{
     {"si_sdr_db", "SI-SDR", "dB", 2, "scale-invariant signal-to-distortion ratio", false},
     {"estoi", "ESTOI", "", 3, "extended short-time objective intelligibility, at most 1", false},
 }};
-
-double energy(std::span<const float> samples) {
-  double sum = 0.0;
-  for (const float x : samples) sum += double{x} * x;
-  return sum;
-}
 
 /// What half a second of the way from the dry speech to one ear tells.
 struct EarDecay {

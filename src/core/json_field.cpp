@@ -1,4 +1,4 @@
-#include <earpoint/dataset/json_field.h>
+#include <earpoint/core/json_field.h>
 
 #include <algorithm>
 #include <cmath>
@@ -15,7 +15,13 @@ void JsonField::fail(const std::string& expected) const {
   constexpr std::size_t kShown = 60;
   std::string found = value_.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
   if (found.size() > kShown) found = found.substr(0, kShown) + "...";
-  throw InputError(where_, "expected " + expected + ", found " + found);
+  refuse("expected " + expected + ", found " + found);
+}
+
+std::string JsonField::where() const { return path_.empty() ? file_ : file_ + ": " + path_; }
+
+void JsonField::refuse(const std::string& problem, std::string_view mend) const {
+  throw InputError(where(), problem, mend);
 }
 
 bool JsonField::has(const std::string& key) const {
@@ -24,22 +30,26 @@ bool JsonField::has(const std::string& key) const {
 }
 
 JsonField JsonField::field(const std::string& key) const {
-  if (!has(key)) throw InputError(where_, "the field '" + key + "' is missing");
-  return {value_.at(key), where_ + "." + key};
+  if (!has(key)) refuse("the field '" + key + "' is missing");
+  return below(value_.at(key), key);
 }
 
 void JsonField::expect_only(std::initializer_list<std::string_view> keys) const {
   for (const auto& [key, value] : fields()) {
     if (std::find(keys.begin(), keys.end(), key) != keys.end()) continue;
-    throw InputError(value.where(), "is not known", fmt::format("use {}", fmt::join(keys, ", ")));
+    value.refuse("is not known", fmt::format("use {}", fmt::join(keys, ", ")));
   }
+}
+
+JsonField JsonField::below(const nlohmann::json& value, const std::string& key) const {
+  return {value, file_, path_.empty() ? key : path_ + "." + key};
 }
 
 std::vector<JsonField> JsonField::items() const {
   if (!value_.is_array()) fail("a list");
   std::vector<JsonField> result;
   for (std::size_t i = 0; i < value_.size(); ++i) {
-    result.emplace_back(value_[i], fmt::format("{}[{}]", where_, i));
+    result.emplace_back(value_[i], file_, fmt::format("{}[{}]", path_, i));
   }
   return result;
 }
@@ -48,7 +58,7 @@ std::vector<std::pair<std::string, JsonField>> JsonField::fields() const {
   if (!value_.is_object()) fail("an object");
   std::vector<std::pair<std::string, JsonField>> result;
   for (const auto& [key, value] : value_.items()) {
-    result.emplace_back(key, JsonField(value, where_ + "." + key));
+    result.emplace_back(key, below(value, key));
   }
   return result;
 }
