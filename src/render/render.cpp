@@ -321,9 +321,9 @@ RenderReport render(const RenderSource& source, AcousticSynthesizer& synthesizer
                       .windows = static_cast<int>(rendering.windows()),
                       .model_rate_hz = rendering.model_rate_hz(),
                       .has_picture = rendering.has_picture(),
-                      .doubts = {}};
-  report.doubts =
-      synthesizer.doubts(outline_of(source, report.survey, targets, rendering.has_picture()));
+                      .warnings = {}};
+  report.warnings =
+      synthesizer.warnings(outline_of(source, report.survey, targets, rendering.has_picture()));
   for (TargetStream& output : outputs) {
     output.commit();
     report.targets.push_back(output.outline());

@@ -112,7 +112,7 @@ SpeakerPlace GtfGraph::locate(const at::Tensor& picture, const at::Tensor& box,
       x.narrow(1, 4, 2), x.select(1, 6)};
 }
 
-GtfGraph::Conditions GtfGraph::condition(const GtfInputs& inputs, const Heard& heard,
+GtfGraph::Conditions GtfGraph::condition(const GtfInputs& inputs, const SoundFeatures& heard,
                                          std::optional<SpeakerPlace>& speaker) const {
   Conditions conditions;
   const at::Tensor box = description_.box ? inputs.box : inputs.box * 0;
@@ -137,7 +137,7 @@ GtfGraph::Conditions GtfGraph::condition(const GtfInputs& inputs, const Heard& h
   return conditions;
 }
 
-at::Tensor GtfGraph::trunk(const Heard& heard, const at::Tensor& conditions) const {
+at::Tensor GtfGraph::trunk(const SoundFeatures& heard, const at::Tensor& conditions) const {
   TrunkTensors tensors;
   tensors.input_weight = parameter("trunk.input.weight");
   tensors.input_bias = parameter("trunk.input.bias");
@@ -152,7 +152,7 @@ at::Tensor GtfGraph::trunk(const Heard& heard, const at::Tensor& conditions) con
   return trunk_pass(tensors, heard.features, frames, description_.look_ahead_frames);
 }
 
-at::Tensor GtfGraph::filter(const Heard& heard, const at::Tensor& state,
+at::Tensor GtfGraph::filter(const SoundFeatures& heard, const at::Tensor& state,
                             const Conditions& conditions) const {
   const std::int64_t clips = state.size(0);
   // Without delays the phase is the source's.
@@ -171,7 +171,7 @@ at::Tensor GtfGraph::filter(const Heard& heard, const at::Tensor& state,
   return phase_pass(spectrum, description_.phase_rounds, heard.samples);
 }
 
-at::Tensor GtfGraph::dry_magnitude(const Heard& heard, const at::Tensor& state,
+at::Tensor GtfGraph::dry_magnitude(const SoundFeatures& heard, const at::Tensor& state,
                                    const at::Tensor& conditions) const {
   const std::int64_t frames = 1 + heard.samples / D::kHop;
   const FrameLayer gain = modulated("dry", conditions);
@@ -185,7 +185,7 @@ GtfOutput GtfGraph::forward(const GtfInputs& inputs) {
   const at::Tensor level =
       inputs.source.square().mean(at::IntArrayRef({1, 2}), true).sqrt().clamp_min(gtf::kQuietest) /
       gtf::kHeardLevel;
-  const Heard heard = hear(description_, inputs.source / level);
+  const SoundFeatures heard = sound_features(description_, inputs.source / level);
   GtfOutput output;
   const Conditions conditions = condition(inputs, heard, output.speaker);
   const at::Tensor state = trunk(heard, conditions.vector);

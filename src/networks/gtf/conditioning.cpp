@@ -19,7 +19,7 @@ GtfConditions::GtfConditions(const GtfWeights& weights)
       middle_(static_cast<std::size_t>(description_.conditioning_width)),
       vector_(middle_.size()),
       heard_(static_cast<std::size_t>(description_.summary_width)) {
-  if (description_.picture_px > 0) eye_.emplace(weights);
+  if (description_.picture_px > 0) picture_encoder_.emplace(weights);
   if (!description_.geometry) return;
   for (int i = 0; i < 3; ++i) locator_[i] = dense_of(weights, fmt::format("locator.{}", i));
   geometry_.emplace(weights);
@@ -50,7 +50,7 @@ void GtfConditions::put_box(const std::optional<Box>& box) {
 void GtfConditions::look(std::span<const float> picture, const std::optional<Box>& box) {
   const std::optional<Box> told = description_.box ? box : std::nullopt;
   put_box(told);
-  if (eye_) eye_->look(picture, told, feature_);
+  if (picture_encoder_) picture_encoder_->look(picture, told, feature_);
 }
 
 void GtfConditions::locate(std::span<const float> summary) {

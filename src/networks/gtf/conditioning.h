@@ -50,7 +50,7 @@ class GtfConditions {
   void put_box(const std::optional<Box>& box);
 
   GtfDescription description_;
-  std::optional<GtfEye> eye_;
+  std::optional<GtfPictureEncoder> picture_encoder_;
   Dense locator_[3];
   Dense summary_, hidden_, output_;
   std::optional<GtfGeometry> geometry_;

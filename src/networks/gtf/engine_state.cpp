@@ -40,11 +40,12 @@ void Gtf::State::measure_window(std::span<const float> source) {
                        gtf::kHeardLevel / statistics.level,
                        part(window_spectra, t, kFrame).subspan(e * D::kBins, D::kBins));
     }
-    kernels::GtfEar::measure(part(window_spectra, t, kFrame), part(window_magnitudes, t, kFrame));
-    ear.hear(part(window_spectra, t, kFrame), part(window_magnitudes, t, kFrame),
-             part(window_features, t, description.frame_features()));
+    kernels::GtfSoundEncoder::measure(part(window_spectra, t, kFrame),
+                                      part(window_magnitudes, t, kFrame));
+    sound_encoder.hear(part(window_spectra, t, kFrame), part(window_magnitudes, t, kFrame),
+                       part(window_features, t, description.frame_features()));
   }
-  ear.summarize(statistics.summary);
+  sound_encoder.summarize(statistics.summary);
   measure_power(count);
 }
 
@@ -122,13 +123,13 @@ void Gtf::State::follow(std::span<const float> hop) {
   square_count = kept * square_count + static_cast<double>(hop.size());
   const float before = statistics.level;
   statistics.level = level_of(squares, square_count);
-  ear.fade(static_cast<float>(kept));
+  sound_encoder.fade(static_cast<float>(kept));
   // What is remembered was scaled by the level of its time; from now on the present one counts.
   const float rescale = before / statistics.level;
   for (float& value : magnitudes) value *= rescale;
   for (Complex& value : spectra) value *= rescale;
   filter.rescale(rescale);
-  ear.rescale(rescale * rescale);
+  sound_encoder.rescale(rescale * rescale);
   for (double& power : band_power) power *= double{rescale} * rescale;
 }
 
@@ -156,13 +157,13 @@ void Gtf::State::take_hop() {
   const std::span<float> magnitude(window_magnitudes.data(), kFrame);
   const std::span<float> features(window_features.data(),
                                   static_cast<std::size_t>(description.frame_features()));
-  kernels::GtfEar::measure(spectrum, magnitude);
+  kernels::GtfSoundEncoder::measure(spectrum, magnitude);
   follow_power(magnitude);
-  ear.hear(spectrum, magnitude, features);
+  sound_encoder.hear(spectrum, magnitude, features);
   // What was heard changes slowly.
   constexpr std::ptrdiff_t kRefresh = 10;
   if (!holds_statistics && frames_in % kRefresh == 0) {
-    ear.summarize(statistics.summary);
+    sound_encoder.summarize(statistics.summary);
     is_heard = false;
   }
   if (!is_heard) hear();

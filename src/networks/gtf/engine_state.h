@@ -38,7 +38,7 @@ struct Gtf::State {
         past(description.past_frames),
         ahead(description.needed_ahead()),
         conditions(weights),
-        ear(description),
+        sound_encoder(description),
         trunk(weights, kBlock),
         filter(weights, kBlock),
         phases(description.phase_rounds),
@@ -69,7 +69,7 @@ struct Gtf::State {
   void start_over() {
     trunk.reset();
     filter.reset();
-    ear.forget();
+    sound_encoder.forget();
     std::ranges::fill(states, 0.0F);
     std::ranges::fill(magnitudes, 0.0F);
     std::ranges::fill(spectra, Complex{});
@@ -169,7 +169,7 @@ struct Gtf::State {
   std::ptrdiff_t past;
   std::ptrdiff_t ahead;
   kernels::GtfConditions conditions;
-  kernels::GtfEar ear;
+  kernels::GtfSoundEncoder sound_encoder;
   kernels::GtfTrunk trunk;
   kernels::GtfFilter filter;
   kernels::GtfPhases phases;

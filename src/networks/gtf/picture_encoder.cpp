@@ -67,7 +67,7 @@ Dense dense_of(const GtfWeights& weights, const std::string& name) {
   return {weights.at(name + ".weight").as<float>(), weights.at(name + ".bias").as<float>()};
 }
 
-GtfEye::GtfEye(const GtfWeights& weights)
+GtfPictureEncoder::GtfPictureEncoder(const GtfWeights& weights)
     : size_(weights.description.picture_px), output_(dense_of(weights, "picture.output")) {
   EARPOINT_CHECK(size_ > 0);
   std::size_t columns = 0;
@@ -100,7 +100,7 @@ GtfEye::GtfEye(const GtfWeights& weights)
   flat_.resize(static_cast<std::size_t>(output_.inputs()));
 }
 
-void GtfEye::convolve(const Layer& layer) {
+void GtfPictureEncoder::convolve(const Layer& layer) {
   const int in = layer.channels_in;
   const int side = layer.side_in / 2;
   float* column = columns_.data();
@@ -130,8 +130,8 @@ void GtfEye::convolve(const Layer& layer) {
             layer.norm_scale, layer.norm_shift);
 }
 
-void GtfEye::look(std::span<const float> picture, const std::optional<Box>& box,
-                  std::span<float> feature) {
+void GtfPictureEncoder::look(std::span<const float> picture, const std::optional<Box>& box,
+                             std::span<float> feature) {
   const std::size_t pixels = static_cast<std::size_t>(size_) * size_;
   EARPOINT_CHECK(picture.size() == 3 * pixels && std::ssize(feature) == output_.outputs());
   for (int y = 0; y < size_; ++y) {

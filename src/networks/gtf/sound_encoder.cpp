@@ -19,7 +19,7 @@ void multiply_all(std::span<float> values, float factor) {
 
 }  // namespace
 
-GtfEar::GtfEar(const GtfDescription& description)
+GtfSoundEncoder::GtfSoundEncoder(const GtfDescription& description)
     : bands_(description.bands),
       edges_(gtf_band_edges(description.bands).value()),
       power_(static_cast<std::size_t>(2 * bands_)),
@@ -36,7 +36,7 @@ GtfEar::GtfEar(const GtfDescription& description)
   }
 }
 
-void GtfEar::measure(EarSpectra spectrum, std::span<float> magnitude) {
+void GtfSoundEncoder::measure(EarSpectra spectrum, std::span<float> magnitude) {
   EARPOINT_CHECK(spectrum.size() == magnitude.size());
   for (std::size_t i = 0; i < spectrum.size(); ++i) {
     const std::complex<float> x = spectrum[i];
@@ -44,8 +44,8 @@ void GtfEar::measure(EarSpectra spectrum, std::span<float> magnitude) {
   }
 }
 
-void GtfEar::hear(EarSpectra spectrum, std::span<const float> magnitude,
-                  std::span<float> features) {
+void GtfSoundEncoder::hear(EarSpectra spectrum, std::span<const float> magnitude,
+                           std::span<float> features) {
   EARPOINT_CHECK(std::ssize(features) == std::ptrdiff_t{4} * bands_);
   const std::complex<float>* left = spectrum.data();
   const std::complex<float>* right = left + D::kBins;
@@ -80,12 +80,12 @@ void GtfEar::hear(EarSpectra spectrum, std::span<const float> magnitude,
   }
 }
 
-void GtfEar::fade(float share) {
+void GtfSoundEncoder::fade(float share) {
   frames_ *= share;
   rescale(share);
 }
 
-void GtfEar::rescale(float factor) {
+void GtfSoundEncoder::rescale(float factor) {
   multiply_all(power_, factor);
   multiply_all(loudness_, factor);
   multiply_all(likeness_, factor);
@@ -93,7 +93,7 @@ void GtfEar::rescale(float factor) {
   for (std::complex<float>& value : cross_) value *= factor;
 }
 
-void GtfEar::summarize(std::span<float> summary) const {
+void GtfSoundEncoder::summarize(std::span<float> summary) const {
   EARPOINT_CHECK(std::ssize(summary) == 4 * bands_ + kLagCount);
   const auto frames = static_cast<float>(frames_ > 0.0 ? frames_ : 1.0);
   for (int band = 0; band < bands_; ++band) {

@@ -30,7 +30,7 @@ PictureUse GtfSynthesizer::picture_use() const {
   return network_.description().picture_px > 0 ? PictureUse::if_there : PictureUse::never;
 }
 
-std::vector<std::string> GtfSynthesizer::doubts(const RenderOutline& outline) const {
+std::vector<std::string> GtfSynthesizer::warnings(const RenderOutline& outline) const {
   return gtf_doubts(network_.description(), outline, horizontal_fov_rad_);
 }
 

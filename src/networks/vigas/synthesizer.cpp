@@ -51,7 +51,7 @@ PictureUse ViGasSynthesizer::picture_use() const {
   return network_.description().image_encoder ? PictureUse::always : PictureUse::never;
 }
 
-std::vector<std::string> ViGasSynthesizer::doubts(const RenderOutline& /*outline*/) const {
+std::vector<std::string> ViGasSynthesizer::warnings(const RenderOutline& /*outline*/) const {
   if (network_.description().pose_encoding != PoseEncoding::replay) return {};
   return {
       "it was trained on poses in the axes of the recorded room, and only the pose relative to the "

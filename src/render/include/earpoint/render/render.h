@@ -67,8 +67,8 @@ struct RenderReport {
   int windows = 0;
   int model_rate_hz = 0;  ///< at which the synthesizer worked
   bool has_picture = false;
-  /// What of it the synthesizer was not made for; AcousticSynthesizer::doubts().
-  std::vector<std::string> doubts;
+  /// What of it the synthesizer was not made for; AcousticSynthesizer::warnings().
+  std::vector<std::string> warnings;
 };
 
 /// A sound in memory, and what is known of the moment.

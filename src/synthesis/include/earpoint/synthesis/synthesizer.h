@@ -81,7 +81,7 @@ class AcousticSynthesizer {
   [[nodiscard]] virtual bool needs_speaker_track() const { return false; }
 
   /// What of a rendering lies outside of what it was made for: a reason each, for people.
-  [[nodiscard]] virtual std::vector<std::string> doubts(const RenderOutline& /*outline*/) const {
+  [[nodiscard]] virtual std::vector<std::string> warnings(const RenderOutline& /*outline*/) const {
     return {};
   }
 

@@ -26,7 +26,7 @@ class ViGasSynthesizer : public AcousticSynthesizer {
   [[nodiscard]] double ambient_cutoff_hz() const override;
   [[nodiscard]] PictureUse picture_use() const override;
   [[nodiscard]] bool needs_speaker_track() const override;
-  [[nodiscard]] std::vector<std::string> doubts(const RenderOutline& outline) const override;
+  [[nodiscard]] std::vector<std::string> warnings(const RenderOutline& outline) const override;
   void observe(const Observation& observation) override;
   [[nodiscard]] Waveform synthesize(const Pose& source_from_target) override;
 

@@ -1,4 +1,4 @@
-#include "hearing.h"
+#include "sound_features.h"
 
 #include "frame_planes.h"
 
@@ -94,7 +94,7 @@ void listen(const FrameExtent& extent, const std::vector<int>& edges, const floa
 
 }  // namespace
 
-Heard hear(const GtfDescription& description, const at::Tensor& sound) {
+SoundFeatures sound_features(const GtfDescription& description, const at::Tensor& sound) {
   const at::NoGradGuard no_gradients;
   static const LagTables kTables;
   const std::vector<int> edges = gtf_band_edges(description.bands).value();
@@ -102,7 +102,7 @@ Heard hear(const GtfDescription& description, const at::Tensor& sound) {
   const std::int64_t bands = description.bands;
   const FrameExtent extent{sound.size(2)};
   const at::Tensor sounds = sound.contiguous();
-  Heard heard;
+  SoundFeatures heard;
   heard.samples = sound.size(2);
   heard.spectrum = at::empty({clips, kEars, 2, kBins, extent.row()});
   heard.magnitude = at::zeros({clips, kEars, kBins, extent.row()});
