@@ -39,7 +39,7 @@ Examples:
   # into another program
   earpoint enhance sound.wav -o - | ffmpeg -i - dry.mp3
 
-  # with weights of your own (earpoint train configs/enhance-gtf.json)
+  # with weights of your own (earpoint train configs/enhance.json)
   earpoint enhance clip.mp4 --model runs/enhance/best.safetensors -o dry.wav --json)";
 
 struct EnhanceArguments {

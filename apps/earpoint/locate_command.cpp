@@ -170,6 +170,10 @@ void run_locate(const LocateArguments& arguments) {
   const std::string model = model_of(arguments);
   RenderSource source = parse_source(arguments.source);
   const GtfWeights weights = read_gtf_weights(model);
+  if (!weights.description.geometry) {
+    throw InputError(model, "does not find speakers: it has no geometry",
+                     "give one that does with --model");
+  }
   const bool plots_movie = is_movie_path(arguments.plot);
   if (!arguments.plot.empty() && !plots_movie) check_image_path(arguments.plot);
   const double fov_rad =

@@ -15,6 +15,7 @@
 #include <nlohmann/json.hpp>
 
 #include <earpoint/core/file.h>
+#include <earpoint/gtf/training_range.h>
 #include <earpoint/gtf/weights.h>
 #include <earpoint/network/checked_tensors.h>
 #include <earpoint/network/network_kind.h>
@@ -39,6 +40,12 @@ struct ImportOptions {
 
 struct ExportOptions {
   fs::path file;
+  fs::path output;
+};
+
+struct RangeOptions {
+  fs::path file;
+  std::string range = "{}";
   fs::path output;
 };
 
@@ -91,6 +98,7 @@ void export_model(const ExportOptions& options) {
 /// What `model info` says about a file, of any network.
 struct ModelFacts {
   Json description;
+  Json training_range;  ///< null of networks that know none
   std::size_t tensors = 0;
   std::int64_t values = 0;
   std::vector<std::string> unused;
@@ -111,9 +119,11 @@ ModelFacts facts_of(const fs::path& path) {
     case earpoint::NetworkKind::vigas:
       take(earpoint::vigas_weights(std::move(file), where));
       break;
-    case earpoint::NetworkKind::gtf:
-      take(earpoint::gtf_weights(std::move(file), where));
-      break;
+    case earpoint::NetworkKind::gtf: {
+      earpoint::GtfWeights weights = earpoint::gtf_weights(std::move(file), where);
+      facts.training_range = Json::parse(to_json(weights.description.training_range));
+      take(std::move(weights));
+    } break;
     case earpoint::NetworkKind::rt60_estimator:
       take(earpoint::rt60_estimator_weights(std::move(file), where));
       break;
@@ -139,19 +149,36 @@ std::string text_of(const Json& value) {
   return fmt::format("{}", fmt::join(parts, value.is_array() ? "; " : ", "));
 }
 
+/// Writes the file with another training range; every tensor keeps its bytes.
+void set_training_range(const RangeOptions& options) {
+  const std::string where = options.file.string();
+  earpoint::SafetensorsFile file = earpoint::read_safetensors(options.file);
+  const earpoint::GtfWeights weights = earpoint::gtf_weights(file, where);
+  const earpoint::GtfTrainingRange range = earpoint::gtf_training_range_from_json(
+      options.range, "--range", weights.description.training_range);
+  file.metadata[std::string(earpoint::kTrainingRangeKey)] = to_json(range);
+  earpoint::write_safetensors(options.output, file);
+  fmt::print("wrote {}: {}\n", options.output.string(), text_of(Json::parse(to_json(range))));
+}
+
 void print_info(const InfoOptions& options) {
   const ModelFacts facts = facts_of(options.file);
   if (options.json) {
-    fmt::print("{}\n", earpoint::json_text(Json{{"file", options.file.string()},
-                                                {"description", facts.description},
-                                                {"tensors", facts.tensors},
-                                                {"values", facts.values},
-                                                {"unused_tensors", facts.unused}}));
+    Json json{{"file", options.file.string()},
+              {"description", facts.description},
+              {"tensors", facts.tensors},
+              {"values", facts.values},
+              {"unused_tensors", facts.unused}};
+    if (!facts.training_range.is_null()) json["training_range"] = facts.training_range;
+    fmt::print("{}\n", earpoint::json_text(json));
     return;
   }
   fmt::print("{}\n", options.file.string());
   for (const auto& [key, value] : facts.description.items()) {
     fmt::print("  {:<20} {}\n", key, text_of(value));
+  }
+  if (!facts.training_range.is_null()) {
+    fmt::print("  {:<20} {}\n", "training range", text_of(facts.training_range));
   }
   fmt::print("  {:<20} {}\n  {:<20} {}\n  {:<20} {}\n", "tensors", facts.tensors, "values",
              facts.values, "unused tensors", facts.unused.size());
@@ -180,6 +207,19 @@ void add_export(CLI::App& model) {
   command->callback([options] { export_model(*options); });
 }
 
+void add_set_range(CLI::App& model) {
+  auto options = std::make_shared<RangeOptions>();
+  CLI::App* command = model.add_subcommand(
+      "set-range", "Write into a gtf weight file which moves and speakers it was trained on.");
+  command->add_option("file", options->file, "Weight file (.safetensors)")->required();
+  command
+      ->add_option("--range", options->range,
+                   R"(JSON, e.g. {"farthest_move_m": 5}; what is left out stays as it is)")
+      ->capture_default_str();
+  command->add_option("-o,--output", options->output, "Weight file to write")->required();
+  command->callback([options] { set_training_range(*options); });
+}
+
 void add_info(CLI::App& model) {
   auto options = std::make_shared<InfoOptions>();
   CLI::App* command =
@@ -197,5 +237,6 @@ void add_model_command(CLI::App& app) {
   add_export(*model);
   add_import(*model);
   add_info(*model);
+  add_set_range(*model);
   add_model_run_command(*model);
 }

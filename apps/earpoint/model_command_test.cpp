@@ -1,3 +1,4 @@
+#include "gtf_file.h"
 #include "run_program.h"
 
 #include <algorithm>
@@ -8,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include <earpoint/core/file.h>
+#include <earpoint/weights/safetensors.h>
 
 namespace {
 
@@ -79,6 +81,23 @@ TEST_F(ModelCommand, ExportMakesACheckpointThatImportReadsBack) {
   const std::string again = (folder_ / "again.safetensors").string();
   ASSERT_EQ(run_earpoint({"model", "import", checkpoint, "-o", again, "--keep-all"}).exit_code, 0);
   EXPECT_EQ(earpoint::read_text_file(again), earpoint::read_text_file(output_));
+}
+
+TEST_F(ModelCommand, SetRangeChangesTheTrainingRangeAndNoTensor) {
+  const std::string gtf = (folder_ / "gtf.safetensors").string();
+  earpoint::write_gtf_file(gtf);
+  ASSERT_EQ(run_earpoint(
+                {"model", "set-range", gtf, "--range", R"({"farthest_move_m": 8})", "-o", output_})
+                .exit_code,
+            0);
+  const ProgramOutcome info = run_earpoint({"model", "info", output_, "--json"});
+  const nlohmann::json range = nlohmann::json::parse(info.output).at("training_range");
+  EXPECT_EQ(range.at("farthest_move_m"), 8.0);
+  EXPECT_EQ(range.at("farthest_speaker_m"), 4.0);
+  EXPECT_EQ(earpoint::read_safetensors(output_).tensors, earpoint::read_safetensors(gtf).tensors);
+  fs::remove(output_);
+  expect_refused({"model", "set-range", gtf, "--range", R"({"nearest_m": 8})", "-o", output_},
+                 "--range: unknown key 'nearest_m'");
 }
 
 TEST_F(ModelCommand, BadFilesGiveOneLineAndNoOutput) {

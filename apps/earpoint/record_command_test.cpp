@@ -74,7 +74,7 @@ TEST_F(RecordCommand, AFieldThatIsWrongIsNamedInALine) {
                        std::string_view(R"({"format": "earpoint-session-1", "cameras": 7})"));
   const ProgramOutcome outcome = run_earpoint({"record", "sync", in("wrong.json")});
   EXPECT_EQ(outcome.exit_code, 2);
-  EXPECT_NE(outcome.errors.find("wrong.json.cameras: expected a list"), std::string::npos)
+  EXPECT_NE(outcome.errors.find("wrong.json: cameras: expected a list"), std::string::npos)
       << outcome.errors;
 }
 

@@ -142,15 +142,17 @@ nlohmann::json levels(const WaveformOutline& outline) {
 
 void print_json(const RenderArguments& arguments, const SpeakerSearchResult& search,
                 const RenderReport& report) {
+  std::vector<std::string> warnings = report.survey.warnings;
+  warnings.insert(warnings.end(), report.warnings.begin(), report.warnings.end());
   nlohmann::json document{{"model", arguments.model},
                           {"duration_s", report.survey.duration_s()},
                           {"sample_rate_hz", report.survey.sample_rate_hz},
                           {"windows", report.windows},
                           {"source", levels(report.source)},
-                          {"doubts", report.doubts},
+                          {"doubts", report.warnings},  // for one version more
                           {"stereo", name_of(report.survey.stereo)},
                           {"placed", search.is_placed},
-                          {"warnings", report.survey.warnings},
+                          {"warnings", warnings},
                           {"targets", nlohmann::json::array()}};
   if (search.people) document["people"] = json_of(*search.people);
   for (std::size_t i = 0; i < report.targets.size(); ++i) {
@@ -175,10 +177,10 @@ void print_table(const RenderArguments& arguments, const RenderReport& report) {
   }
 }
 
-void warn_of_doubts(const RenderArguments& arguments, const RenderReport& report) {
-  for (const std::string& doubt : report.doubts) {
+void warn_of_model(const RenderArguments& arguments, const RenderReport& report) {
+  for (const std::string& warning : report.warnings) {
     fmt::print(stderr, "earpoint: {} may be out of its depth: {}\n",
-               std::filesystem::path(arguments.model).filename().string(), doubt);
+               std::filesystem::path(arguments.model).filename().string(), warning);
   }
 }
 
@@ -293,7 +295,7 @@ void run_render(RenderArguments arguments) {
   }
   print_warnings(arguments.source, report.survey);
   if (takes_default && arguments.model == "dsp") warn_of_missing_network();
-  warn_of_doubts(arguments, report);
+  warn_of_model(arguments, report);
   warn_of_peaks(arguments, report);
   if (!arguments.plot.empty()) write_plot(arguments, report);
 }

@@ -170,7 +170,7 @@ TEST_F(RenderCommand, AShippedNetworkIsTheDefaultAndHasAName) {
     ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
     const auto document = nlohmann::json::parse(outcome.output);
     EXPECT_EQ(document["model"], at("gtf.safetensors"));
-    EXPECT_TRUE(document["doubts"].empty());
+    EXPECT_TRUE(document["warnings"].empty());
   }
 }
 
@@ -207,7 +207,9 @@ TEST_F(RenderCommand, SaysWhenANetworkIsOutOfItsDepth) {
   // Too far, no picture, and nobody says who speaks: a line each.
   EXPECT_EQ(std::count(outcome.errors.begin(), outcome.errors.end(), '\n'), 3) << outcome.errors;
   EXPECT_NE(outcome.errors.find("9.0 m"), std::string::npos) << outcome.errors;
-  EXPECT_EQ(nlohmann::json::parse(outcome.output)["doubts"].size(), 3U);
+  const nlohmann::json document = nlohmann::json::parse(outcome.output);
+  EXPECT_EQ(document["warnings"].size(), 3U);
+  EXPECT_EQ(document["doubts"], document["warnings"]);
 }
 
 TEST_F(RenderCommand, BadArgumentsGetOneLine) {

@@ -73,8 +73,9 @@ std::vector<ListenMethod> methods_of(const ServeArguments& arguments) {
 }
 
 const GtfWeights* finder_of(const std::vector<ListenMethod>& methods) {
-  const auto found =
-      std::ranges::find_if(methods, [](const ListenMethod& m) { return m.gtf != nullptr; });
+  const auto found = std::ranges::find_if(methods, [](const ListenMethod& m) {
+    return m.gtf != nullptr && m.gtf->description.geometry;
+  });
   return found == methods.end() ? nullptr : found->gtf.get();
 }
 

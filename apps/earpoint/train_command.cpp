@@ -44,6 +44,7 @@ machine share its cores.
 
 struct Options {
   fs::path config;
+  std::vector<std::string> settings;  ///< KEY=VALUE
   fs::path data;
   std::string layout;  ///< empty: whichever there is
   fs::path out;
@@ -90,8 +91,29 @@ nlohmann::ordered_json json_of(const earpoint::TrainingSummary& summary) {
   return json;
 }
 
+/// The configuration's file, and what overrides it, for messages.
+std::string place_of(const Options& options) {
+  std::string place = options.config.string();
+  for (const std::string& setting : options.settings) place += " --set " + setting;
+  return place;
+}
+
+std::vector<earpoint::ConfigSetting> settings_of(const Options& options) {
+  std::vector<earpoint::ConfigSetting> settings;
+  for (const std::string& setting : options.settings) {
+    const std::size_t equals = setting.find('=');
+    if (equals == std::string::npos || equals == 0) {
+      throw InputError("--set " + setting, "expected KEY=VALUE",
+                       "name the key from the outside in, as training.steps=2000");
+    }
+    settings.push_back({setting.substr(0, equals), setting.substr(equals + 1)});
+  }
+  return settings;
+}
+
 earpoint::TrainConfig configuration(const Options& options) {
-  earpoint::TrainConfig config = earpoint::read_train_config(options.config);
+  earpoint::TrainConfig config =
+      earpoint::read_train_config(options.config, settings_of(options), place_of(options));
   if (options.minutes) {
     if (!(*options.minutes > 0.0)) {
       throw InputError("--minutes",
@@ -140,7 +162,7 @@ struct Start {
 /// Makes the task; with other processes, from what the first one has, down to the last bit.
 Start started(const Options& options, const earpoint::TrainConfig& config,
               earpoint::TaskOptions task_options, ProcessGroup* group) {
-  const std::string where = options.config.string();
+  const std::string where = place_of(options);
   Start start;
   if (group == nullptr || group->is_first()) {
     start.checkpoint = run_so_far(options, config.text);
@@ -237,10 +259,13 @@ void run(const Options& options) {
 void add_train_command(CLI::App& app) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("train", kTrainDescription);
-  command
-      ->add_option("config", options->config,
-                   "What to learn and how, e.g. configs/vigas-small-single.json")
+  command->add_option("config", options->config, "What to learn and how, e.g. configs/gtf.json")
       ->required();
+  command
+      ->add_option("--set", options->settings,
+                   "KEY=VALUE: another value than the configuration's, e.g. training.steps=2000 or "
+                   "network.box=false; may be given more than once")
+      ->allow_extra_args(false);
   command
       ->add_option("--data", options->data,
                    "Folder of the data set: of earpoint simulate, SoundSpaces-NVAS or Replay-NVAS")

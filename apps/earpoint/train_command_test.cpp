@@ -87,6 +87,20 @@ TEST_F(TrainCommandTest, WhatWasTrainedRendersAtOnce) {
   EXPECT_EQ(earpoint::probe_sound(folder_ / "there.wav").frames, 20000);
 }
 
+TEST_F(TrainCommandTest, WhatIsSetIsPartOfTheRunsConfiguration) {
+  ASSERT_EQ(train({"--set", "training.steps=1", "--set", "network.box=false", "--quiet"}).exit_code,
+            0);
+  const auto kept = nlohmann::json::parse(earpoint::read_text_file(folder_ / "run/config.json"));
+  EXPECT_EQ(kept.at("training").at("steps"), 1);
+  EXPECT_EQ(kept.at("network").at("box"), false);
+  EXPECT_EQ(kept.at("network").at("channels"), 4);
+  // It goes on with the same settings, and as another run's without them.
+  EXPECT_EQ(train({"--set", "network.box=false", "--resume", "--quiet"}).exit_code, 0);
+  const ProgramOutcome other = train({"--resume", "--quiet"});
+  EXPECT_EQ(other.exit_code, 2);
+  EXPECT_NE(other.errors.find("another configuration"), std::string::npos) << other.errors;
+}
+
 TEST_F(TrainCommandTest, ARunIsNotOverwrittenAndGoesOnByResume) {
   ASSERT_EQ(train({"--quiet"}).exit_code, 0);
   const ProgramOutcome again = train({"--quiet"});
@@ -245,6 +259,14 @@ TEST_F(TrainCommandTest, BadUseIsOneLine) {
   EXPECT_NE(error_of({"--device", "quantum"}).find("--device quantum"), std::string::npos);
   EXPECT_NE(error_of({"--minutes", "0"}).find("--minutes: expected more than 0"),
             std::string::npos);
+  EXPECT_NE(error_of({"--set", "steps"}).find("--set steps: expected KEY=VALUE"),
+            std::string::npos);
+  EXPECT_NE(error_of({"--set", "training.bathc=2"})
+                .find("--set training.bathc=2: 'training': unknown key 'bathc'"),
+            std::string::npos);
+  EXPECT_NE(error_of({"--set", "network.channels=few"}).find("'channels': expected"),
+            std::string::npos)
+      << error_of({"--set", "network.channels=few"});
   std::string misspelt = kTiny;
   misspelt.replace(misspelt.find("\"batch\""), 7, "\"bathc\"");
   earpoint::write_file(folder_ / "tiny.json", misspelt);

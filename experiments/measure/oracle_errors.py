@@ -7,25 +7,19 @@ outputs.safetensors): import, run, compare. Prints a Markdown table.
 usage: experiments/measure/oracle_errors.py EARPOINT ORACLES
 """
 import array
-import json
 import os
-import struct
 import subprocess
 import sys
 import tempfile
 
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import safetensors_file  # noqa: E402
+
 
 def read_floats(path):
     """The float32 tensors of a safetensors file: name -> numbers."""
-    with open(path, "rb") as file:
-        data = file.read()
-    size = struct.unpack("<Q", data[:8])[0]
-    tensors = {}
-    for name, entry in json.loads(data[8:8 + size]).items():
-        if name != "__metadata__" and entry["dtype"] == "F32":
-            begin, end = entry["data_offsets"]
-            tensors[name] = array.array("f", data[8 + size + begin:8 + size + end])
-    return tensors
+    tensors, _ = safetensors_file.read(path)
+    return {name: array.array("f", data) for name, (dtype, _, data) in tensors.items() if dtype == "F32"}
 
 
 def rows_of(earpoint, folder, name):

@@ -31,7 +31,7 @@ std::vector<float> noise(std::size_t count, double size, std::uint64_t seed) {
   return values;
 }
 
-/// As configs/gtf-single.json has it.
+/// As configs/gtf.json has it.
 GtfDescription configured() {
   GtfDescription description;
   description.channels = 128;

@@ -12,7 +12,6 @@ usage: peer_pytorch.py FOLDER [--heads all|last] [--threads N] [--check] [--serv
 import argparse
 import json
 import os
-import struct
 import sys
 import time
 
@@ -20,21 +19,17 @@ import numpy as np
 import torch
 import torch.nn.functional as F
 
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import safetensors_file  # noqa: E402
+
 
 def read_safetensors(path):
     """Tensors by name, and the metadata."""
-    with open(path, "rb") as file:
-        data = file.read()
-    (length,) = struct.unpack("<Q", data[:8])
-    header = json.loads(data[8 : 8 + length])
-    metadata = header.pop("__metadata__", {})
     dtypes = {"F32": np.float32, "F64": np.float64, "U8": np.uint8, "I64": np.int64}
-    tensors = {}
-    for name, entry in header.items():
-        begin, end = (8 + length + offset for offset in entry["data_offsets"])
-        array = np.frombuffer(data[begin:end], dtypes[entry["dtype"]]).reshape(entry["shape"])
-        tensors[name] = torch.from_numpy(array.copy())
-    return tensors, metadata
+    tensors, metadata = safetensors_file.read(path)
+    arrays = {name: np.frombuffer(data, dtypes[dtype]).reshape(shape)
+              for name, (dtype, shape, data) in tensors.items()}
+    return {name: torch.from_numpy(array.copy()) for name, array in arrays.items()}, metadata
 
 
 class Network:

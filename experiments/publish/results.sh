@@ -12,49 +12,72 @@ simulate_data() {
 }
 
 # On one thread, as sums depend on how many there are; goes on where it was stopped.
-# Usage: train_run EARPOINT CONFIG DATA RUN
+# Usage: train_run EARPOINT CONFIG DATA RUN [KEY=VALUE...]
 train_run() {
-  say "Training configs/$2.json on $3 into $4"
+  local earpoint=$1 config=configs/$2.json data=$3 run=$4 setting settings=()
+  shift 4
+  for setting in "$@"; do settings+=(--set "$setting"); done
+  say "Training $config ${settings[*]} on $data into $run"
   OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 \
-    "$1" train "configs/$2.json" --data "$3" --out "$4" --jobs 1 --resume
+    "$earpoint" train "$config" "${settings[@]}" --data "$data" --out "$run" --jobs 1 --resume
 }
 
-# Trains NAME=CONFIG of each entry on one data set into FOLDER/DATA/NAME.
-# Usage: train_on EARPOINT FOLDER DATA ENTRY...
-train_on() {
-  local earpoint=$1 folder=$2 data=$3 entry
-  shift 3
-  for entry in "$@"; do
-    train_run "$earpoint" "${entry#*=}-$data" "out/data/$data" "$folder/$data/${entry%%=*}"
-  done
+# Networks without one of their parts, which train for less long: NAME CONFIG [KEY=VALUE...]
+ablations=(
+  "gtf gtf"
+  "gtf-blind gtf network.picture_px=0 network.box=false"
+  "gtf-no-picture gtf network.picture_px=0"
+  "gtf-no-3d gtf network.geometry=false network.delays=false network.ear_delays=false"
+  "gtf-no-delay gtf network.delays=false network.ear_delays=false"
+  "gtf-no-tail gtf network.tails_s=[]"
+  "vigas vigas-small"
+  "vigas-blind vigas-small network.picture=null network.box=false"
+  "vigas-no-picture vigas-small network.picture=null"
+  "vigas-no-box vigas-small network.box=false"
+  "vigas-no-alignment vigas-small data.align=none"
+)
+
+# Trains one of those. Usage: train_ablation EARPOINT DATA RUN CONFIG [KEY=VALUE...]
+train_ablation() {
+  local earpoint=$1 data=$2 run=$3 config=$4 short=training.steps=1500
+  shift 4
+  [ "$config" = gtf ] || short="training.steps=1200 network.place_steps=600"
+  # shellcheck disable=SC2086
+  train_run "$earpoint" "$config" "$data" "$run" $short "$@"
 }
 
-# What the tables compare, and the networks without one of their parts, which train for less long.
+# What the tables compare, and the ablations.
 train_data_set() {
-  local earpoint=$1 data=$2 name ablations=()
-  train_on "$earpoint" out/runs "$data" gtf=gtf vigas=vigas-small \
-    vigas-blind=vigas-blind vam=vam
-  for name in gtf{,-blind,-no-picture,-no-3d,-no-delay,-no-tail} \
-    vigas{,-blind,-no-picture,-no-box,-no-alignment}; do
-    ablations+=("$name=ablations/$name")
+  local earpoint=$1 data=out/data/$2 runs=out/runs/$2 ablation name config settings steps=16000
+  # One home is learned sooner than unseen ones.
+  [ "$2" = novel ] || steps=12000
+  train_run "$earpoint" gtf "$data" "$runs/gtf" "training.steps=$steps"
+  train_run "$earpoint" vigas-small "$data" "$runs/vigas"
+  train_run "$earpoint" vigas-small "$data" "$runs/vigas-blind" network.picture=null network.box=false
+  train_run "$earpoint" vam "$data" "$runs/vam"
+  for ablation in "${ablations[@]}"; do
+    read -r name config settings <<<"$ablation"
+    # shellcheck disable=SC2086
+    train_ablation "$earpoint" "$data" "out/ablations/$2/$name" "$config" $settings
   done
-  train_on "$earpoint" out/ablations "$data" "${ablations[@]}"
-  train_on "$earpoint" out/ambient "$data" with-ambient=ablations/vigas-with-ambient \
-    no-separation=ablations/vigas-no-separation
+  train_ablation "$earpoint" "$data" "out/ambient/$2/with-ambient" vigas-small \
+    data.ambient_db=-40 data.separate=true
+  train_ablation "$earpoint" "$data" "out/ambient/$2/no-separation" vigas-small \
+    data.ambient_db=-40 data.separate=false
 }
 
 # Both data sets side by side, then enhancement: hours on two cores.
 train_methods() {
-  local earpoint=$1 novel single name
+  local earpoint=$1 novel single
   train_data_set "$earpoint" novel &
   novel=$!
   train_data_set "$earpoint" single &
   single=$!
   wait "$novel"
   wait "$single"
-  for name in gtf vigas-small; do
-    train_run "$earpoint" "enhance-$name" out/data/novel "out/enhance/$name"
-  done
+  train_run "$earpoint" enhance out/data/novel out/enhance/gtf
+  train_run "$earpoint" vigas-small out/data/novel out/enhance/vigas-small \
+    data.target=near_microphone data.ambient_db=-40
 }
 
 # Recordings as Replay-NVAS has them: twelve sessions in one flat, split by session, and the clips that are
@@ -234,7 +257,7 @@ results() {
   measure_kills "$earpoint"
   simulate_data "$earpoint"
   say "Training steps of gtf"
-  python3 experiments/measure/gtf_training.py "$earpoint" configs/gtf-novel.json out/data/novel out/bench
+  python3 experiments/measure/gtf_training.py "$earpoint" configs/gtf.json out/data/novel out/bench
   train_methods "$earpoint"
   evaluate_methods "$earpoint" novel single
   evaluate_beyond "$earpoint"
@@ -258,7 +281,7 @@ results() {
 # furniture, networks that train for seconds. Holds every number against experiments/publish/quick_expected.json.
 # EARPOINT_PRESET=dev takes the binary of the tests.
 quick_results() {
-  local preset=${EARPOINT_PRESET:-release} quick=$PWD/out/quick name
+  local preset=${EARPOINT_PRESET:-release} quick=$PWD/out/quick
   build "$preset" --target earpoint
   local earpoint=build/$preset/apps/earpoint/earpoint
   rm -rf "$quick"
@@ -268,9 +291,11 @@ quick_results() {
   say "Simulating twelve homes"
   EARPOINT_DATA_DIR=$quick/nothing "$earpoint" simulate --scenes 12 --conversations 2 --rays 300 \
     --seed 7 --speech "$quick/speech" --out "$quick/data"
-  for name in gtf vigas; do
-    train_run "$earpoint" "quick/$name" "$quick/data" "$quick/runs/$name-quick"
-  done
+  train_run "$earpoint" gtf "$quick/data" "$quick/runs/gtf-quick" data.validation_pairs=16 \
+    training.steps=100 training.validate_every=50 training.warmup_steps=10
+  train_run "$earpoint" vigas-small "$quick/data" "$quick/runs/vigas-quick" data.validation_pairs=16 \
+    network.place_steps=20 training.steps=80 training.learning_rate=0.0001 training.validate_every=20 \
+    training.warmup_steps=10 training.keep=last
   say "Methods side by side"
   "$earpoint" evaluate --data "$quick/data" --methods input,tf,dsp,gtf --runs "$quick/runs" --oracles \
     --json >"$quick/bench/evaluate-novel.json"

@@ -128,7 +128,7 @@ SECTIONS = [
      "with Debian's python3-torch, which computes only the head that is heard and keeps freed memory; "
      "medians on two threads."),
     ("Speed: training gtf", "training_gtf.json", gtf_training_table,
-     "`experiments/measure/gtf_training.py`: the whole of `earpoint train` with `configs/gtf-novel.json`, its examples made "
+     "`experiments/measure/gtf_training.py`: the whole of `earpoint train` with `configs/gtf.json`, its examples made "
      "on the way, medians of runs in turns. *before* is the build before the passes of [ADR "
      "0015](adr/0015-training-speed.md). Wall time suffers from whatever else the machine does, processor "
      "time hardly."),

@@ -2,7 +2,9 @@
 
 #include "float3.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 
 namespace earpoint {

@@ -2,6 +2,7 @@
 
 #include "lit_scene.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 

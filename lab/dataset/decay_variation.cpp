@@ -5,6 +5,7 @@
 
 #include <earpoint/audio/butterworth.h>
 #include <earpoint/audio/decay.h>
+#include <earpoint/audio/energy.h>
 #include <earpoint/core/error.h>
 #include <earpoint/dataset/reverberant_speech.h>
 
@@ -28,12 +29,6 @@ std::size_t largest(std::span<const float> response) {
   const auto at = std::ranges::max_element(
       response, [](float a, float b) { return std::abs(a) < std::abs(b); });
   return static_cast<std::size_t>(at - response.begin());
-}
-
-double energy(std::span<const float> samples) {
-  double sum = 0.0;
-  for (const float x : samples) sum += double{x} * x;
-  return sum;
 }
 
 /// A one-pole low-pass, in place: crude octaves are good enough for noise.

@@ -93,7 +93,7 @@ TEST_F(PairListFile, ErrorsNameTheField) {
   EXPECT_EQ(error_of(R"({"format": "earpoint-pairs-9"})"),
             ".json: expected format earpoint-pairs-1, found earpoint-pairs-9");
   EXPECT_EQ(error_of(R"({"format": "earpoint-pairs-1", "split": "test", "pairs": [{}]})"),
-            ".json.pairs[0]: the field 'scene' is missing");
+            ".json: pairs[0]: the field 'scene' is missing");
 }
 
 TEST_F(PairListFile, APairOfAnotherDataSetIsRefused) {

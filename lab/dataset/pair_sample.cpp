@@ -15,6 +15,7 @@
 
 #include <earpoint/audio/fft.h>
 #include <earpoint/audio/sound_file.h>
+#include <earpoint/core/ears.h>
 #include <earpoint/core/error.h>
 #include <earpoint/core/vector_clones.h>
 #include <earpoint/media/image_file.h>
@@ -25,7 +26,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kRateHz = 16000;
-constexpr int kEars = 2;
 
 using SharedSound = std::shared_ptr<const Waveform>;
 using Response = SoundSpacesDataset::Response;

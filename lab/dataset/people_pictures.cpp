@@ -8,7 +8,7 @@
 
 #include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
-#include <earpoint/dataset/json_field.h>
+#include <earpoint/core/json_field.h>
 #include <earpoint/dataset/soundspaces_metadata.h>
 
 namespace earpoint {

@@ -13,7 +13,7 @@
 #include <earpoint/audio/sound_file.h>
 #include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
-#include <earpoint/dataset/json_field.h>
+#include <earpoint/core/json_field.h>
 #include <earpoint/dataset/npy.h>
 #include <earpoint/dataset/replay_splits.h>
 #include <earpoint/media/image_file.h>
@@ -193,7 +193,7 @@ void ReplayDataset::read_clips() {
     if (!scenes.contains(scene)) continue;
     ReplayClip clip{.folder = key, .scene = scene, .images = {}, .mouth_m = {}};
     const nlohmann::json plain = value;
-    for (const JsonField& item : JsonField(plain, metadata.string() + ": " + key).items()) {
+    for (const JsonField& item : JsonField(plain, metadata.string(), key).items()) {
       clip.images.push_back(item.text());
     }
     if (clip.images.size() < 2) {

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include <earpoint/core/error.h>
-#include <earpoint/dataset/json_field.h>
+#include <earpoint/core/json_field.h>
 
 namespace earpoint {
 namespace {

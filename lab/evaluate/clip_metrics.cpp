@@ -10,6 +10,8 @@
 #include <vector>
 
 #include <earpoint/audio/decay.h>
+#include <earpoint/audio/energy.h>
+#include <earpoint/core/ears.h>
 #include <earpoint/core/error.h>
 #include <earpoint/evaluate/metrics.h>
 #include <earpoint/evaluate/speech_metrics.h>
@@ -17,7 +19,6 @@
 namespace earpoint {
 namespace {
 
-constexpr int kEars = 2;
 // Long enough for the first 10 dB of any room's decay and for C50 but for what is 25 dB down.
 constexpr double kResponse_s = 0.5;
 // A method may put the sound at one ear before its beginning at the other, where the true response
@@ -51,12 +52,6 @@ constexpr std::array<MetricName, kMetricCount> kNames = {{
     {"si_sdr_db", "SI-SDR", "dB", 2, "scale-invariant signal-to-distortion ratio", false},
     {"estoi", "ESTOI", "", 3, "extended short-time objective intelligibility, at most 1", false},
 }};
-
-double energy(std::span<const float> samples) {
-  double sum = 0.0;
-  for (const float x : samples) sum += double{x} * x;
-  return sum;
-}
 
 /// What half a second of the way from the dry speech to one ear tells.
 struct EarDecay {

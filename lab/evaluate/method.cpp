@@ -45,7 +45,7 @@ class ShippedMethod : public Method {
   Waveform render(const PairSample& sample, const Waveform& heard) {
     SoundInMemory source{.sound = heard,
                          .picture = sample.picture,
-                         .speaker_box = sample.speaker_box.value_or(Box{}),
+                         .speaker_box = sample.speaker_box,
                          .speaker_m = std::nullopt,
                          .world_from_source = sample.world_from_source};
     if (is_told_speaker_) source.speaker_m = sample.speaker_m;

@@ -8,24 +8,19 @@
 
 #include <fmt/format.h>
 
+#include <earpoint/audio/energy.h>
 #include <earpoint/audio/envelope.h>
 #include <earpoint/audio/gcc_phat.h>
 #include <earpoint/audio/resample.h>
 #include <earpoint/audio/stft.h>
+#include <earpoint/core/ears.h>
 #include <earpoint/core/error.h>
 
 namespace earpoint {
 namespace {
 
-constexpr int kEars = 2;
 constexpr int kLongestDelayWindowS = 60;
 constexpr StftShape kRwavsShape{512, 512, 128, Window::hann};
-
-double energy(std::span<const float> samples) {
-  double sum = 0.0;
-  for (const float x : samples) sum += double{x} * x;
-  return sum;
-}
 
 /// 10 log10(L / (R + 1e-5)), or nothing if the left ear is silent.
 std::optional<double> left_right_ratio_db(const Waveform& wave) {

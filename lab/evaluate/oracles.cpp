@@ -11,23 +11,18 @@
 #include <string_view>
 
 #include <earpoint/audio/convolution.h>
+#include <earpoint/audio/energy.h>
 #include <earpoint/audio/stft.h>
+#include <earpoint/core/ears.h>
 #include <earpoint/core/error.h>
 #include <earpoint/core/random.h>
 
 namespace earpoint {
 namespace {
 
-constexpr int kEars = 2;
 constexpr double kDirect_s = 4e-3;
 constexpr double kFade_s = 0.5e-3;
 constexpr std::uint64_t kTailSeed = 20230618;
-
-double energy(std::span<const float> samples) {
-  double sum = 0.0;
-  for (const float x : samples) sum += double{x} * x;
-  return sum;
-}
 
 /// What makes `from` as strong as `to`; 0 where there is nothing to amplify.
 double gain(double from, double to) { return from > 0.0 ? std::sqrt(to / from) : 0.0; }

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include <earpoint/audio/convolution.h>
+#include <earpoint/core/ears.h>
 #include <earpoint/core/error.h>
 #include <earpoint/core/random.h>
 #include <earpoint/dataset/dataset_folder.h>
@@ -22,7 +23,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kEars = 2;
 constexpr std::size_t kCacheBytes = std::size_t{256} << 20U;
 constexpr std::uint64_t kWindowSeed = 1;
 // The response's delays are dropped, so a target may lead its source only by what is between ears.

@@ -1,5 +1,3 @@
-#include "test_data.h"
-
 #include <algorithm>
 #include <cmath>
 
@@ -8,6 +6,7 @@
 #include <earpoint/audio/gcc_phat.h>
 #include <earpoint/core/error.h>
 #include <earpoint/generate/conversation.h>
+#include <earpoint/generate_testing/quick_generation.h>
 #include <earpoint/spatial/air_absorption.h>
 
 namespace earpoint {

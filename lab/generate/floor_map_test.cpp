@@ -1,8 +1,7 @@
-#include "test_data.h"
-
 #include <gtest/gtest.h>
 
 #include <earpoint/generate/floor_map.h>
+#include <earpoint/generate_testing/quick_generation.h>
 #include <earpoint/scene/homes.h>
 
 namespace earpoint {

@@ -1,6 +1,5 @@
 #include "conversation_folder.h"
 #include "dataset_lock.h"
-#include "test_data.h"
 
 #include <filesystem>
 
@@ -11,6 +10,7 @@
 #include <earpoint/dataset/soundspaces.h>
 #include <earpoint/generate/generation.h>
 #include <earpoint/generate/scene_source.h>
+#include <earpoint/generate_testing/quick_generation.h>
 #include <earpoint/scene/material_table.h>
 
 namespace earpoint {

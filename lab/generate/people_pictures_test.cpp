@@ -1,5 +1,3 @@
-#include "test_data.h"
-
 #include <filesystem>
 #include <map>
 #include <string>
@@ -9,6 +7,7 @@
 #include <earpoint/core/file.h>
 #include <earpoint/dataset/people_pictures.h>
 #include <earpoint/generate/people_pictures.h>
+#include <earpoint/generate_testing/quick_generation.h>
 
 namespace earpoint {
 namespace {

@@ -1,5 +1,3 @@
-#include "test_data.h"
-
 #include <cmath>
 #include <map>
 
@@ -9,6 +7,7 @@
 #include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
 #include <earpoint/generate/speech_corpus.h>
+#include <earpoint/generate_testing/quick_generation.h>
 
 namespace earpoint {
 namespace {

@@ -5,6 +5,7 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include <earpoint/generate/generation.h>
 #include <earpoint/generate/speech_corpus.h>

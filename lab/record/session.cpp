@@ -10,7 +10,7 @@
 
 #include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
-#include <earpoint/dataset/json_field.h>
+#include <earpoint/core/json_field.h>
 
 namespace earpoint {
 namespace {

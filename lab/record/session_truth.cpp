@@ -9,8 +9,8 @@
 #include <earpoint/core/csv.h>
 #include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
+#include <earpoint/core/json_field.h>
 #include <earpoint/core/pose.h>
-#include <earpoint/dataset/json_field.h>
 
 namespace earpoint {
 namespace {

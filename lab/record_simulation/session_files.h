@@ -1,6 +1,8 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include <earpoint/record/session.h>
 #include <earpoint/record_simulation/session_plan.h>

@@ -1,5 +1,3 @@
-#include "test_data.h"
-
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -7,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <earpoint/core/error.h>
+#include <earpoint/generate_testing/quick_generation.h>
 #include <earpoint/record_simulation/session_plan.h>
 
 namespace earpoint {

@@ -1,5 +1,4 @@
 #include "session_test_data.h"
-#include "test_data.h"
 
 #include <cmath>
 #include <limits>
@@ -9,6 +8,7 @@
 #include <earpoint/audio/sound_file.h>
 #include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
+#include <earpoint/generate_testing/quick_generation.h>
 #include <earpoint/media/media.h>
 #include <earpoint/record/session.h>
 #include <earpoint/record/session_truth.h>

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <earpoint/audio/energy.h>
 #include <earpoint/audio/fft.h>
 #include <earpoint/audio/gcc_phat.h>
 #include <earpoint/record_simulation/device_sound.h>
@@ -24,12 +25,6 @@ Utterance noise_turn(int person) {
   RandomStream random(7);
   for (float& sample : turn.speech.channel(0)) sample = static_cast<float>(0.1 * random.normal());
   return turn;
-}
-
-double energy(std::span<const float> samples) {
-  double sum = 0.0;
-  for (const float sample : samples) sum += static_cast<double>(sample) * sample;
-  return sum;
 }
 
 /// In a room that swallows nearly everything, from the first person and then from the second.

@@ -238,7 +238,7 @@ void add_windows_to(FloorPlan& plan, const WallPiece& wall, RandomStream& random
   const double head_m = snapped(std::min(random.uniform(2.0, 2.3), room.ceiling_m - 0.12));
   for (int i = 0; i < count; ++i) {
     const double start_m = snapped(wall.low + pitch_m * (i + 0.5) - width_m / 2.0);
-    const Window window{
+    const HomeWindow window{
         .room = wall.room,
         .side = wall.side,
         .recess = hole(room.floor, wall.side, start_m, snapped(start_m + width_m), kRecess_m),

@@ -102,7 +102,7 @@ TEST(FloorPlan, KeepsOpeningsApartAndBelowTheCeiling) {
       EXPECT_LT(door.height_m, plan.rooms[static_cast<std::size_t>(door.room_a)].ceiling_m);
       EXPECT_GE(std::max(door.opening.width_m(), door.opening.depth_m()), 0.7);
     }
-    for (const Window& window : plan.windows) {
+    for (const HomeWindow& window : plan.windows) {
       holes.push_back(window.recess);
       EXPECT_LT(window.sill_m, window.head_m);
       EXPECT_LT(window.head_m, plan.rooms[static_cast<std::size_t>(window.room)].ceiling_m);

@@ -62,7 +62,7 @@ class RoomRecipe {
   void pass();
   void eat();
   void dress_windows();
-  void dress(const Window& window);
+  void dress(const HomeWindow& window);
   void hang_pictures();
   void hang_lamp();
   void fill_walls(std::initializer_list<FurnitureKind> kinds, double most_depth_m, int most);
@@ -293,7 +293,7 @@ void RoomRecipe::fill_walls(std::initializer_list<FurnitureKind> kinds, double m
   }
 }
 
-void RoomRecipe::dress(const Window& window) {
+void RoomRecipe::dress(const HomeWindow& window) {
   RandomStream& random = furnisher_.random();
   const bool upright = window.side == Side::x_low || window.side == Side::x_high;
   const double low = upright ? window.recess.y_min : window.recess.x_min;
@@ -327,7 +327,7 @@ void RoomRecipe::dress(const Window& window) {
 }
 
 void RoomRecipe::dress_windows() {
-  for (const Window* window : furnisher_.windows()) {
+  for (const HomeWindow* window : furnisher_.windows()) {
     dress(*window);
     if (window->sill_m < 0.7 || !likely(0.5)) continue;
     const double width_m =

@@ -85,7 +85,7 @@ void add_leaf(const FloorPlan& plan, const Door& door, const HomeFinish& finish,
 }
 
 /// A frame around the pane and a bar or two across, as thin boxes.
-void add_window_frame(const Window& window, const HomeFinish& finish, SceneBuilder& builder) {
+void add_window_frame(const HomeWindow& window, const HomeFinish& finish, SceneBuilder& builder) {
   constexpr double kBar_m = 0.06;
   constexpr double kDepth_m = 0.05;
   constexpr double kGap_m = 0.01;  // off the pane and the recess's sides
@@ -138,7 +138,7 @@ void add_leaves_and_frames(const FloorPlan& plan, const HomeFinish& finish, Scen
   for (const Door& door : plan.doors) {
     if (door.state == DoorState::open) add_leaf(plan, door, finish, builder);
   }
-  for (const Window& window : plan.windows) add_window_frame(window, finish, builder);
+  for (const HomeWindow& window : plan.windows) add_window_frame(window, finish, builder);
 }
 
 }  // namespace earpoint

@@ -67,7 +67,7 @@ std::vector<AirBox> air_of(const FloorPlan& plan) {
     }
   }
   for (std::size_t i = 0; i < plan.windows.size(); ++i) {
-    const Window& window = plan.windows[i];
+    const HomeWindow& window = plan.windows[i];
     boxes.push_back({.kind = AirBox::Kind::recess,
                      .index = static_cast<int>(i),
                      .floor = window.recess,

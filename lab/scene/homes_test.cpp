@@ -68,7 +68,7 @@ TEST(Homes, TheShellEnclosesExactlyTheAirOfThePlan) {
     double air_m3 = 0.0;
     for (const Room& room : home.plan.rooms) air_m3 += room.floor.area_m2() * room.ceiling_m;
     for (const Door& door : home.plan.doors) air_m3 += door.opening.area_m2() * door.height_m;
-    for (const Window& window : home.plan.windows) {
+    for (const HomeWindow& window : home.plan.windows) {
       air_m3 += window.recess.area_m2() * (window.head_m - window.sill_m);
     }
     double enclosed_m3 = 0.0;

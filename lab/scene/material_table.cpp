@@ -6,13 +6,15 @@
 #include <cctype>
 #include <cmath>
 #include <optional>
-#include <set>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
+#include <earpoint/core/json_field.h>
+#include <earpoint/core/strict_json.h>
 
 namespace earpoint {
 namespace {
@@ -58,61 +60,21 @@ bool words_match(const std::vector<std::string>& pattern, const std::vector<std:
   return false;
 }
 
-/// A position in the table, for messages: "materials.json: materials.plaster.absorption".
-class Field {
- public:
-  Field(std::string_view where, std::string path) : where_(where), path_(std::move(path)) {}
-
-  [[nodiscard]] Field at(std::string_view key) const {
-    return {where_, path_.empty() ? std::string(key) : fmt::format("{}.{}", path_, key)};
-  }
-  [[nodiscard]] Field at(std::size_t index) const {
-    return {where_, fmt::format("{}[{}]", path_, index)};
-  }
-  [[noreturn]] void fail(const std::string& problem, std::string_view mend = {}) const {
-    throw InputError(path_.empty() ? where_ : fmt::format("{}: {}", where_, path_), problem, mend);
-  }
-
- private:
-  std::string where_;
-  std::string path_;
-};
-
-void expect_object(const Json& json, const Field& field, const std::set<std::string>& known) {
-  if (!json.is_object()) field.fail(fmt::format("expected an object, found {}", json.type_name()));
-  for (const auto& [key, value] : json.items()) {
-    if (known.contains(key)) continue;
-    field.fail(fmt::format("has an unknown key '{}'", key),
-               fmt::format("known keys: {}", fmt::join(known, ", ")));
-  }
-}
-
-const Json& expect_key(const Json& json, const Field& field, const char* key) {
-  const auto found = json.find(key);
-  if (found == json.end()) field.fail(fmt::format("has no '{}'", key));
-  return *found;
-}
-
-std::string read_string(const Json& json, const Field& field) {
-  if (!json.is_string()) field.fail(fmt::format("expected a text, found {}", json.type_name()));
-  return json.get<std::string>();
-}
-
 /// Reads 6, 7 or 8 numbers; bands beyond the given ones take the nearest.
-BandArray read_bands(const Json& json, const Field& field, double low, double high) {
+BandArray read_bands(const JsonField& field, double low, double high) {
+  const Json& json = field.json();
   if (!json.is_array() || json.size() < 6 || json.size() > kOctaveBands) {
-    field.fail(fmt::format("expected 6, 7 or 8 numbers, found {}",
-                           json.is_array() ? std::to_string(json.size()) : json.type_name()),
-               "6 are 125 to 4000 Hz, 7 are 125 to 8000 Hz, 8 are 62.5 to 8000 Hz");
+    field.refuse(fmt::format("expected 6, 7 or 8 numbers, found {}",
+                             json.is_array() ? std::to_string(json.size()) : json.type_name()),
+                 "6 are 125 to 4000 Hz, 7 are 125 to 8000 Hz, 8 are 62.5 to 8000 Hz");
   }
   BandArray bands{};
   const std::size_t first_band = json.size() == kOctaveBands ? 0 : 1;
-  for (std::size_t i = 0; i < json.size(); ++i) {
-    const Json& entry = json[i];
-    const double value = entry.is_number() ? entry.get<double>() : NAN;
+  const std::vector<JsonField> entries = field.items();
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    const double value = json[i].is_number() ? json[i].get<double>() : NAN;
     if (!(value >= low && value <= high)) {
-      field.at(i).fail(
-          fmt::format("expected a number in [{}, {}], found {}", low, high, entry.dump()));
+      entries[i].fail(fmt::format("a number in [{}, {}]", low, high));
     }
     bands[first_band + i] = static_cast<float>(value);
   }
@@ -123,64 +85,31 @@ BandArray read_bands(const Json& json, const Field& field, double low, double hi
   return bands;
 }
 
-AcousticMaterial read_material(const std::string& name, const Json& json, const Field& field) {
-  expect_object(json, field,
-                {"absorption", "absorption_source", "scattering", "scattering_source",
-                 "transmission_loss_db", "transmission_source"});
+AcousticMaterial read_material(const std::string& name, const JsonField& field) {
+  field.expect_only({"absorption", "absorption_source", "scattering", "scattering_source",
+                     "transmission_loss_db", "transmission_source"});
   AcousticMaterial material;
   material.name = name;
-  material.absorption =
-      read_bands(expect_key(json, field, "absorption"), field.at("absorption"), 0.0, 1.0);
-  material.scattering =
-      read_bands(expect_key(json, field, "scattering"), field.at("scattering"), 0.0, 1.0);
-  if (json.contains("transmission_loss_db")) {
-    const Field loss_field = field.at("transmission_loss_db");
-    const BandArray loss_db = read_bands(json["transmission_loss_db"], loss_field, 0.0, 200.0);
+  material.absorption = read_bands(field.field("absorption"), 0.0, 1.0);
+  material.scattering = read_bands(field.field("scattering"), 0.0, 1.0);
+  if (field.has("transmission_loss_db")) {
+    const JsonField loss = field.field("transmission_loss_db");
+    const BandArray loss_db = read_bands(loss, 0.0, 200.0);
     for (std::size_t band = 0; band < kOctaveBands; ++band) {
       material.transmission[band] = std::pow(10.0F, -0.1F * loss_db[band]);
       if (material.transmission[band] <= material.absorption[band]) continue;
-      loss_field.fail(fmt::format("lets {:.3f} through at {} Hz, but only {} is absorbed",
-                                  material.transmission[band], kOctaveBandCentresHz[band],
-                                  material.absorption[band]),
-                      "what goes through counts as absorbed");
+      loss.refuse(fmt::format("lets {:.3f} through at {} Hz, but only {} is absorbed",
+                              material.transmission[band], kOctaveBandCentresHz[band],
+                              material.absorption[band]),
+                  "what goes through counts as absorbed");
     }
   }
   for (const char* key : {"absorption_source", "scattering_source", "transmission_source"}) {
-    if (!json.contains(key)) continue;
-    const std::string text = read_string(json[key], field.at(key));
-    material.source += fmt::format("{}{}", material.source.empty() ? "" : " | ", text);
+    if (!field.has(key)) continue;
+    material.source +=
+        fmt::format("{}{}", material.source.empty() ? "" : " | ", field.field(key).text());
   }
   return material;
-}
-
-/// Parses JSON and refuses a key that stands twice in one object: one of the two would be lost.
-Json parse_json(std::string_view text, std::string_view where) {
-  std::vector<std::set<std::string>> keys;
-  std::string twice;
-  const auto watch = [&](int, Json::parse_event_t event, Json& parsed) {
-    if (event == Json::parse_event_t::object_start) keys.emplace_back();
-    if (event == Json::parse_event_t::object_end) keys.pop_back();
-    if (event == Json::parse_event_t::key &&
-        !keys.back().insert(parsed.get<std::string>()).second && twice.empty()) {
-      twice = parsed.get<std::string>();
-    }
-    return true;
-  };
-  Json document;
-  try {
-    document = Json::parse(text, watch);
-  } catch (const Json::exception& error) {
-    std::string problem = error.what();
-    std::replace_if(
-        problem.begin(), problem.end(),
-        [](char c) { return std::iscntrl(static_cast<unsigned char>(c)) != 0; }, ' ');
-    throw InputError(where, fmt::format("is not JSON: {}", problem));
-  }
-  if (!twice.empty()) {
-    throw InputError(where, fmt::format("has the key '{}' twice in one object", twice),
-                     "keep one of them");
-  }
-  return document;
 }
 
 }  // namespace
@@ -188,20 +117,23 @@ Json parse_json(std::string_view text, std::string_view where) {
 /// Builds a table from JSON, field by field.
 class MaterialTableReader {
  public:
-  MaterialTableReader(const Json& json, std::string_view where) : json_(json), top_(where, "") {}
+  explicit MaterialTableReader(JsonField top) : top_(std::move(top)) {}
 
   MaterialTable read() {
-    expect_object(json_, top_,
-                  {"format", "references", "default", "materials", "patterns", "extends"});
-    const std::string format = read_string(expect_key(json_, top_, "format"), top_.at("format"));
+    top_.expect_only({"format", "references", "default", "materials", "patterns", "extends"});
+    const std::string format = top_.field("format").text();
     if (format != kFormat) {
-      top_.at("format").fail(fmt::format("expected '{}', found '{}'", kFormat, format));
+      top_.field("format").refuse(fmt::format("expected '{}', found '{}'", kFormat, format));
     }
-    read_references();
-    if (json_.contains("extends")) {
-      const std::string base = read_string(json_["extends"], top_.at("extends"));
+    if (top_.has("references")) {
+      for (const auto& [key, reference] : top_.field("references").fields()) {
+        static_cast<void>(reference.text());
+      }
+    }
+    if (top_.has("extends")) {
+      const std::string base = top_.field("extends").text();
       if (base != "standard") {
-        top_.at("extends").fail(fmt::format("expected 'standard', found '{}'", base));
+        top_.field("extends").refuse(fmt::format("expected 'standard', found '{}'", base));
       }
       base_ = &standard_materials();
     }
@@ -212,75 +144,57 @@ class MaterialTableReader {
   }
 
  private:
-  void read_references() {
-    if (!json_.contains("references")) return;
-    const Field field = top_.at("references");
-    if (!json_["references"].is_object()) field.fail("expected an object of texts");
-    for (const auto& [key, value] : json_["references"].items()) read_string(value, field.at(key));
-  }
-
   void read_materials() {
-    const Json empty = Json::object();
-    const Json& rows = base_ != nullptr && !json_.contains("materials")
-                           ? empty
-                           : expect_key(json_, top_, "materials");
-    const Field field = top_.at("materials");
-    if (!rows.is_object())
-      field.fail(fmt::format("expected an object, found {}", rows.type_name()));
-    for (const auto& [name, row] : rows.items()) {
-      table_.materials_.push_back(read_material(name, row, field.at(name)));
+    if (base_ == nullptr || top_.has("materials")) {
+      for (const auto& [name, material] : top_.field("materials").fields()) {
+        table_.materials_.push_back(read_material(name, material));
+      }
     }
     if (base_ != nullptr) {
       for (const AcousticMaterial& material : base_->materials()) {
         if (table_.find(material.name) == nullptr) table_.materials_.push_back(material);
       }
     }
-    if (table_.materials_.empty()) field.fail("is empty", "give at least the default material");
+    if (table_.materials_.empty()) {
+      top_.field("materials").refuse("is empty", "give at least the default material");
+    }
   }
 
   void read_patterns() {
-    if (json_.contains("patterns")) {
-      const Json& rows = json_["patterns"];
-      const Field field = top_.at("patterns");
-      if (!rows.is_array()) field.fail(fmt::format("expected a list, found {}", rows.type_name()));
-      for (std::size_t i = 0; i < rows.size(); ++i) read_pattern(rows[i], field.at(i));
+    if (top_.has("patterns")) {
+      for (const JsonField& pattern : top_.field("patterns").items()) read_pattern(pattern);
     }
     if (base_ != nullptr) table_.take_patterns_behind(*base_);
   }
 
-  void read_pattern(const Json& row, const Field& field) {
-    expect_object(row, field, {"material", "words"});
-    const std::size_t material = index_of(expect_key(row, field, "material"), field.at("material"));
-    const Json& words = expect_key(row, field, "words");
-    if (!words.is_array()) {
-      field.at("words").fail(fmt::format("expected a list, found {}", words.type_name()));
-    }
-    for (std::size_t i = 0; i < words.size(); ++i) {
-      const Field place = field.at("words").at(i);
-      const std::string text = read_string(words[i], place);
+  void read_pattern(const JsonField& field) {
+    field.expect_only({"material", "words"});
+    const std::size_t material = index_of(field.field("material"));
+    for (const JsonField& words : field.field("words").items()) {
+      const std::string text = words.text();
       std::vector<std::string> parts = words_of(text);
-      if (parts.empty()) place.fail(fmt::format("'{}' has no letters", text));
+      if (parts.empty()) words.refuse(fmt::format("'{}' has no letters", text));
       for (const std::string& part : parts) {
         const std::size_t star = part.find('*');
         if (star == std::string::npos || (star > 0 && star + 1 == part.size())) continue;
-        place.fail(fmt::format("'{}' has a * that does not end a word", text));
+        words.refuse(fmt::format("'{}' has a * that does not end a word", text));
       }
       table_.patterns_.push_back({.words = std::move(parts), .material = material, .rank = 0});
     }
   }
 
   void read_default() {
-    if (base_ != nullptr && !json_.contains("default")) {
+    if (base_ != nullptr && !top_.has("default")) {
       table_.default_material_ = position(base_->materials_[base_->default_material_].name).value();
       return;
     }
-    table_.default_material_ = index_of(expect_key(json_, top_, "default"), top_.at("default"));
+    table_.default_material_ = index_of(top_.field("default"));
   }
 
-  std::size_t index_of(const Json& json, const Field& field) {
-    const std::string name = read_string(json, field);
+  std::size_t index_of(const JsonField& field) {
+    const std::string name = field.text();
     const auto index = position(name);
-    if (!index) field.fail(fmt::format("names '{}', which is not in 'materials'", name));
+    if (!index) field.refuse(fmt::format("names '{}', which is not in 'materials'", name));
     return *index;
   }
 
@@ -290,8 +204,7 @@ class MaterialTableReader {
     return static_cast<std::size_t>(found - table_.materials_.data());
   }
 
-  const Json& json_;
-  Field top_;
+  JsonField top_;
   const MaterialTable* base_ = nullptr;
   MaterialTable table_;
 };
@@ -310,8 +223,9 @@ MaterialTable MaterialTable::parse(std::string_view json, std::string_view where
     throw InputError(where, fmt::format("is {} bytes long, expected at most {}", json.size(),
                                         kLongestTable_bytes));
   }
-  const Json document = parse_json(json, where);
-  return MaterialTableReader(document, where).read();
+  constexpr int kDepth = 8;
+  const Json document = parse_strict_json(json, where, kDepth);
+  return MaterialTableReader(JsonField(document, std::string(where))).read();
 }
 
 const AcousticMaterial* MaterialTable::find(std::string_view name) const {

@@ -77,9 +77,9 @@ TEST(MaterialTable, PrefersMoreWordsThenTheFirst) {
 TEST(MaterialTable, RefusesWhatItWouldHaveToGuessNamingTheField) {
   EXPECT_EQ(refusal(kSmallTable), "accepted");
   const std::vector<std::pair<std::string, std::string>> cases = {
-      {"{", "mine.json: is not JSON"},
-      {"[]", "mine.json: expected an object, found array"},
-      {edited("\"default\"", "\"defualt\""), "mine.json: has an unknown key 'defualt'"},
+      {"{", "mine.json: is not valid JSON"},
+      {"[]", "mine.json: expected an object, found []"},
+      {edited("\"default\"", "\"defualt\""), "mine.json: defualt: is not known"},
       {edited("\"default\": \"hard\"", "\"default\": \"stone\""),
        "mine.json: default: names 'stone', which is not in 'materials'"},
       {edited("materials-1", "materials-9"),
@@ -99,7 +99,7 @@ TEST(MaterialTable, RefusesWhatItWouldHaveToGuessNamingTheField) {
       {edited("\"material\": \"soft\"", "\"material\": \"silk\""),
        "mine.json: patterns[0].material: names 'silk'"},
       {edited("\"default\": \"hard\"", "\"default\": \"hard\", \"default\": \"soft\""),
-       "mine.json: has the key 'default' twice"},
+       "mine.json: key 'default' stands twice"},
       {edited("\"default\": \"hard\"", "\"default\": \"hard\", \"extends\": \"none\""),
        "mine.json: extends: expected 'standard', found 'none'"},
   };

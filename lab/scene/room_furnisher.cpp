@@ -94,9 +94,9 @@ double RoomFurnisher::wall_length_m(Side side) const {
   return along_y(side) ? room_.floor.depth_m() : room_.floor.width_m();
 }
 
-std::vector<const Window*> RoomFurnisher::windows() const {
-  std::vector<const Window*> found;
-  for (const Window& window : shared_.plan.windows) {
+std::vector<const HomeWindow*> RoomFurnisher::windows() const {
+  std::vector<const HomeWindow*> found;
+  for (const HomeWindow& window : shared_.plan.windows) {
     if (window.room == index_) found.push_back(&window);
   }
   return found;
@@ -116,7 +116,7 @@ bool RoomFurnisher::rug_fits(const Taken& box) const {
 }
 
 bool RoomFurnisher::hides_window(const Taken& box, Side side) const {
-  for (const Window* window : windows()) {
+  for (const HomeWindow* window : windows()) {
     if (window->side != side || box.z_high_m <= window->sill_m || box.z_low_m >= window->head_m) {
       continue;
     }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <functional>
 #include <optional>
 #include <vector>
@@ -74,7 +75,7 @@ class RoomFurnisher {
   [[nodiscard]] double wall_length_m(Side side) const;
 
   /// @return windows of this room
-  [[nodiscard]] std::vector<const Window*> windows() const;
+  [[nodiscard]] std::vector<const HomeWindow*> windows() const;
 
  private:
   [[nodiscard]] bool is_taken(const Taken& box) const;

@@ -9,8 +9,8 @@
 #include <nlohmann/json.hpp>
 
 #include <earpoint/core/error.h>
+#include <earpoint/core/json_field.h>
 #include <earpoint/core/random.h>
-#include <earpoint/dataset/json_field.h>
 
 namespace earpoint {
 namespace {

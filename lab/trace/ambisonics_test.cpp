@@ -8,16 +8,13 @@
 
 #include <gtest/gtest.h>
 
+#include <earpoint/audio/energy.h>
 #include <earpoint/trace/response_renderer.h>
 
 namespace earpoint {
 namespace {
 
 constexpr int kRate_hz = 16000;
-
-double energy(std::span<const float> signal) {
-  return std::inner_product(signal.begin(), signal.end(), signal.begin(), 0.0);
-}
 
 TEST(Ambisonics, FirstOrderIsTheDirection) {
   const Vector3 direction{0.48, -0.6, 0.64};

@@ -2,6 +2,7 @@
 
 #include "scene_geometry.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 

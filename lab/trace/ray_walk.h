@@ -3,6 +3,7 @@
 #include "mirror_chain.h"
 #include "scene_geometry.h"
 
+#include <cstdint>
 #include <span>
 #include <vector>
 

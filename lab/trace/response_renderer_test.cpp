@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <earpoint/audio/energy.h>
 #include <earpoint/spatial/hrtf.h>
 #include <earpoint/trace/response_renderer.h>
 
@@ -18,12 +19,6 @@ PointResponse one_arrival(double delay_s, const Vector3& direction, const BandAr
   response.arrivals = {{.delay_s = delay_s, .direction = direction, .departure = {}, .gain = gain}};
   response.late = EnergyHistogram(50, 0.002);
   return response;
-}
-
-double energy(std::span<const float> signal) {
-  double sum = 0.0;
-  for (const float s : signal) sum += static_cast<double>(s) * static_cast<double>(s);
-  return sum;
 }
 
 TEST(ResponseRenderer, ArrivalIsTheHeadsResponseAtItsSample) {

@@ -3,8 +3,7 @@
 #include "torch_tensor.h"
 
 #include <ATen/core/grad_mode.h>
-
-#include <earpoint/core/error.h>
+#include <ATen/ops/zeros_like.h>
 
 namespace earpoint {
 namespace {
@@ -40,8 +39,8 @@ std::map<std::string, Tensor> GraphTensors::weights() const {
 std::map<std::string, Tensor> GraphTensors::gradients() const {
   std::map<std::string, Tensor> gradients;
   for (const auto& [name, parameter] : parameters) {
-    EARPOINT_CHECK(parameter.grad().defined());
-    gradients[name] = from_torch(parameter.grad());
+    const at::Tensor& gradient = parameter.grad();
+    gradients[name] = from_torch(gradient.defined() ? gradient : at::zeros_like(parameter));
   }
   return gradients;
 }

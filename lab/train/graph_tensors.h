@@ -24,7 +24,7 @@ struct GraphTensors {
   }
   /// Copies of all, as they are now.
   [[nodiscard]] std::map<std::string, Tensor> weights() const;
-  /// Copies of the parameters' last gradients. @throws std::logic_error if one has none
+  /// Copies of the parameters' last gradients; zeros of those that have none.
   [[nodiscard]] std::map<std::string, Tensor> gradients() const;
 };
 

@@ -8,11 +8,12 @@
 #include <ATen/ops/max_pool2d.h>
 #include <fmt/format.h>
 
+#include <earpoint/kernels/norms.h>
+
 namespace earpoint {
 namespace {
 
 constexpr double kMomentum = 0.1;
-constexpr double kEpsilon = 1e-5;
 
 }  // namespace
 
@@ -21,7 +22,7 @@ at::Tensor batch_norm(const GraphTensors& tensors, const std::string& name, cons
   return at::batch_norm(x, tensors.parameter(name + ".weight"), tensors.parameter(name + ".bias"),
                         tensors.buffers.at(name + ".running_mean"),
                         tensors.buffers.at(name + ".running_var"), mode == GraphMode::training,
-                        kMomentum, kEpsilon, /*cudnn_enabled=*/true);
+                        kMomentum, kernels::kBatchNormEpsilon, /*cudnn_enabled=*/true);
 }
 
 at::Tensor residual_block(const GraphTensors& tensors, const std::string& name, const at::Tensor& x,

@@ -6,11 +6,13 @@
 #include <ATen/ops/stft.h>
 #include <ATen/ops/view_as_real.h>
 
+#include <earpoint/audio/stft.h>
+
 namespace earpoint {
 namespace {
 
-constexpr std::int64_t kFftSize = 512;
-constexpr std::int64_t kWindowSize = 400;
+constexpr std::int64_t kFftSize = StftShape{}.fft_size;
+constexpr std::int64_t kWindowSize = StftShape{}.window_size;
 constexpr double kSmallestPower = 1e-7;
 
 at::Tensor one_signal_per_row(const at::Tensor& sound) {

@@ -12,6 +12,7 @@
 #include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
 #include <earpoint/core/pose.h>
+#include <earpoint/core/quote.h>
 #include <earpoint/core/strict_json.h>
 #include <earpoint/dataset/ambient.h>
 #include <earpoint/network/pose_encoding.h>
@@ -142,6 +143,28 @@ Json merged(const fs::path& path, int chain) {
   return base;
 }
 
+void set_value(Json& json, const ConfigSetting& setting, const std::string& where) {
+  const auto refuse = [&](const std::string& problem) {
+    throw InputError(where, fmt::format("cannot set {}: {}", in_quotes(setting.key), problem));
+  };
+  Json* at = &json;
+  std::string_view left = setting.key;
+  for (;;) {
+    const std::size_t dot = left.find('.');
+    const std::string name(left.substr(0, dot));
+    if (name.empty()) refuse("expected names with dots between them, as training.steps");
+    if (!at->is_object()) refuse(fmt::format("{} is in no object", in_quotes(name)));
+    at = &(*at)[name];
+    if (dot == std::string_view::npos) break;
+    if (at->is_null()) *at = Json::object();
+    left.remove_prefix(dot + 1);
+  }
+  *at =
+      Json::accept(setting.value)
+          ? parsed(setting.value, fmt::format("{}: the value of {}", where, in_quotes(setting.key)))
+          : Json(setting.value);
+}
+
 void add_inputs(ViGasDescription& d, bool sees_box) {
   if (d.image_encoder) d.inputs.push_back({"visual_feat", d.image_encoder->feature_width()});
   d.inputs.push_back({"tgt_pose", 3});
@@ -200,8 +223,12 @@ TrainConfig train_config_from_json(std::string_view text, std::string_view where
   return config;
 }
 
-TrainConfig read_train_config(const fs::path& path) {
-  return train_config_from_json(merged(path, 0).dump(), path.string());
+TrainConfig read_train_config(const fs::path& path, std::span<const ConfigSetting> settings,
+                              std::string where) {
+  if (where.empty()) where = path.string();
+  Json json = merged(path, 0);
+  for (const ConfigSetting& setting : settings) set_value(json, setting, where);
+  return train_config_from_json(json.dump(), where);
 }
 
 ViGasConfig vigas_config_from_json(std::string_view text, std::string_view where, bool separated) {

@@ -10,10 +10,10 @@
 #include <fmt/format.h>
 
 #include <earpoint/core/error.h>
-#include <earpoint/core/resize.h>
 #include <earpoint/network/pose_encoding.h>
 #include <earpoint/train/initial_weights.h>
 #include <earpoint/train/vigas_learner.h>
+#include <earpoint/vigas/view.h>
 #include <earpoint/vigas/weights.h>
 
 namespace earpoint {
@@ -131,10 +131,7 @@ TrainingExample vigas_example(const ViGasDescription& description, const PairSam
   example.source = planar(sample.source);
   example.target = planar(sample.target);
   if (const auto& encoder = description.image_encoder) {
-    ImagePlanes picture =
-        resize_bilinear(planes_of(*sample.picture), encoder->width_px, encoder->height_px);
-    for (float& value : picture.values) value /= 255.0F;
-    example.picture = std::move(picture.values);
+    example.picture = vigas_view(*encoder, *sample.picture);
   }
   EncodedPose pose =
       encode_pose(description.pose_encoding, sample.source_from_target, sample.world_from_source);

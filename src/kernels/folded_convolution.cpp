@@ -3,12 +3,10 @@
 #include <cmath>
 #include <cstddef>
 
+#include <earpoint/kernels/norms.h>
+
 namespace earpoint::kernels {
-namespace {
-
-constexpr double kBatchNormEpsilon = 1e-5;
-
-}  // namespace
+namespace {}  // namespace
 
 FoldedConvolution fold_batch_norm(const TensorByName& tensor, const std::string& convolution,
                                   const std::string& norm, bool has_bias) {

@@ -7,11 +7,10 @@
 #include <oneapi/dnnl/dnnl.h>
 
 #include <earpoint/core/error.h>
+#include <earpoint/kernels/norms.h>
 
 namespace earpoint::kernels {
 namespace {
-
-constexpr double kNormEpsilon = 1e-5;
 
 std::size_t area(int rows, int columns) { return static_cast<std::size_t>(rows) * columns; }
 
@@ -62,7 +61,7 @@ void layer_norm(std::span<const float> in, std::span<const float> weight,
     for (std::size_t i = 0; i < width; ++i) mean += in[at + i];
     mean /= static_cast<double>(width);
     for (std::size_t i = 0; i < width; ++i) square += (in[at + i] - mean) * (in[at + i] - mean);
-    const double scale = 1.0 / std::sqrt(square / static_cast<double>(width) + kNormEpsilon);
+    const double scale = 1.0 / std::sqrt(square / static_cast<double>(width) + kLayerNormEpsilon);
     for (std::size_t i = 0; i < width; ++i) {
       out[at + i] = static_cast<float>((in[at + i] - mean) * scale) * weight[i] + bias[i];
     }

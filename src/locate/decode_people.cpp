@@ -14,8 +14,6 @@ using D = PeopleDescription;
 
 // Boxes of two people rarely overlap as much.
 constexpr double kMostOverlap = 0.55;
-// Of a size's logarithm: e^4 kBoxUnit is more than any view.
-constexpr float kLargestLog = 4.0F;
 
 bool is_surest(std::span<const float> sure, int rows, int columns, int row, int column) {
   const float here = sure[static_cast<std::size_t>(row) * columns + column];
@@ -43,8 +41,8 @@ std::vector<DetectedPerson> decode_people(std::span<const float> map, int rows, 
       if (!(score >= least_score) || !is_surest(sure, rows, columns, row, column)) continue;
       const auto output = [&](std::size_t number) { return map[number * cells + cell]; };
       const auto half = [&](std::size_t number) {
-        return 0.5 * D::kBoxUnit * std::exp(std::clamp(output(number), -kLargestLog, kLargestLog)) /
-               D::kCell;
+        return 0.5 * D::kBoxUnit *
+               std::exp(std::clamp(output(number), -D::kLargestLog, D::kLargestLog)) / D::kCell;
       };
       const double x = column + 0.5 + output(1);
       const double y = row + 0.5 + output(2);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include <earpoint/locate/people_detector.h>
 #include <earpoint/people/engine.h>

@@ -3,6 +3,7 @@
 // What every file of this module needs to speak to FFmpeg: owners for its objects, its log kept
 // off the terminal, and its errors as ours. Private to the module.
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <string>

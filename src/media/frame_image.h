@@ -5,6 +5,7 @@
 #include "ffmpeg.h"
 
 #include <cstdint>
+#include <string_view>
 
 #include <earpoint/core/image.h>
 

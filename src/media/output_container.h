@@ -4,8 +4,11 @@
 
 #include "ffmpeg.h"
 
+#include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <string>
+#include <string_view>
 
 #include <earpoint/core/file.h>
 

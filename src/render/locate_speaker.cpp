@@ -64,10 +64,7 @@ LocatedSpeaker locate_speaker(const RenderSource& source, const GtfWeights& weig
                               double horizontal_fov_rad, ProgressSink& progress) {
   Gtf network(weights);
   const GtfDescription& description = network.description();
-  if (!description.geometry) {
-    throw InputError("this network", "does not find speakers: it has no geometry",
-                     "give one that does with --model");
-  }
+  EARPOINT_CHECK(description.geometry);
   const SoundSurvey survey = survey_sound(source.sound);
   PictureStream pictures = description.picture_px > 0
                                ? open_pictures(source.picture, source.sound.path)

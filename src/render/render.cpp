@@ -234,6 +234,10 @@ class Rendering {
 };
 
 Reading reading_of(const RenderSource& source, const AcousticSynthesizer& synthesizer) {
+  if (synthesizer.needs_speaker_track() && !source.speaker_track) {
+    throw InputError(source.sound.path.string(), "the network must be told who speaks in it",
+                     "give --speaker-box x0,y0,x1,y1 or --speaker-boxes FILE.csv");
+  }
   Reading reading{.survey = survey_sound(source.sound),
                   .sound = read_blocks(source.sound),
                   .pictures = pictures_for(source, synthesizer),
@@ -317,9 +321,9 @@ RenderReport render(const RenderSource& source, AcousticSynthesizer& synthesizer
                       .windows = static_cast<int>(rendering.windows()),
                       .model_rate_hz = rendering.model_rate_hz(),
                       .has_picture = rendering.has_picture(),
-                      .doubts = {}};
-  report.doubts =
-      synthesizer.doubts(outline_of(source, report.survey, targets, rendering.has_picture()));
+                      .warnings = {}};
+  report.warnings =
+      synthesizer.warnings(outline_of(source, report.survey, targets, rendering.has_picture()));
   for (TargetStream& output : outputs) {
     output.commit();
     report.targets.push_back(output.outline());

@@ -13,6 +13,7 @@
 #include <earpoint/audio/butterworth.h>
 #include <earpoint/audio/peak_limiter.h>
 #include <earpoint/audio/stream_rate.h>
+#include <earpoint/core/ears.h>
 #include <earpoint/core/error.h>
 #include <earpoint/gtf/description.h>
 #include <earpoint/gtf/engine.h>
@@ -25,7 +26,6 @@ namespace {
 
 using D = GtfDescription;
 
-constexpr int kEars = 2;
 constexpr int kLowestRate_hz = D::kSampleRateHz;
 constexpr int kHighestRate_hz = 192000;
 constexpr double kHop_s = double{D::kHop} / D::kSampleRateHz;
@@ -197,7 +197,9 @@ void RenderStream::State::run_hop(std::ptrdiff_t start) {
   source_delay.process(primary);
 
   const LevelBounds bounds = gtf_level_bounds(
-      network.expected_gain(), gtf_level_tolerance(source_from_target), mouth_m.has_value());
+      network.expected_gain(),
+      gtf_level_tolerance(source_from_target, network.description().training_range),
+      mouth_m.has_value());
   const float before = level_gain;
   level_gain = level.next(power_of(primary), bounds, power_of(result));
   for (std::size_t e = 0; e < kEars; ++e) {

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <earpoint/audio/energy.h>
 #include <earpoint/core/random.h>
 #include <earpoint/render/voice_placer.h>
 #include <earpoint/spatial/binaural.h>
@@ -45,12 +46,6 @@ Waveform place_all(const VoicePlacement& placement, const HrtfSet& head, const W
   append(placer.finish());
   EXPECT_EQ(at, sound.samples());
   return placed;
-}
-
-double energy(std::span<const float> sound) {
-  double sum = 0.0;
-  for (const float sample : sound) sum += static_cast<double>(sample) * sample;
-  return sum;
 }
 
 TEST(VoicePlacer, PutsAVoiceWhereTheHeadWouldHearIt) {

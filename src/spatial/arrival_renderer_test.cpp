@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include <earpoint/audio/decay.h>
+#include <earpoint/audio/energy.h>
 #include <earpoint/audio/fft.h>
 #include <earpoint/core/pose.h>
 #include <earpoint/core/random.h>
@@ -30,12 +31,6 @@ Arrival arrival_at(double delay_s, const Vector3& direction, float gain) {
   arrival.direction = normalized(direction);
   arrival.gain = all_bands(gain);
   return arrival;
-}
-
-double energy(std::span<const float> samples) {
-  double sum = 0.0;
-  for (const float sample : samples) sum += static_cast<double>(sample) * sample;
-  return sum;
 }
 
 // Energy per octave band (square-edged) of one channel.

@@ -215,15 +215,16 @@ void equalize_diffuse_field(HrtfResponses& set) {
   RealFft<double> fft(fast_fft_size(4 * taps));
 
   // The level that counts as the set's own is its mean from 500 to 4000 Hz.
-  std::vector<double> filter_nepers = diffuse_field_db(set, fft);
+  const std::vector<double> field_db = diffuse_field_db(set, fft);
   const int low = static_cast<int>(500.0 * fft.size() / set.sample_rate_hz);
   const int high = static_cast<int>(std::min(4000.0, 0.45 * set.sample_rate_hz) * fft.size() /
                                     set.sample_rate_hz);
   const double level_db =
-      std::reduce(filter_nepers.begin() + low, filter_nepers.begin() + high) / (high - low);
-  for (double& value : filter_nepers) {
-    const double gain_db = std::clamp(level_db - value, -kMost_db, kMost_db) - level_db;
-    value = gain_db * std::log(10.0) / 20.0;
+      std::reduce(field_db.begin() + low, field_db.begin() + high) / (high - low);
+  std::vector<double> filter_nepers;
+  for (const double value_db : field_db) {
+    const double gain_db = std::clamp(level_db - value_db, -kMost_db, kMost_db) - level_db;
+    filter_nepers.push_back(gain_db * std::log(10.0) / 20.0);
   }
   const std::vector<Complex> filter = minimum_phase(filter_nepers, fft);
 

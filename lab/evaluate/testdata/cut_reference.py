@@ -5,32 +5,19 @@ usage: cut_reference.py FOLDER    (the folder with metrics.safetensors, metrics.
 """
 import json
 import shutil
-import struct
 import sys
 from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "experiments"))
+from safetensors_file import read, rows, write  # noqa: E402
 
 PAIR = 1  # two samples of delay
 
 
 def main():
     whole, here = Path(sys.argv[1]), Path(__file__).parent
-    data = (whole / "metrics.safetensors").read_bytes()
-    (length,) = struct.unpack("<Q", data[:8])
-    header = json.loads(data[8 : 8 + length])
-    cut, body = {}, b""
-    for name in ["pred", "tgt"]:
-        begin, end = header[name]["data_offsets"]
-        row = (end - begin) // header[name]["shape"][0]
-        part = data[8 + length + begin + PAIR * row :][:row]
-        cut[name] = {
-            "dtype": header[name]["dtype"],
-            "shape": [1] + header[name]["shape"][1:],
-            "data_offsets": [len(body), len(body) + row],
-        }
-        body += part
-    text = json.dumps(cut).encode()
-    text += b" " * (-len(text) % 8)
-    (here / "metrics.safetensors").write_bytes(struct.pack("<Q", len(text)) + text + body)
+    tensors, _ = read(whole / "metrics.safetensors")
+    write(here / "metrics.safetensors", {name: rows(tensors[name], [PAIR]) for name in ["pred", "tgt"]})
 
     values = json.loads((whole / "metrics.json").read_text())
     values = {"per_pair": [values["per_pair"][PAIR]]}

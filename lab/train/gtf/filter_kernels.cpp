@@ -13,6 +13,7 @@
 #include <hwy/highway.h>
 #include <hwy/contrib/math/math-inl.h>
 
+#include <earpoint/gtf/constants.h>
 #include <earpoint/gtf/description.h>
 // clang-format on
 
@@ -24,10 +25,8 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Lanes = hn::CappedTag<float, kFrameStep>;
 using Vector = hn::Vec<Lanes>;
 
-constexpr float kPowerFloor = 1e-8F;
-constexpr float kMagnitudeFloor = 1e-3F;
-constexpr float kLeastGain = -3.0F;
-constexpr float kMostGain = 2.0F;
+using gtf::kMagnitudeFloor;
+using gtf::kPowerFloor;
 
 HWY_INLINE std::ptrdiff_t lanes() { return static_cast<std::ptrdiff_t>(hn::Lanes(Lanes())); }
 
@@ -125,8 +124,8 @@ HWY_INLINE Mixed mix(const BinRows& rows, const BinTurns& turns, std::ptrdiff_t 
 
 HWY_INLINE Vector gain_of(const float* gain) {
   const Lanes d;
-  return hn::Exp(
-      d, hn::Min(hn::Max(hn::LoadU(d, gain), hn::Set(d, kLeastGain)), hn::Set(d, kMostGain)));
+  return hn::Exp(d, hn::Min(hn::Max(hn::LoadU(d, gain), hn::Set(d, gtf::kLeastLogGain)),
+                            hn::Set(d, gtf::kMostLogGain)));
 }
 
 void mix_row(const BinRows& rows, const BinTurns& turns, std::ptrdiff_t row,
@@ -176,8 +175,8 @@ void mix_row_back(const BinRows& rows, const BinTurns& turns, std::ptrdiff_t row
           hn::Add(hn::IfThenElseZero(is_open, filtered), hn::Set(d, kMagnitudeFloor)), factor);
       hn::StoreU(hn::IfThenElseZero(is_open, hn::Mul(by_magnitude, factor)), d,
                  by_filtered[ear] + t);
-      const auto is_within =
-          hn::And(hn::Ge(gain, hn::Set(d, kLeastGain)), hn::Le(gain, hn::Set(d, kMostGain)));
+      const auto is_within = hn::And(hn::Ge(gain, hn::Set(d, gtf::kLeastLogGain)),
+                                     hn::Le(gain, hn::Set(d, gtf::kMostLogGain)));
       hn::StoreU(hn::IfThenElseZero(is_within, hn::Mul(by_magnitude, magnitude)), d,
                  by_gain[ear] + t);
 

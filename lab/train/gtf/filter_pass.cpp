@@ -16,6 +16,7 @@
 #include <ATen/ops/zeros_like.h>
 #include <torch/csrc/autograd/custom_function.h>
 
+#include <earpoint/core/ears.h>
 #include <earpoint/core/error.h>
 #include <earpoint/core/pose.h>
 
@@ -29,7 +30,6 @@ using train::BinSlopes;
 using train::BinTurns;
 using train::FrameExtent;
 using train::kBins;
-using train::kEars;
 using train::KernelInputs;
 using train::KernelShape;
 using train::Product;

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 
+#include <earpoint/core/ears.h>
 #include <earpoint/gtf/description.h>
 
 namespace earpoint::train {
@@ -10,7 +11,6 @@ namespace earpoint::train {
 /// every instruction set.
 inline constexpr std::ptrdiff_t kFrameStep = 16;
 inline constexpr std::ptrdiff_t kBins = GtfDescription::kBins;
-inline constexpr std::ptrdiff_t kEars = 2;
 
 /// How a sound of some length lies in the short-time domain.
 struct FrameExtent {

@@ -6,12 +6,11 @@
 #include <ATen/ops/stack.h>
 
 #include <earpoint/core/pose.h>
+#include <earpoint/gtf/constants.h>
+#include <earpoint/gtf/description.h>
 
 namespace earpoint {
 namespace {
-
-constexpr double kNearest_m = 0.25;
-constexpr double kPositionScale_m = 3.0;
 
 /// One coordinate of every clip: [clips][1].
 at::Tensor axis(const at::Tensor& points, std::int64_t index) { return points.narrow(1, index, 1); }
@@ -27,9 +26,10 @@ struct Direction {
 
 Direction direction_of(const at::Tensor& point_m) {
   const at::Tensor x = axis(point_m, 0);
-  const at::Tensor level = length_of(point_m.narrow(1, 0, 2), 1e-4);
+  const at::Tensor level = length_of(point_m.narrow(1, 0, 2), gtf::kDirectionFloor);
   return {at::atan2(axis(point_m, 1), x + (x == 0).to(at::kFloat) * 1e-6),
-          at::atan2(axis(point_m, 2), level), length_of(point_m, 1e-2).clamp_min(kNearest_m)};
+          at::atan2(axis(point_m, 2), level),
+          length_of(point_m, gtf::kDistanceFloor).clamp_min(GtfDescription::kNearestSpeaker_m)};
 }
 
 /// Points in the frame of a listener at the origin who turned by `yaw_rad`.
@@ -67,7 +67,7 @@ at::Tensor log_power(const HeadTables& head, const Direction& direction,
 /// Cosine of the angle between where the speaker looks and where the listener is: [clips][1].
 at::Tensor facing(const at::Tensor& heading, const at::Tensor& listener_from_speaker) {
   const at::Tensor level = listener_from_speaker.narrow(1, 0, 2);
-  return (heading * level).sum(at::IntArrayRef({1}), true) / length_of(level, 1e-2);
+  return (heading * level).sum(at::IntArrayRef({1}), true) / length_of(level, gtf::kDistanceFloor);
 }
 
 at::Tensor between_ears(const at::Tensor& log_powers) {
@@ -77,7 +77,7 @@ at::Tensor between_ears(const at::Tensor& log_powers) {
 }  // namespace
 
 at::Tensor pose_features(const at::Tensor& position_m, const at::Tensor& yaw_rad) {
-  return at::cat({position_m / kPositionScale_m, yaw_rad.sin(), yaw_rad.cos()}, 1);
+  return at::cat({position_m / gtf::kPositionScale_m, yaw_rad.sin(), yaw_rad.cos()}, 1);
 }
 
 MoveGeometry move_geometry(const HeadTables& head, const SpeakerPlace& speaker,
@@ -85,20 +85,21 @@ MoveGeometry move_geometry(const HeadTables& head, const SpeakerPlace& speaker,
   const at::Tensor& place = speaker.position_m;
   const Direction source = direction_of(place);
   const Direction target = direction_of(seen_after_turn(place - target_m, target_yaw_rad));
-  const at::Tensor heading = speaker.heading / length_of(speaker.heading, 1e-4);
+  const at::Tensor heading = speaker.heading / length_of(speaker.heading, gtf::kDirectionFloor);
   const at::Tensor reverberant = speaker.log_reverberant.unsqueeze(1);
   const at::Tensor at_source = log_power(head, source, reverberant.exp());
   const at::Tensor at_target = log_power(head, target, reverberant.exp());
 
   MoveGeometry move;
-  move.features = at::cat(
-      {pose_features(target_m, target_yaw_rad), place / kPositionScale_m, source.distance_m.log(),
-       source.azimuth_rad.sin(), source.azimuth_rad.cos(), target.azimuth_rad.sin(),
-       target.azimuth_rad.cos(), target.distance_m.log(),
-       (source.distance_m / target.distance_m).log(), source.elevation_rad, target.elevation_rad,
-       facing(heading, -place), facing(heading, target_m - place), reverberant / 3,
-       (at_target - at_source).flatten(1) / 2, between_ears(at_target), between_ears(at_source)},
-      1);
+  move.features =
+      at::cat({pose_features(target_m, target_yaw_rad), place / gtf::kPositionScale_m,
+               source.distance_m.log(), source.azimuth_rad.sin(), source.azimuth_rad.cos(),
+               target.azimuth_rad.sin(), target.azimuth_rad.cos(), target.distance_m.log(),
+               (source.distance_m / target.distance_m).log(), source.elevation_rad,
+               target.elevation_rad, facing(heading, -place), facing(heading, target_m - place),
+               reverberant / gtf::kReverberationScale, (at_target - at_source).flatten(1) / 2,
+               between_ears(at_target), between_ears(at_source)},
+              1);
   move.source_delay_s = read_table(head.delay_s, source.azimuth_rad);
   move.target_delay_s = read_table(head.delay_s, target.azimuth_rad);
   return move;

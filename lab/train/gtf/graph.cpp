@@ -21,16 +21,12 @@
 
 #include <earpoint/core/error.h>
 #include <earpoint/core/pose.h>
+#include <earpoint/gtf/constants.h>
 
 namespace earpoint {
 namespace {
 
 using D = GtfDescription;
-
-constexpr double kHeardLevel = 0.05;  // the root mean square that every sound is brought to
-constexpr double kQuietest = 1e-4;    // below it a sound counts as silence
-constexpr double kNormEpsilon = 1e-5;
-constexpr double kMagnitudeFloor = 1e-3;
 
 }  // namespace
 
@@ -71,12 +67,12 @@ at::Tensor GtfGraph::look(const at::Tensor& picture, const at::Tensor& box) cons
   const at::Tensor across = (middles >= side(1)).logical_and(middles <= side(3)).to(at::kFloat);
   const at::Tensor down = (middles >= side(2)).logical_and(middles <= side(4)).to(at::kFloat);
   const at::Tensor mask = down.unsqueeze(2) * across.unsqueeze(1) * side(0).unsqueeze(2);
-  at::Tensor x = at::cat({picture - 0.5, mask.unsqueeze(1)}, 1);
+  at::Tensor x = at::cat({picture - gtf::kMiddleGrey, mask.unsqueeze(1)}, 1);
   for (int i = 0; i < D::kPictureLayers; ++i) {
     const std::string name = fmt::format("picture.{}", i);
     x = at::conv2d(x, parameter(name + ".weight"), parameter(name + ".bias"), 2, 1);
     x = at::silu(at::group_norm(x, D::kNormGroups, parameter(name + ".norm.weight"),
-                                parameter(name + ".norm.bias"), kNormEpsilon));
+                                parameter(name + ".norm.bias"), gtf::kNormEpsilon));
   }
   return at::silu(linear("picture.output", x.flatten(1)));
 }
@@ -93,8 +89,9 @@ SpeakerPlace GtfGraph::locate(const at::Tensor& picture, const at::Tensor& box,
     const at::Tensor height = (side(4) - side(2)) * seen;
     const at::Tensor width = (side(3) - side(1)) * seen;
     known.push_back(at::cat({seen, azimuth, (1 - 2 * side(2)) * seen, height, width,
-                             (side(4) > 0.99).to(at::kFloat) * seen, (height + 0.02).log() * seen,
-                             (width + 0.02).log() * seen, (1 - 2 * side(4)) * seen},
+                             (side(4) > gtf::kLowestEdge).to(at::kFloat) * seen,
+                             (height + gtf::kBoxSizeFloor).log() * seen,
+                             (width + gtf::kBoxSizeFloor).log() * seen, (1 - 2 * side(4)) * seen},
                             1));
   }
   known.push_back(summary);
@@ -102,17 +99,20 @@ SpeakerPlace GtfGraph::locate(const at::Tensor& picture, const at::Tensor& box,
   x = linear("locator.2", at::silu(linear("locator.1", x)));
 
   // The direction starts from the box where there is one.
-  constexpr double kTrustInBox = 3.0;
   const auto output = [&](std::int64_t i) { return x.narrow(1, i, 1); };
-  const at::Tensor front = output(0) + kTrustInBox * seen * azimuth.cos();
-  const at::Tensor left = output(1) + kTrustInBox * seen * azimuth.sin();
-  const at::Tensor distance = (0.6 + output(2).clamp(-2, 1.5)).exp();
-  const at::Tensor scale = distance / (front.square() + left.square() + 1e-4).sqrt();
-  return {at::cat({front * scale, left * scale, output(3) * 0.3 - 0.1}, 1), x.narrow(1, 4, 2),
-          x.select(1, 6)};
+  const at::Tensor front = output(0) + gtf::kTrustInBox * seen * azimuth.cos();
+  const at::Tensor left = output(1) + gtf::kTrustInBox * seen * azimuth.sin();
+  const at::Tensor distance =
+      (gtf::kLogDistance + output(2).clamp(gtf::kLeastLogRatio, gtf::kMostLogRatio)).exp();
+  const at::Tensor scale =
+      distance / (front.square() + left.square() + gtf::kDirectionFloor).sqrt();
+  return {
+      at::cat({front * scale, left * scale, output(3) * gtf::kHeightScale_m + gtf::kUsualHeight_m},
+              1),
+      x.narrow(1, 4, 2), x.select(1, 6)};
 }
 
-GtfGraph::Conditions GtfGraph::condition(const GtfInputs& inputs, const Heard& heard,
+GtfGraph::Conditions GtfGraph::condition(const GtfInputs& inputs, const SoundFeatures& heard,
                                          std::optional<SpeakerPlace>& speaker) const {
   Conditions conditions;
   const at::Tensor box = description_.box ? inputs.box : inputs.box * 0;
@@ -137,7 +137,7 @@ GtfGraph::Conditions GtfGraph::condition(const GtfInputs& inputs, const Heard& h
   return conditions;
 }
 
-at::Tensor GtfGraph::trunk(const Heard& heard, const at::Tensor& conditions) const {
+at::Tensor GtfGraph::trunk(const SoundFeatures& heard, const at::Tensor& conditions) const {
   TrunkTensors tensors;
   tensors.input_weight = parameter("trunk.input.weight");
   tensors.input_bias = parameter("trunk.input.bias");
@@ -152,7 +152,7 @@ at::Tensor GtfGraph::trunk(const Heard& heard, const at::Tensor& conditions) con
   return trunk_pass(tensors, heard.features, frames, description_.look_ahead_frames);
 }
 
-at::Tensor GtfGraph::filter(const Heard& heard, const at::Tensor& state,
+at::Tensor GtfGraph::filter(const SoundFeatures& heard, const at::Tensor& state,
                             const Conditions& conditions) const {
   const std::int64_t clips = state.size(0);
   // Without delays the phase is the source's.
@@ -171,23 +171,21 @@ at::Tensor GtfGraph::filter(const Heard& heard, const at::Tensor& state,
   return phase_pass(spectrum, description_.phase_rounds, heard.samples);
 }
 
-at::Tensor GtfGraph::dry_magnitude(const Heard& heard, const at::Tensor& state,
+at::Tensor GtfGraph::dry_magnitude(const SoundFeatures& heard, const at::Tensor& state,
                                    const at::Tensor& conditions) const {
-  constexpr double kLeastGain = -5.0;
-  constexpr double kMostGain = 4.0;
   const std::int64_t frames = 1 + heard.samples / D::kHop;
   const FrameLayer gain = modulated("dry", conditions);
   const at::Tensor log_gain =
       at::matmul(gain.weight, state.narrow(2, 0, frames)) + gain.still.unsqueeze(2);
-  return (heard.magnitude.mean(at::IntArrayRef({1})).narrow(2, 0, frames) + kMagnitudeFloor) *
-         log_gain.clamp(kLeastGain, kMostGain).exp();
+  return (heard.magnitude.mean(at::IntArrayRef({1})).narrow(2, 0, frames) + gtf::kMagnitudeFloor) *
+         log_gain.clamp(gtf::kLeastDryLogGain, gtf::kMostDryLogGain).exp();
 }
 
 GtfOutput GtfGraph::forward(const GtfInputs& inputs) {
   const at::Tensor level =
-      inputs.source.square().mean(at::IntArrayRef({1, 2}), true).sqrt().clamp_min(kQuietest) /
-      kHeardLevel;
-  const Heard heard = hear(description_, inputs.source / level);
+      inputs.source.square().mean(at::IntArrayRef({1, 2}), true).sqrt().clamp_min(gtf::kQuietest) /
+      gtf::kHeardLevel;
+  const SoundFeatures heard = sound_features(description_, inputs.source / level);
   GtfOutput output;
   const Conditions conditions = condition(inputs, heard, output.speaker);
   const at::Tensor state = trunk(heard, conditions.vector);

@@ -2,7 +2,7 @@
 
 #include "filter_pass.h"
 #include "geometry.h"
-#include "hearing.h"
+#include "sound_features.h"
 
 #include <map>
 #include <optional>
@@ -59,12 +59,12 @@ class GtfGraph {
   at::Tensor look(const at::Tensor& picture, const at::Tensor& box) const;
   SpeakerPlace locate(const at::Tensor& picture, const at::Tensor& box,
                       const at::Tensor& summary) const;
-  Conditions condition(const GtfInputs& inputs, const Heard& heard,
+  Conditions condition(const GtfInputs& inputs, const SoundFeatures& heard,
                        std::optional<SpeakerPlace>& speaker) const;
-  at::Tensor trunk(const Heard& heard, const at::Tensor& conditions) const;
-  at::Tensor dry_magnitude(const Heard& heard, const at::Tensor& state,
+  at::Tensor trunk(const SoundFeatures& heard, const at::Tensor& conditions) const;
+  at::Tensor dry_magnitude(const SoundFeatures& heard, const at::Tensor& state,
                            const at::Tensor& conditions) const;
-  at::Tensor filter(const Heard& heard, const at::Tensor& state,
+  at::Tensor filter(const SoundFeatures& heard, const at::Tensor& state,
                     const Conditions& conditions) const;
 
   at::Tensor linear(const std::string& name, const at::Tensor& x) const;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <earpoint/audio/fft.h>
+#include <earpoint/core/ears.h>
 #include <earpoint/core/error.h>
 #include <earpoint/core/pose.h>
 #include <earpoint/core/random.h>
@@ -20,7 +21,6 @@ namespace {
 using D = GtfDescription;
 using Shape = std::vector<std::int64_t>;
 
-constexpr int kEars = 2;
 using BandPowers = std::array<double, D::kHeadBands>;
 
 /// Mean power of a response in each band of the tables.

@@ -1,8 +1,8 @@
 #include <earpoint/train/gtf_learner.h>
 
-#include "adam.h"
 #include "graph.h"
 #include "graph_tensors.h"
+#include "learned_tensors.h"
 #include "loss.h"
 #include "parts.h"
 #include "stft_loss.h"
@@ -15,10 +15,8 @@
 #include <vector>
 
 #include <ATen/core/grad_mode.h>
-#include <ATen/ops/zeros_like.h>
 
 #include <earpoint/core/error.h>
-#include <earpoint/network/weights.h>
 
 namespace earpoint {
 
@@ -28,6 +26,11 @@ namespace {
 /// whatever the number of threads, and with it the numbers.
 constexpr std::int64_t kClipsOfPart = 4;
 
+GtfDescription described(GtfDescription description, const GtfLearnerOptions& options) {
+  if (options.training_range) description.training_range = *options.training_range;
+  return description;
+}
+
 }  // namespace
 
 struct GtfLearner::State {
@@ -35,7 +38,6 @@ struct GtfLearner::State {
       : options(learner_options),
         estimator(frozen(learner_options)),
         graph(weights),
-        adam(graph.parameters(), {.second = learner_options.second_decay}),
         magnitude(GtfDescription::kHop, at::kCPU) {}
 
   /// The estimator of the options, which does not learn.
@@ -120,15 +122,15 @@ struct GtfLearner::State {
   }
 
   /// Parts take turns in the texture that they are asked for.
-  [[nodiscard]] bool is_natural(std::ptrdiff_t part) const {
-    return options.natural_loss.has_value() && (adam.steps() + part) % 2 == 1;
+  [[nodiscard]] bool is_natural(std::int64_t step, std::ptrdiff_t part) const {
+    return options.natural_loss.has_value() && (step + part) % 2 == 1;
   }
 
   /// A part's loss and gradient, which stays in its graph.
   double learn_from(const TrainingBatch& clips, const at::Tensor& spectrum, const BatchShare& share,
                     bool is_natural, GtfGraph& twin) {
     const GtfLossWeights& loss_weights = is_natural ? *options.natural_loss : options.loss;
-    forget_gradients(twin.parameters());
+    earpoint::forget_gradients(twin.parameters());
     GtfTruth truth{
         sounds(clips, clips.target),        spectrum, {}, {}, values(clips, "speaker_m", 3),
         values(clips, "speaker_heading", 2)};
@@ -147,31 +149,24 @@ struct GtfLearner::State {
   GtfGraph graph;
   std::vector<GtfGraph> twins;  ///< of the parts of a batch
   PartTeam team;
-  Adam adam;
   ShortTimeMagnitude magnitude;
 };
 
 GtfLearner::GtfLearner(const GtfWeights& weights, GtfLearnerOptions options)
-    : state_(std::make_unique<State>(weights, options)) {
+    : NetworkLearner(described(weights.description, options)),
+      state_(std::make_unique<State>(weights, options)) {
   EARPOINT_CHECK(weights.description.texture == options.natural_loss.has_value());
   EARPOINT_CHECK(weights.description.dry_voice || options.loss.dry_voice == 0.0);
+  GraphTensors tensors;
+  tensors.parameters = state_->graph.parameters();
+  LearnedTensors learned(std::move(tensors), {}, {.second = options.second_decay});
+  learned.tables = state_->graph.buffers();
+  learned.longest_gradient = options.longest_gradient;
+  learn(std::move(learned));
 }
 GtfLearner::~GtfLearner() = default;
 GtfLearner::GtfLearner(GtfLearner&&) noexcept = default;
 GtfLearner& GtfLearner::operator=(GtfLearner&&) noexcept = default;
-
-const GtfDescription& GtfLearner::description() const { return state_->graph.description(); }
-
-GtfWeights GtfLearner::weights() const {
-  GtfWeights weights{description(), {}, {}};
-  for (const auto& [name, tensor] : state_->graph.parameters()) {
-    weights.tensors[name] = from_torch(tensor);
-  }
-  for (const auto& [name, tensor] : state_->graph.buffers()) {
-    weights.tensors[name] = from_torch(tensor);
-  }
-  return weights;
-}
 
 std::vector<float> GtfLearner::predict(const TrainingBatch& batch, double texture) {
   return state_->without_gradients<float>(batch, [&](const TrainingBatch& clips, GtfGraph& graph) {
@@ -212,48 +207,23 @@ double GtfLearner::compute_gradients(const TrainingBatch& batch) {
     const BatchShare share{static_cast<double>(clips.clips) / static_cast<double>(batch.clips),
                            all_loudness};
     const auto at = static_cast<std::size_t>(part);
-    losses[at] = state.learn_from(clips, spectra[at], share, state.is_natural(part), graph);
+    losses[at] =
+        state.learn_from(clips, spectra[at], share, state.is_natural(steps(), part), graph);
   });
   const OneThread one_thread;
   state.sum_gradients(static_cast<std::int64_t>(parts));
   return std::accumulate(losses.begin(), losses.end(), 0.0);
 }
 
-std::map<std::string, Tensor> GtfLearner::gradients() const {
-  std::map<std::string, Tensor> gradients;
-  for (const auto& [name, parameter] : state_->graph.parameters()) {
-    const at::Tensor gradient = parameter.grad();
-    gradients[name] = from_torch(gradient.defined() ? gradient : at::zeros_like(parameter));
-  }
-  return gradients;
-}
-
-void GtfLearner::visit_gradients(const Visitor& visitor) {
-  earpoint::visit_gradients(state_->graph.parameters(), visitor);
-}
-
-void GtfLearner::visit_statistics(const Visitor& /*visitor*/) {}
-
 void GtfLearner::apply_gradients(double learning_rate) {
   const OneThread one_thread;
-  clip_gradients(state_->graph.parameters(), state_->options.longest_gradient);
-  state_->adam.step(learning_rate);
-}
-
-std::int64_t GtfLearner::steps() const { return state_->adam.steps(); }
-
-SafetensorsFile GtfLearner::weight_file() const { return to_weight_file(weights()); }
-
-SafetensorsFile GtfLearner::checkpoint() const {
-  SafetensorsFile file = weight_file();
-  state_->adam.save(file);
-  return file;
+  NetworkLearner::apply_gradients(learning_rate);
 }
 
 GtfLearner GtfLearner::from_checkpoint(const SafetensorsFile& file, std::string_view where,
                                        GtfLearnerOptions options) {
   GtfLearner learner(gtf_weights(file, where), options);
-  learner.state_->adam.load(file, where);
+  learner.resume_optimizer(file, where);
   return learner;
 }
 

@@ -2,8 +2,8 @@
 // LibTorch finds by itself.
 #include "filter_pass.h"
 #include "frame_planes.h"
-#include "hearing.h"
 #include "phase_pass.h"
+#include "sound_features.h"
 #include "spectral_loss.h"
 #include "trunk_pass.h"
 
@@ -277,7 +277,7 @@ void expect_the_formula(bool ear_delays) {
   const train::FrameExtent extent{kSamples};
   FilterTensors ours(d, extent.row());
   FilterTensors theirs(d, extent.row());
-  const Heard heard = hear(d, source);
+  const SoundFeatures heard = sound_features(d, source);
   const at::Tensor found = frames_of(
       filter_pass(d, {heard.spectrum, heard.magnitude, kSamples}, ours.state,
                   {ours.kernel_weight, ours.kernel_still}, {ours.gain_weight, ours.gain_still},

@@ -11,6 +11,7 @@
 
 #include <hwy/highway.h>
 
+#include <earpoint/gtf/constants.h>
 #include <earpoint/gtf/description.h>
 // clang-format on
 
@@ -22,7 +23,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Lanes = hn::CappedTag<float, kFrameStep>;
 using Vector = hn::Vec<Lanes>;
 
-constexpr float kPowerFloor = 1e-8F;
+using gtf::kPowerFloor;
 constexpr float kLeastPower = 1e-12F;  // of what comes in: its slope is finite at zero
 constexpr float kMomentum = GtfDescription::kPhaseMomentum;
 

@@ -11,6 +11,8 @@
 #include <ATen/ops/empty_like.h>
 #include <torch/csrc/autograd/custom_function.h>
 
+#include <earpoint/core/ears.h>
+
 namespace earpoint {
 namespace {
 
@@ -25,7 +27,7 @@ class PhasePass : public torch::autograd::Function<PhasePass> {
                             std::int64_t rounds, std::int64_t samples) {
     const FrameExtent e{samples};
     const std::int64_t clips = spectrum.size(0);
-    at::Tensor sound = at::empty({clips, train::kEars, samples});
+    at::Tensor sound = at::empty({clips, kEars, samples});
     // What every round's transform gave.
     const at::Tensor heard = at::empty({clips, rounds, e.spectrum()});
     std::vector<float> turned(static_cast<std::size_t>(e.spectrum()));
@@ -55,7 +57,7 @@ class PhasePass : public torch::autograd::Function<PhasePass> {
     std::vector<float> by_turned(size);
     std::vector<float> by_heard(size);
     std::vector<float> by_before(size);
-    std::vector<float> by_samples(static_cast<std::size_t>(train::kEars * e.samples));
+    std::vector<float> by_samples(static_cast<std::size_t>(kEars * e.samples));
     for (std::int64_t clip = 0; clip < by_sound.size(0); ++clip) {
       const float* start = saved[0].data_ptr<float>() + clip * saved[0].stride(0);
       float* to = by_spectrum.data_ptr<float>() + clip * by_spectrum.stride(0);

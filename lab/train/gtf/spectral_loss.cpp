@@ -13,6 +13,7 @@
 #include <ATen/ops/full.h>
 #include <torch/csrc/autograd/custom_function.h>
 
+#include <earpoint/core/ears.h>
 #include <earpoint/core/error.h>
 
 namespace earpoint {
@@ -22,7 +23,6 @@ using torch::autograd::AutogradContext;
 using torch::autograd::variable_list;
 using train::FrameExtent;
 using train::kBins;
-using train::kEars;
 using train::RowWeights;
 
 /// Of a clip's mean magnitude: what lies below is silence to the depth of modulation.

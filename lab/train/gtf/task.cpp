@@ -12,6 +12,7 @@
 #include <earpoint/core/strict_json.h>
 #include <earpoint/dataset/ambient.h>
 #include <earpoint/gtf/description.h>
+#include <earpoint/gtf/training_range.h>
 #include <earpoint/gtf/weights.h>
 #include <earpoint/rt60/description.h>
 #include <earpoint/rt60/weights.h>
@@ -52,6 +53,7 @@ struct GtfStart {
   std::optional<GtfLossWeights> natural_loss;
   std::optional<std::string> init;       ///< a weight file to start from
   std::optional<std::string> estimator;  ///< the weight file of one of reverberation time
+  GtfTrainingRange range;
 };
 
 /// Takes the path at `key` out of the network's section. @param what  it is the path of
@@ -66,7 +68,7 @@ std::optional<std::string> take_path(Json& section, const char* key, const char*
   return path;
 }
 
-/// Takes `loss`, `init` and `estimator` out of the network's section.
+/// Takes `loss`, `init`, `estimator` and `training_range` out of the network's section.
 GtfStart take_start(std::string& section, const std::string& where) {
   constexpr int kDepth = 3;  // the section, its loss, that of the natural texture
   GtfStart start;
@@ -85,6 +87,11 @@ GtfStart take_start(std::string& section, const std::string& where) {
   }
   json.erase("loss");
   start.init = take_path(json, "init", "weights", where);
+  if (json.contains("training_range")) {
+    start.range = gtf_training_range_from_json(json["training_range"].dump(),
+                                               fmt::format("{}: 'training_range'", where));
+    json.erase("training_range");
+  }
   start.estimator = take_path(json, "estimator", "an rt60 network's weights", where);
   const bool is_heard =
       start.loss.reverberation > 0 || (start.natural_loss && start.natural_loss->reverberation > 0);
@@ -127,6 +134,7 @@ TrainingTask gtf_task(const TrainConfig& config, std::string_view where,
   const GtfStart start = take_start(section, network);
   learner_options.loss = start.loss;
   learner_options.natural_loss = start.natural_loss;
+  learner_options.training_range = start.range;
   if (start.estimator) {
     learner_options.estimator =
         rt60_estimator_weights(read_safetensors(*start.estimator), *start.estimator);
@@ -139,8 +147,9 @@ TrainingTask gtf_task(const TrainConfig& config, std::string_view where,
   GtfDescription usual;
   if (pairs.separate) usual.highpass_cutoff_hz = kSeparationCutoffHz;
   usual.window_samples = static_cast<int>(pairs.samples);
-  const GtfDescription description =
+  GtfDescription description =
       gtf_description_from_json(description_with(section, to_json(usual), network), network);
+  description.training_range = start.range;
   if (description.texture != start.natural_loss.has_value()) {
     throw InputError(network, "'texture' and 'loss.natural' need each other", "give both or none");
   }

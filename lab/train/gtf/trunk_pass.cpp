@@ -15,6 +15,7 @@
 #include <torch/csrc/autograd/custom_function.h>
 
 #include <earpoint/core/error.h>
+#include <earpoint/gtf/constants.h>
 
 namespace earpoint {
 namespace {
@@ -25,7 +26,7 @@ using train::Outer;
 using train::Product;
 using train::Rows;
 
-constexpr std::int64_t kTaps = 3;
+constexpr std::int64_t kTaps = gtf::kTrunkTaps;
 
 std::int64_t whole_steps(std::int64_t count) {
   return (count + train::kChannelStep - 1) / train::kChannelStep * train::kChannelStep;

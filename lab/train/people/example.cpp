@@ -105,13 +105,13 @@ void recolour(ImagePlanes& planes, RandomStream& random) {
   for (std::size_t i = 0; i < pixels; ++i) {
     std::array<float, 3> rgb{};
     for (std::size_t c = 0; c < 3; ++c) {
-      const float value = std::clamp(planes.values[c * pixels + i] + 0.5F, 0.0F, 1.0F);
+      const float value = std::clamp(planes.values[c * pixels + i] + D::kMiddleGrey, 0.0F, 1.0F);
       rgb[c] = tables[c][static_cast<std::size_t>(value * kEntries)];
     }
     const float grey = (rgb[0] + rgb[1] + rgb[2]) / 3.0F;
     for (std::size_t c = 0; c < 3; ++c) {
       const float value = grey + saturation * (rgb[c] - grey);
-      planes.values[c * pixels + i] = std::clamp(value, 0.0F, 1.0F) - 0.5F;
+      planes.values[c * pixels + i] = std::clamp(value, 0.0F, 1.0F) - D::kMiddleGrey;
     }
   }
 }

@@ -1,8 +1,7 @@
 #include <earpoint/train/people_learner.h>
 
-#include "adam.h"
 #include "graph.h"
-#include "graph_tensors.h"
+#include "learned_tensors.h"
 #include "loss.h"
 #include "torch_tensor.h"
 
@@ -15,7 +14,6 @@
 #include <earpoint/core/error.h>
 #include <earpoint/locate/decode_people.h>
 #include <earpoint/locate/detection_count.h>
-#include <earpoint/network/weights.h>
 #include <earpoint/train/people_example.h>
 
 namespace earpoint {
@@ -44,8 +42,7 @@ struct PeopleLearner::State {
       : width(width_px),
         height(height_px),
         device(device_named(device_name)),
-        graph(weights, device),
-        adam(graph.tensors.parameters) {
+        graph(weights, device) {
     EARPOINT_CHECK(width % D::kCoarsest == 0 && height % D::kCoarsest == 0);
   }
 
@@ -69,21 +66,19 @@ struct PeopleLearner::State {
   int height;
   at::Device device;
   PeopleGraph graph;
-  Adam adam;
 };
 
 PeopleLearner::PeopleLearner(const PeopleWeights& weights, int width_px, int height_px,
                              const std::string& device)
-    : state_(std::make_unique<State>(weights, width_px, height_px, device)) {}
+    : NetworkLearner(weights.description),
+      state_(std::make_unique<State>(weights, width_px, height_px, device)) {
+  LearnedTensors tensors(state_->graph.tensors);
+  tensors.longest_gradient = kLongestGradient;
+  learn(std::move(tensors));
+}
 PeopleLearner::~PeopleLearner() = default;
 PeopleLearner::PeopleLearner(PeopleLearner&&) noexcept = default;
 PeopleLearner& PeopleLearner::operator=(PeopleLearner&&) noexcept = default;
-
-const PeopleDescription& PeopleLearner::description() const { return state_->graph.description; }
-
-PeopleWeights PeopleLearner::weights() const {
-  return {state_->graph.description, state_->graph.tensors.weights(), {}};
-}
 
 std::vector<float> PeopleLearner::maps(const TrainingBatch& batch) {
   const at::NoGradGuard no_gradients;
@@ -109,45 +104,18 @@ std::vector<double> PeopleLearner::errors(const TrainingBatch& batch) {
 
 double PeopleLearner::compute_gradients(const TrainingBatch& batch) {
   State& state = *state_;
-  forget_gradients(state.graph.tensors.parameters);
+  forget_gradients();
   const at::Tensor loss =
       people_loss(state.forward(batch, GraphMode::training), state.targets(batch));
   loss.backward();
   return loss.item<double>();
 }
 
-std::map<std::string, Tensor> PeopleLearner::gradients() const {
-  return state_->graph.tensors.gradients();
-}
-
-void PeopleLearner::visit_gradients(const Visitor& visitor) {
-  earpoint::visit_gradients(state_->graph.tensors.parameters, visitor);
-}
-
-void PeopleLearner::visit_statistics(const Visitor& visitor) {
-  visit_values(state_->graph.tensors.buffers, visitor);
-}
-
-void PeopleLearner::apply_gradients(double learning_rate) {
-  clip_gradients(state_->graph.tensors.parameters, kLongestGradient);
-  state_->adam.step(learning_rate);
-}
-
-std::int64_t PeopleLearner::steps() const { return state_->adam.steps(); }
-
-SafetensorsFile PeopleLearner::weight_file() const { return to_weight_file(weights()); }
-
-SafetensorsFile PeopleLearner::checkpoint() const {
-  SafetensorsFile file = weight_file();
-  state_->adam.save(file);
-  return file;
-}
-
 PeopleLearner PeopleLearner::from_checkpoint(const SafetensorsFile& file, std::string_view where,
                                              int width_px, int height_px,
                                              const std::string& device) {
   PeopleLearner learner(people_weights(file, where), width_px, height_px, device);
-  learner.state_->adam.load(file, where);
+  learner.resume_optimizer(file, where);
   return learner;
 }
 

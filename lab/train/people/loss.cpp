@@ -15,8 +15,7 @@ namespace {
 
 using D = PeopleDescription;
 
-constexpr double kBoxLoss = 2.0;     // beside the loss of middles
-constexpr double kLargestLog = 4.0;  // of a box's size: e^4 kBoxUnit is more than any view
+constexpr double kBoxLoss = 2.0;  // beside the loss of middles
 
 at::Tensor focal_loss(const at::Tensor& logit, const PeopleTargets& targets) {
   const at::Tensor sure = at::sigmoid(logit);
@@ -56,7 +55,8 @@ at::Tensor boxes_of_cells(const at::Tensor& answer) {
   const at::Tensor x = (answer.select(1, 1) + middles(3)) * D::kCell;
   const at::Tensor y = (answer.select(1, 2) + middles(2).unsqueeze(1)) * D::kCell;
   const auto half = [&](std::int64_t output) {
-    return answer.select(1, output).clamp(-kLargestLog, kLargestLog).exp() * (0.5 * D::kBoxUnit);
+    return answer.select(1, output).clamp(-D::kLargestLog, D::kLargestLog).exp() *
+           (0.5 * D::kBoxUnit);
   };
   const at::Tensor half_width = half(3);
   const at::Tensor half_height = half(4);

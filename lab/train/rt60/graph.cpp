@@ -5,12 +5,11 @@
 #include <ATen/ops/ones_like.h>
 #include <ATen/ops/where.h>
 
+#include <earpoint/audio/stft.h>
 #include <earpoint/core/error.h>
 
 namespace earpoint {
 namespace {
-
-constexpr std::int64_t kHopSamples = 160;
 
 at::Tensor scaled_to(const at::Tensor& sounds, double rms) {
   constexpr double kSilence = 1e-12;
@@ -30,7 +29,7 @@ at::Tensor whole_seconds(const at::Tensor& sound) {
 Rt60Graph::Rt60Graph(const Rt60EstimatorWeights& weights, const at::Device& device)
     : description(weights.description),
       tensors(weights.tensors, device),
-      magnitude(kHopSamples, device) {}
+      magnitude(StftShape{}.hop, device) {}
 
 at::Tensor Rt60Graph::estimate_s(const at::Tensor& sounds, GraphMode mode) const {
   const at::Tensor scaled =

@@ -1,8 +1,7 @@
 #include <earpoint/train/rt60_learner.h>
 
-#include "adam.h"
 #include "graph.h"
-#include "graph_tensors.h"
+#include "learned_tensors.h"
 #include "torch_tensor.h"
 
 #include <cmath>
@@ -12,13 +11,12 @@
 #include <ATen/core/grad_mode.h>
 
 #include <earpoint/core/error.h>
-#include <earpoint/network/weights.h>
 
 namespace earpoint {
 
 struct Rt60Learner::State {
   State(const Rt60EstimatorWeights& weights, const std::string& device_name)
-      : device(device_named(device_name)), graph(weights, device), adam(graph.tensors.parameters) {}
+      : device(device_named(device_name)), graph(weights, device) {}
 
   at::Tensor forward(const TrainingBatch& batch, GraphMode mode) const {
     return graph.estimate_s(
@@ -31,7 +29,6 @@ struct Rt60Learner::State {
 
   at::Device device;
   Rt60Graph graph;
-  Adam adam;
 };
 
 TrainingExample rt60_example(std::vector<float> sound, double t60_s) {
@@ -40,16 +37,12 @@ TrainingExample rt60_example(std::vector<float> sound, double t60_s) {
 }
 
 Rt60Learner::Rt60Learner(const Rt60EstimatorWeights& weights, const std::string& device)
-    : state_(std::make_unique<State>(weights, device)) {}
+    : NetworkLearner(weights.description), state_(std::make_unique<State>(weights, device)) {
+  learn(LearnedTensors(state_->graph.tensors));
+}
 Rt60Learner::~Rt60Learner() = default;
 Rt60Learner::Rt60Learner(Rt60Learner&&) noexcept = default;
 Rt60Learner& Rt60Learner::operator=(Rt60Learner&&) noexcept = default;
-
-const Rt60Description& Rt60Learner::description() const { return state_->graph.description; }
-
-Rt60EstimatorWeights Rt60Learner::weights() const {
-  return {state_->graph.description, state_->graph.tensors.weights(), {}};
-}
 
 std::vector<double> Rt60Learner::estimate_s(const TrainingBatch& batch) {
   const at::NoGradGuard no_gradients;
@@ -65,41 +58,17 @@ std::vector<double> Rt60Learner::errors(const TrainingBatch& batch) {
 
 double Rt60Learner::compute_gradients(const TrainingBatch& batch) {
   State& state = *state_;
-  forget_gradients(state.graph.tensors.parameters);
+  forget_gradients();
   const at::Tensor loss =
       (state.forward(batch, GraphMode::training) - state.wanted(batch)).abs().mean();
   loss.backward();
   return loss.item<double>();
 }
 
-std::map<std::string, Tensor> Rt60Learner::gradients() const {
-  return state_->graph.tensors.gradients();
-}
-
-void Rt60Learner::visit_gradients(const Visitor& visitor) {
-  earpoint::visit_gradients(state_->graph.tensors.parameters, visitor);
-}
-
-void Rt60Learner::visit_statistics(const Visitor& visitor) {
-  visit_values(state_->graph.tensors.buffers, visitor);
-}
-
-void Rt60Learner::apply_gradients(double learning_rate) { state_->adam.step(learning_rate); }
-
-std::int64_t Rt60Learner::steps() const { return state_->adam.steps(); }
-
-SafetensorsFile Rt60Learner::weight_file() const { return to_weight_file(weights()); }
-
-SafetensorsFile Rt60Learner::checkpoint() const {
-  SafetensorsFile file = weight_file();
-  state_->adam.save(file);
-  return file;
-}
-
 Rt60Learner Rt60Learner::from_checkpoint(const SafetensorsFile& file, std::string_view where,
                                          const std::string& device) {
   Rt60Learner learner(rt60_estimator_weights(file, where), device);
-  learner.state_->adam.load(file, where);
+  learner.resume_optimizer(file, where);
   return learner;
 }
 

@@ -16,6 +16,8 @@
 #include <ATen/ops/silu.h>
 #include <fmt/format.h>
 
+#include <earpoint/kernels/norms.h>
+
 namespace earpoint {
 namespace {
 
@@ -35,7 +37,8 @@ at::Tensor VamGraph::layer(const std::string& name, const at::Tensor& x) const {
 }
 
 at::Tensor VamGraph::norm(const std::string& name, const at::Tensor& x) const {
-  return at::layer_norm(x, {x.size(2)}, parameter(name + ".weight"), parameter(name + ".bias"));
+  return at::layer_norm(x, {x.size(2)}, parameter(name + ".weight"), parameter(name + ".bias"),
+                        kernels::kLayerNormEpsilon);
 }
 
 at::Tensor VamGraph::attend(const std::string& name, const at::Tensor& asking,

@@ -1,8 +1,7 @@
 #include <earpoint/train/vam_learner.h>
 
-#include "adam.h"
 #include "graph.h"
-#include "graph_tensors.h"
+#include "learned_tensors.h"
 #include "stft_loss.h"
 #include "torch_tensor.h"
 
@@ -11,9 +10,7 @@
 #include <ATen/core/grad_mode.h>
 
 #include <earpoint/core/error.h>
-#include <earpoint/core/resize.h>
-#include <earpoint/network/pose_encoding.h>
-#include <earpoint/network/weights.h>
+#include <earpoint/vam/encoding.h>
 
 namespace earpoint {
 
@@ -21,7 +18,6 @@ struct VamLearner::State {
   State(const VamWeights& weights, const std::string& device_name)
       : device(device_named(device_name)),
         graph(weights, device),
-        adam(graph.tensors().parameters),
         magnitude(weights.description.hop_samples, device) {}
 
   [[nodiscard]] at::Tensor sounds(const TrainingBatch& batch,
@@ -41,7 +37,6 @@ struct VamLearner::State {
 
   at::Device device;
   VamGraph graph;
-  Adam adam;
   ShortTimeMagnitude magnitude;
 };
 
@@ -50,28 +45,18 @@ TrainingExample vam_example(const VamDescription& description, const PairSample&
   TrainingExample example;
   example.source.assign(sample.source.planar().begin(), sample.source.planar().end());
   example.target.assign(sample.target.planar().begin(), sample.target.planar().end());
-  ImagePlanes picture = resize_bilinear(planes_of(*sample.picture), description.image_width_px,
-                                        description.image_height_px);
-  for (float& value : picture.values) value /= 255.0F;
-  example.picture = std::move(picture.values);
-  const EncodedPose pose = encode_pose(PoseEncoding::full, sample.source_from_target);
-  std::vector<float>& both = example.inputs[std::string(kVamPoseInput)];
-  both = pose.tgt_pose;
-  both.insert(both.end(), pose.tgt_rotation.begin(), pose.tgt_rotation.end());
+  example.picture = vam_picture(description, *sample.picture);
+  example.inputs[std::string(kVamPoseInput)] = vam_pose(sample.source_from_target);
   return example;
 }
 
 VamLearner::VamLearner(const VamWeights& weights, const std::string& device)
-    : state_(std::make_unique<State>(weights, device)) {}
+    : NetworkLearner(weights.description), state_(std::make_unique<State>(weights, device)) {
+  learn(LearnedTensors(state_->graph.tensors()));
+}
 VamLearner::~VamLearner() = default;
 VamLearner::VamLearner(VamLearner&&) noexcept = default;
 VamLearner& VamLearner::operator=(VamLearner&&) noexcept = default;
-
-const VamDescription& VamLearner::description() const { return state_->graph.description(); }
-
-VamWeights VamLearner::weights() const {
-  return {description(), state_->graph.tensors().weights(), {}};
-}
 
 std::vector<float> VamLearner::predict(const TrainingBatch& batch) {
   const at::NoGradGuard no_gradients;
@@ -87,41 +72,17 @@ std::vector<double> VamLearner::errors(const TrainingBatch& batch) {
 
 double VamLearner::compute_gradients(const TrainingBatch& batch) {
   State& state = *state_;
-  forget_gradients(state.graph.tensors().parameters);
+  forget_gradients();
   const at::Tensor loss = magnitude_loss(state.magnitude, state.forward(batch, GraphMode::training),
                                          state.sounds(batch, batch.target));
   loss.backward();
   return loss.item<double>();
 }
 
-std::map<std::string, Tensor> VamLearner::gradients() const {
-  return state_->graph.tensors().gradients();
-}
-
-void VamLearner::visit_gradients(const Visitor& visitor) {
-  earpoint::visit_gradients(state_->graph.tensors().parameters, visitor);
-}
-
-void VamLearner::visit_statistics(const Visitor& visitor) {
-  visit_values(state_->graph.tensors().buffers, visitor);
-}
-
-void VamLearner::apply_gradients(double learning_rate) { state_->adam.step(learning_rate); }
-
-std::int64_t VamLearner::steps() const { return state_->adam.steps(); }
-
-SafetensorsFile VamLearner::weight_file() const { return to_weight_file(weights()); }
-
-SafetensorsFile VamLearner::checkpoint() const {
-  SafetensorsFile file = weight_file();
-  state_->adam.save(file);
-  return file;
-}
-
 VamLearner VamLearner::from_checkpoint(const SafetensorsFile& file, std::string_view where,
                                        const std::string& device) {
   VamLearner learner(vam_weights(file, where), device);
-  learner.state_->adam.load(file, where);
+  learner.resume_optimizer(file, where);
   return learner;
 }
 

@@ -1,9 +1,8 @@
 #include <earpoint/train/vigas_learner.h>
 
-#include "adam.h"
 #include "conditioning_probe.h"
 #include "graph.h"
-#include "graph_tensors.h"
+#include "learned_tensors.h"
 #include "stft_loss.h"
 #include "torch_tensor.h"
 
@@ -15,7 +14,6 @@
 #include <dlfcn.h>
 
 #include <earpoint/core/error.h>
-#include <earpoint/network/weights.h>
 
 namespace earpoint {
 
@@ -25,8 +23,6 @@ struct ViGasLearner::State {
         device(device_named(options.device)),
         graph(weights, device),
         probe(graph.description().conditioning_width, graph.description().audio_channels, device),
-        learned(parameters()),
-        adam(learned),
         magnitude(weights.description.hop_samples, device) {}
 
   [[nodiscard]] at::Tensor sounds(const TrainingBatch& batch,
@@ -52,11 +48,10 @@ struct ViGasLearner::State {
     return inputs;
   }
 
-  /// What the network learns, and the probe where it is asked.
-  [[nodiscard]] std::map<std::string, at::Tensor> parameters() const {
-    std::map<std::string, at::Tensor> all = graph.tensors().parameters;
-    if (options.place > 0) all.insert(probe.parameters().begin(), probe.parameters().end());
-    return all;
+  /// The network, and the probe beside it where it is asked.
+  [[nodiscard]] LearnedTensors learned() const {
+    return options.place > 0 ? LearnedTensors(graph.tensors(), probe.parameters())
+                             : LearnedTensors(graph.tensors());
   }
 
   [[nodiscard]] at::Tensor sound_error(const at::Tensor& source, const at::Tensor& fused,
@@ -79,22 +74,16 @@ struct ViGasLearner::State {
   at::Device device;
   ViGasGraph graph;
   ConditioningProbe probe;
-  std::map<std::string, at::Tensor> learned;
-  Adam adam;
   ShortTimeMagnitude magnitude;
 };
 
 ViGasLearner::ViGasLearner(const ViGasWeights& weights, LearnerOptions options)
-    : state_(std::make_unique<State>(weights, options)) {}
+    : NetworkLearner(weights.description), state_(std::make_unique<State>(weights, options)) {
+  learn(state_->learned());
+}
 ViGasLearner::~ViGasLearner() = default;
 ViGasLearner::ViGasLearner(ViGasLearner&&) noexcept = default;
 ViGasLearner& ViGasLearner::operator=(ViGasLearner&&) noexcept = default;
-
-const ViGasDescription& ViGasLearner::description() const { return state_->graph.description(); }
-
-ViGasWeights ViGasLearner::weights() const {
-  return {description(), state_->graph.tensors().weights(), {}};
-}
 
 std::vector<float> ViGasLearner::predict(const TrainingBatch& batch) {
   const at::NoGradGuard no_gradients;
@@ -110,7 +99,7 @@ std::vector<double> ViGasLearner::errors(const TrainingBatch& batch) {
 
 double ViGasLearner::compute_gradients(const TrainingBatch& batch) {
   State& state = *state_;
-  forget_gradients(state.learned);
+  forget_gradients();
   const GraphInputs inputs = state.inputs(batch);
   const at::Tensor fused = state.graph.fuse(inputs, GraphMode::training);
   const at::Tensor target = state.sounds(batch, batch.target);
@@ -126,28 +115,9 @@ double ViGasLearner::compute_gradients(const TrainingBatch& batch) {
   return loss.item<double>();
 }
 
-std::map<std::string, Tensor> ViGasLearner::gradients() const {
-  return state_->graph.tensors().gradients();
-}
-
-void ViGasLearner::visit_gradients(const Visitor& visitor) {
-  earpoint::visit_gradients(state_->learned, visitor);
-}
-
-void ViGasLearner::visit_statistics(const Visitor& visitor) {
-  visit_values(state_->graph.tensors().buffers, visitor);
-}
-
-void ViGasLearner::apply_gradients(double learning_rate) { state_->adam.step(learning_rate); }
-
-std::int64_t ViGasLearner::steps() const { return state_->adam.steps(); }
-
-SafetensorsFile ViGasLearner::weight_file() const { return to_weight_file(weights()); }
-
 SafetensorsFile ViGasLearner::checkpoint() const {
-  SafetensorsFile file = to_weight_file(weights());
+  SafetensorsFile file = NetworkLearner::checkpoint();
   if (state_->options.place > 0) state_->probe.save(file);
-  state_->adam.save(file);
   return file;
 }
 
@@ -155,7 +125,7 @@ ViGasLearner ViGasLearner::from_checkpoint(const SafetensorsFile& file, std::str
                                            LearnerOptions options) {
   ViGasLearner learner(vigas_weights(file, where), std::move(options));
   if (learner.state_->options.place > 0) learner.state_->probe.load(file, where);
-  learner.state_->adam.load(file, where);
+  learner.resume_optimizer(file, where);
   return learner;
 }
 

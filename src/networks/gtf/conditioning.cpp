@@ -19,7 +19,7 @@ GtfConditions::GtfConditions(const GtfWeights& weights)
       middle_(static_cast<std::size_t>(description_.conditioning_width)),
       vector_(middle_.size()),
       heard_(static_cast<std::size_t>(description_.summary_width)) {
-  if (description_.picture_px > 0) eye_.emplace(weights);
+  if (description_.picture_px > 0) picture_encoder_.emplace(weights);
   if (!description_.geometry) return;
   for (int i = 0; i < 3; ++i) locator_[i] = dense_of(weights, fmt::format("locator.{}", i));
   geometry_.emplace(weights);
@@ -40,9 +40,9 @@ void GtfConditions::put_box(const std::optional<Box>& box) {
       1.0 - 2.0 * box->y_min,
       height,
       width,
-      box->y_max > 0.99 ? 1.0 : 0.0,
-      std::log(height + 0.02),
-      std::log(width + 0.02),
+      box->y_max > gtf::kLowestEdge ? 1.0 : 0.0,
+      std::log(height + gtf::kBoxSizeFloor),
+      std::log(width + gtf::kBoxSizeFloor),
       1.0 - 2.0 * box->y_max};
   std::ranges::copy(seen, box_.begin());
 }
@@ -50,7 +50,7 @@ void GtfConditions::put_box(const std::optional<Box>& box) {
 void GtfConditions::look(std::span<const float> picture, const std::optional<Box>& box) {
   const std::optional<Box> told = description_.box ? box : std::nullopt;
   put_box(told);
-  if (eye_) eye_->look(picture, told, feature_);
+  if (picture_encoder_) picture_encoder_->look(picture, told, feature_);
 }
 
 void GtfConditions::locate(std::span<const float> summary) {
@@ -64,14 +64,16 @@ void GtfConditions::locate(std::span<const float> summary) {
   locator_[2].apply(second_, found_);
 
   // The direction starts from the box where there is one.
-  constexpr double kTrustInBox = 3.0;
   const double seen = box_[0];
-  const double front = found_[0] + kTrustInBox * seen * std::cos(box_[1]);
-  const double left = found_[1] + kTrustInBox * seen * std::sin(box_[1]);
-  const double distance = std::exp(0.6 + std::clamp(double{found_[2]}, -2.0, 1.5));
-  const double scale = distance / std::sqrt(front * front + left * left + 1e-4);
-  located_ = {
-      {front * scale, left * scale, found_[3] * 0.3 - 0.1}, found_[4], found_[5], found_[6]};
+  const double front = found_[0] + gtf::kTrustInBox * seen * std::cos(box_[1]);
+  const double left = found_[1] + gtf::kTrustInBox * seen * std::sin(box_[1]);
+  const double distance = std::exp(
+      gtf::kLogDistance + std::clamp(double{found_[2]}, gtf::kLeastLogRatio, gtf::kMostLogRatio));
+  const double scale = distance / std::sqrt(front * front + left * left + gtf::kDirectionFloor);
+  located_ = {{front * scale, left * scale, found_[3] * gtf::kHeightScale_m + gtf::kUsualHeight_m},
+              found_[4],
+              found_[5],
+              found_[6]};
 }
 
 void GtfConditions::hear(std::span<const float> summary) {

@@ -11,6 +11,7 @@
 #include <earpoint/core/image.h>
 #include <earpoint/core/pose.h>
 #include <earpoint/core/vector3.h>
+#include <earpoint/gtf/constants.h>
 #include <earpoint/gtf/description.h>
 #include <earpoint/gtf/weights.h>
 #include <earpoint/kernels/dense.h>
@@ -49,14 +50,14 @@ class GtfConditions {
   void put_box(const std::optional<Box>& box);
 
   GtfDescription description_;
-  std::optional<GtfEye> eye_;
+  std::optional<GtfPictureEncoder> picture_encoder_;
   Dense locator_[3];
   Dense summary_, hidden_, output_;
   std::optional<GtfGeometry> geometry_;
   std::vector<float> feature_;  // of the picture
   std::array<float, GtfDescription::kBoxFeatures> box_{};
   std::vector<float> known_, first_, second_, joined_, middle_, vector_;
-  std::array<float, 9> found_{};
+  std::array<float, gtf::kLocatorOutputs> found_{};
   std::vector<float> heard_;  // of the summary
   float texture_ = 1.0F;
   GtfPlace located_;  // by hear()

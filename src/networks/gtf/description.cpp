@@ -5,9 +5,11 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <earpoint/core/ears.h>
 #include <earpoint/core/error.h>
 #include <earpoint/core/quote.h>
 #include <earpoint/core/strict_json.h>
+#include <earpoint/gtf/constants.h>
 #include <earpoint/network/checked_tensors.h>
 #include <earpoint/network/description_head.h>
 #include <earpoint/network/layer_shapes.h>
@@ -184,8 +186,6 @@ GtfDescription gtf_description_from_json(std::string_view text, std::string_view
 }
 
 TensorShapes required_tensors(const GtfDescription& d) {
-  constexpr int kEars = 2;
-  constexpr int kLocatorOutputs = 9;  // direction 2, distance, height, heading 2, level, sigmas 2
   TensorShapes shapes;
   if (d.geometry) {
     shapes["head.power"] = {GtfDescription::kHeadAzimuths, kEars, GtfDescription::kHeadBands};
@@ -193,7 +193,7 @@ TensorShapes required_tensors(const GtfDescription& d) {
     shapes["head.delay_s"] = {GtfDescription::kHeadAzimuths, kEars};
     add_layer(shapes, "locator.0", {d.locator_width, d.locator_inputs()});
     add_layer(shapes, "locator.1", {d.locator_width, d.locator_width});
-    add_layer(shapes, "locator.2", {kLocatorOutputs, d.locator_width});
+    add_layer(shapes, "locator.2", {gtf::kLocatorOutputs, d.locator_width});
   }
   if (d.picture_px > 0) add_picture_encoder(shapes, d);
   add_layer(shapes, "summary", {d.summary_width, d.summary_features()});
@@ -201,7 +201,7 @@ TensorShapes required_tensors(const GtfDescription& d) {
   add_layer(shapes, "conditioning.1", {d.conditioning_width, d.conditioning_width});
   add_layer(shapes, "trunk.input", {d.channels, d.frame_features()});
   for (int i = 0; i < d.layers; ++i) {
-    add_layer(shapes, fmt::format("trunk.{}", i), {d.channels, d.channels, 3});
+    add_layer(shapes, fmt::format("trunk.{}", i), {d.channels, d.channels, gtf::kTrunkTaps});
     add_layer(shapes, fmt::format("trunk.{}.film", i),
               {std::int64_t{2} * d.channels, d.conditioning_width});
   }

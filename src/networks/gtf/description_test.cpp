@@ -132,6 +132,23 @@ TEST(GtfWeights, WeightFileReadsBack) {
   EXPECT_EQ(read.tensors, weights.tensors);
 }
 
+TEST(GtfWeights, TrainingRangeStandsInTheMetadataAndMayBeMissing) {
+  GtfWeights weights = halves(small());
+  weights.description.training_range = {.farthest_move_m = 8.0, .level_head_deg = 40.0};
+  SafetensorsFile file = to_weight_file(weights);
+  EXPECT_EQ(gtf_weights(file, "x").description, weights.description);
+  file.metadata.erase(std::string(kTrainingRangeKey));
+  EXPECT_EQ(gtf_weights(file, "x").description.training_range, GtfTrainingRange{});
+  const auto refusal_of = [&](const std::string& range) {
+    file.metadata[std::string(kTrainingRangeKey)] = range;
+    return refusal([&] { (void)gtf_weights(file, "x"); });
+  };
+  EXPECT_EQ(refusal_of(R"({"farthest_move_m": 0})"),
+            "x: metadata 'earpoint.training_range': 'farthest_move_m': expected more than 0 and at "
+            "most 1000, found 0");
+  EXPECT_NE(refusal_of(R"({"nearest_m": 1})").find("unknown key 'nearest_m'"), std::string::npos);
+}
+
 TEST(GtfWeights, WrongTensorsAreRefused) {
   const auto refusal_of = [](const std::function<void(SafetensorsFile&)>& spoil) {
     SafetensorsFile file = to_weight_file(halves(small()));

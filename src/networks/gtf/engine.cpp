@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include <earpoint/core/ears.h>
 #include <earpoint/core/error.h>
 
 namespace earpoint {
@@ -13,7 +14,6 @@ namespace {
 
 using D = GtfDescription;
 
-constexpr int kEars = 2;
 constexpr std::ptrdiff_t kHalf = D::kFrameSamples / 2;
 
 }  // namespace

@@ -3,13 +3,14 @@
 #include <cmath>
 #include <numeric>
 
+#include <earpoint/core/ears.h>
+#include <earpoint/gtf/constants.h>
 #include <earpoint/gtf/description.h>
 
 namespace earpoint {
 namespace {
 
 constexpr std::ptrdiff_t kHalf = GtfDescription::kFrameSamples / 2;
-constexpr float kQuietest = 1e-4F;
 
 /// Share of what a stream remembers of its last second that is left from hop to hop.
 double kept_of_stream() {
@@ -18,7 +19,7 @@ double kept_of_stream() {
 }
 
 float level_of(double squares, double count) {
-  return std::max(static_cast<float>(std::sqrt(squares / std::max(count, 1.0))), kQuietest);
+  return std::max(static_cast<float>(std::sqrt(squares / std::max(count, 1.0))), gtf::kQuietest);
 }
 
 }  // namespace
@@ -36,14 +37,15 @@ void Gtf::State::measure_window(std::span<const float> source) {
   for (std::ptrdiff_t t = 0; t < count; ++t) {
     for (std::size_t e = 0; e < kEars; ++e) {
       frames.transform(source.subspan(e * samples, samples), t * D::kHop,
-                       kHeardLevel / statistics.level,
+                       gtf::kHeardLevel / statistics.level,
                        part(window_spectra, t, kFrame).subspan(e * D::kBins, D::kBins));
     }
-    kernels::GtfEar::measure(part(window_spectra, t, kFrame), part(window_magnitudes, t, kFrame));
-    ear.hear(part(window_spectra, t, kFrame), part(window_magnitudes, t, kFrame),
-             part(window_features, t, description.frame_features()));
+    kernels::GtfSoundEncoder::measure(part(window_spectra, t, kFrame),
+                                      part(window_magnitudes, t, kFrame));
+    sound_encoder.hear(part(window_spectra, t, kFrame), part(window_magnitudes, t, kFrame),
+                       part(window_features, t, description.frame_features()));
   }
-  ear.summarize(statistics.summary);
+  sound_encoder.summarize(statistics.summary);
   measure_power(count);
 }
 
@@ -121,13 +123,13 @@ void Gtf::State::follow(std::span<const float> hop) {
   square_count = kept * square_count + static_cast<double>(hop.size());
   const float before = statistics.level;
   statistics.level = level_of(squares, square_count);
-  ear.fade(static_cast<float>(kept));
+  sound_encoder.fade(static_cast<float>(kept));
   // What is remembered was scaled by the level of its time; from now on the present one counts.
   const float rescale = before / statistics.level;
   for (float& value : magnitudes) value *= rescale;
   for (Complex& value : spectra) value *= rescale;
   filter.rescale(rescale);
-  ear.rescale(rescale * rescale);
+  sound_encoder.rescale(rescale * rescale);
   for (double& power : band_power) power *= double{rescale} * rescale;
 }
 
@@ -148,20 +150,20 @@ void Gtf::State::follow_power(std::span<const float> magnitude) {
 /// The frame in the middle of the recent samples.
 void Gtf::State::take_hop() {
   for (std::size_t e = 0; e < kEars; ++e) {
-    frames.transform(recent[e], kHalf, kHeardLevel / statistics.level,
+    frames.transform(recent[e], kHalf, gtf::kHeardLevel / statistics.level,
                      std::span(window_spectra).subspan(e * D::kBins, D::kBins));
   }
   const std::span<const Complex> spectrum(window_spectra.data(), kFrame);
   const std::span<float> magnitude(window_magnitudes.data(), kFrame);
   const std::span<float> features(window_features.data(),
                                   static_cast<std::size_t>(description.frame_features()));
-  kernels::GtfEar::measure(spectrum, magnitude);
+  kernels::GtfSoundEncoder::measure(spectrum, magnitude);
   follow_power(magnitude);
-  ear.hear(spectrum, magnitude, features);
+  sound_encoder.hear(spectrum, magnitude, features);
   // What was heard changes slowly.
   constexpr std::ptrdiff_t kRefresh = 10;
   if (!holds_statistics && frames_in % kRefresh == 0) {
-    ear.summarize(statistics.summary);
+    sound_encoder.summarize(statistics.summary);
     is_heard = false;
   }
   if (!is_heard) hear();

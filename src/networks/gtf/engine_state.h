@@ -15,8 +15,10 @@
 #include <span>
 #include <vector>
 
+#include <earpoint/core/ears.h>
 #include <earpoint/core/pose.h>
 #include <earpoint/core/vector3.h>
+#include <earpoint/gtf/constants.h>
 #include <earpoint/gtf/description.h>
 #include <earpoint/gtf/engine.h>
 #include <earpoint/gtf/weights.h>
@@ -28,17 +30,15 @@ struct Gtf::State {
   using D = GtfDescription;
   using Complex = std::complex<float>;
 
-  static constexpr int kEars = 2;
   static constexpr std::ptrdiff_t kFrame = std::ptrdiff_t{kEars} * D::kBins;
   static constexpr std::ptrdiff_t kBlock = 16;  ///< frames that share one reading of the weights
-  static constexpr float kHeardLevel = 0.05F;
 
   explicit State(const GtfWeights& weights)
       : description(weights.description),
         past(description.past_frames),
         ahead(description.needed_ahead()),
         conditions(weights),
-        ear(description),
+        sound_encoder(description),
         trunk(weights, kBlock),
         filter(weights, kBlock),
         phases(description.phase_rounds),
@@ -69,7 +69,7 @@ struct Gtf::State {
   void start_over() {
     trunk.reset();
     filter.reset();
-    ear.forget();
+    sound_encoder.forget();
     std::ranges::fill(states, 0.0F);
     std::ranges::fill(magnitudes, 0.0F);
     std::ranges::fill(spectra, Complex{});
@@ -114,7 +114,7 @@ struct Gtf::State {
 
   /// Lets the frame in `filtered` sound, or the one that it pushes out of the phase rounds.
   void sound_frame() {
-    const float scale = statistics.level / kHeardLevel;
+    const float scale = statistics.level / gtf::kHeardLevel;
     if (phases.rounds() == 0) {
       frames.add(filtered, scale);
       return;
@@ -169,7 +169,7 @@ struct Gtf::State {
   std::ptrdiff_t past;
   std::ptrdiff_t ahead;
   kernels::GtfConditions conditions;
-  kernels::GtfEar ear;
+  kernels::GtfSoundEncoder sound_encoder;
   kernels::GtfTrunk trunk;
   kernels::GtfFilter filter;
   kernels::GtfPhases phases;

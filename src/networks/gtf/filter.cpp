@@ -3,18 +3,16 @@
 #include <algorithm>
 #include <cmath>
 
+#include <earpoint/core/ears.h>
 #include <earpoint/core/error.h>
 #include <earpoint/core/pose.h>
+#include <earpoint/gtf/constants.h>
 
 namespace earpoint::kernels {
 namespace {
 
 using D = GtfDescription;
 using Complex = std::complex<float>;
-
-constexpr int kEars = 2;
-constexpr float kPowerFloor = 1e-8F;
-constexpr float kMagnitudeFloor = 1e-3F;
 
 std::vector<float> values_of(const GtfWeights& weights, const char* name) {
   const auto values = weights.at(name).as<float>();
@@ -150,8 +148,8 @@ void GtfFilter::filter_magnitudes(std::ptrdiff_t index, std::span<const float> m
   }
   const float* gain = gains_.data() + index * gain_.row();
   for (std::size_t i = 0; i < magnitude_.size(); ++i) {
-    magnitude_[i] = (std::max(magnitude_[i], 0.0F) + kMagnitudeFloor) *
-                    std::exp(std::clamp(gain[i], -3.0F, 2.0F));
+    magnitude_[i] = (std::max(magnitude_[i], 0.0F) + gtf::kMagnitudeFloor) *
+                    std::exp(std::clamp(gain[i], gtf::kLeastLogGain, gtf::kMostLogGain));
   }
   if (!is_corrected_) return;
   for (std::size_t i = 0; i < magnitude_.size(); ++i) magnitude_[i] *= correction_[i];
@@ -188,7 +186,7 @@ void GtfFilter::filter(std::ptrdiff_t index, std::span<const float> magnitudes,
   for (std::size_t i = 0; i < filtered.size(); ++i) {
     const Complex x = filtered[i];
     filtered[i] *=
-        magnitude_[i] / std::sqrt(x.real() * x.real() + x.imag() * x.imag() + kPowerFloor);
+        magnitude_[i] / std::sqrt(x.real() * x.real() + x.imag() * x.imag() + gtf::kPowerFloor);
   }
 }
 
@@ -198,8 +196,6 @@ void GtfFilter::read_voice(const float* states, std::ptrdiff_t state_row, std::p
 
 void GtfFilter::tell_voice(std::ptrdiff_t index, std::span<const float> magnitudes,
                            std::span<const Complex> spectrum, std::span<Complex> voice) const {
-  constexpr float kLeastGain = -5.0F;
-  constexpr float kMostGain = 4.0F;
   const float* gain = dry_gains_.data() + index * dry_.row();
   for (std::size_t bin = 0; bin < D::kBins; ++bin) {
     Complex sum = spectrum[bin] + spectrum[D::kBins + bin];
@@ -208,9 +204,10 @@ void GtfFilter::tell_voice(std::ptrdiff_t index, std::span<const float> magnitud
             product(spectrum[D::kBins + bin], gather_[D::kBins + bin]);
     }
     const float magnitude =
-        (0.5F * (magnitudes[bin] + magnitudes[D::kBins + bin]) + kMagnitudeFloor) *
-        std::exp(std::clamp(gain[bin], kLeastGain, kMostGain));
-    const float length = std::sqrt(sum.real() * sum.real() + sum.imag() * sum.imag() + kPowerFloor);
+        (0.5F * (magnitudes[bin] + magnitudes[D::kBins + bin]) + gtf::kMagnitudeFloor) *
+        std::exp(std::clamp(gain[bin], gtf::kLeastDryLogGain, gtf::kMostDryLogGain));
+    const float length =
+        std::sqrt(sum.real() * sum.real() + sum.imag() * sum.imag() + gtf::kPowerFloor);
     voice[bin] = voice[D::kBins + bin] = sum * (magnitude / length);
   }
 }

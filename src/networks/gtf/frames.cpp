@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <earpoint/core/ears.h>
 #include <earpoint/core/error.h>
 #include <earpoint/core/pose.h>
 
@@ -12,7 +13,6 @@ namespace {
 using D = GtfDescription;
 using Complex = std::complex<float>;
 
-constexpr int kEars = 2;
 constexpr std::ptrdiff_t kHalf = D::kFrameSamples / 2;
 constexpr std::ptrdiff_t kPad = (D::kFftSize - D::kFrameSamples) / 2;
 

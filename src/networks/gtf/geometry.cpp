@@ -5,13 +5,12 @@
 #include <initializer_list>
 
 #include <earpoint/core/error.h>
+#include <earpoint/gtf/constants.h>
 
 namespace earpoint::kernels {
 namespace {
 
 using D = GtfDescription;
-
-constexpr double kPositionScale_m = 3.0;
 
 struct Direction {
   double azimuth_rad, elevation_rad, distance_m;
@@ -19,9 +18,9 @@ struct Direction {
 
 /// Lengths have a floor, as in training, where their slope must be finite at zero.
 Direction direction_of(const Vector3& v) {
-  const double level = std::sqrt(v.x * v.x + v.y * v.y + 1e-4);
+  const double level = std::sqrt(v.x * v.x + v.y * v.y + gtf::kDirectionFloor);
   return {std::atan2(v.y, v.x), std::atan2(v.z, level),
-          std::max(std::sqrt(dot(v, v) + 1e-2), D::kNearestSpeaker_m)};
+          std::max(std::sqrt(dot(v, v) + gtf::kDistanceFloor), D::kNearestSpeaker_m)};
 }
 
 /// Reads a table over all azimuths between its rows.
@@ -44,7 +43,7 @@ void read_table(std::span<const float> table, double azimuth_rad, std::span<floa
 /// Cosine of the angle between the heading and where the listener is.
 double facing(double x, double y, const Vector3& listener) {
   return (x * listener.x + y * listener.y) /
-         std::sqrt(listener.x * listener.x + listener.y * listener.y + 1e-2);
+         std::sqrt(listener.x * listener.x + listener.y * listener.y + gtf::kDistanceFloor);
 }
 
 float* put(float* to, std::initializer_list<double> values) {
@@ -60,8 +59,8 @@ Vector3 limited(Vector3 v, double length, double height) {
   return v;
 }
 
-GtfPlace limited(GtfPlace place) {
-  place.position_m = limited(place.position_m, D::kFarthestSpeaker_m, D::kHighestSpeaker_m);
+GtfPlace limited(GtfPlace place, const GtfTrainingRange& range) {
+  place.position_m = limited(place.position_m, range.farthest_speaker_m, range.highest_speaker_m);
   return place;
 }
 
@@ -69,9 +68,10 @@ double azimuth_of(const Vector3& v) { return std::atan2(v.y, v.x); }
 
 /// The nearest pose in the range of the training data at which the speaker is heard from the same
 /// direction: `place` as limited, `true_m` as it is.
-Pose limited(const Pose& source_from_target, const GtfPlace& place, const Vector3& true_m) {
+Pose limited(const Pose& source_from_target, const GtfPlace& place, const Vector3& true_m,
+             const GtfTrainingRange& range) {
   const Vector3 position =
-      limited(source_from_target.position_m, D::kFarthestMove_m, D::kHighestMove_m);
+      limited(source_from_target.position_m, range.farthest_move_m, range.highest_move_m);
   if (position == source_from_target.position_m && place.position_m == true_m) {
     return source_from_target;
   }
@@ -94,7 +94,8 @@ struct GtfGeometry::Levels {
 };
 
 GtfGeometry::GtfGeometry(const GtfWeights& weights)
-    : power_(table_of(weights, "head.power")),
+    : range_(weights.description.training_range),
+      power_(table_of(weights, "head.power")),
       diffuse_power_(table_of(weights, "head.diffuse_power")),
       delay_s_(table_of(weights, "head.delay_s")),
       features_(static_cast<std::size_t>(weights.description.geometry_features())) {
@@ -125,19 +126,19 @@ void GtfGeometry::put_features(const GtfPlace& place, const Pose& source_from_ta
                                const Levels& levels) {
   const Direction& source = levels.source;
   const Direction& target = levels.target;
-  const double length =
-      std::sqrt(place.heading_x * place.heading_x + place.heading_y * place.heading_y + 1e-4);
+  const double length = std::sqrt(place.heading_x * place.heading_x +
+                                  place.heading_y * place.heading_y + gtf::kDirectionFloor);
   const double x = place.heading_x / length;
   const double y = place.heading_y / length;
-  const Vector3 scaled = place.position_m / kPositionScale_m;
+  const Vector3 scaled = place.position_m / gtf::kPositionScale_m;
   float* to = put_pose(features_.data(), source_from_target);
   to = put(
-      to,
-      {scaled.x, scaled.y, scaled.z, std::log(source.distance_m), std::sin(source.azimuth_rad),
-       std::cos(source.azimuth_rad), std::sin(target.azimuth_rad), std::cos(target.azimuth_rad),
-       std::log(target.distance_m), std::log(source.distance_m / target.distance_m),
-       source.elevation_rad, target.elevation_rad, facing(x, y, -place.position_m),
-       facing(x, y, source_from_target.position_m - place.position_m), place.log_reverberant / 3});
+      to, {scaled.x, scaled.y, scaled.z, std::log(source.distance_m), std::sin(source.azimuth_rad),
+           std::cos(source.azimuth_rad), std::sin(target.azimuth_rad), std::cos(target.azimuth_rad),
+           std::log(target.distance_m), std::log(source.distance_m / target.distance_m),
+           source.elevation_rad, target.elevation_rad, facing(x, y, -place.position_m),
+           facing(x, y, source_from_target.position_m - place.position_m),
+           place.log_reverberant / gtf::kReverberationScale});
   for (std::size_t i = 0; i < levels.at_source.size(); ++i) {
     *to++ = (levels.at_target[i] - levels.at_source[i]) / 2;
   }
@@ -150,8 +151,8 @@ void GtfGeometry::put_features(const GtfPlace& place, const Pose& source_from_ta
 }
 
 void GtfGeometry::move(const GtfPlace& place, bool is_told, const Pose& source_from_target) {
-  const GtfPlace near_place = is_told ? limited(place) : place;
-  const Pose near_pose = limited(source_from_target, near_place, place.position_m);
+  const GtfPlace near_place = is_told ? limited(place, range_) : place;
+  const Pose near_pose = limited(source_from_target, near_place, place.position_m, range_);
   const Levels levels = levels_of(near_place, near_pose);
   put_features(near_place, near_pose, levels);
   read_table(delay_s_, levels.source.azimuth_rad, source_delay_s_);
@@ -182,7 +183,7 @@ double GtfGeometry::expected_gain(std::span<const double> band_power) const {
 }
 
 float* put_pose(float* to, const Pose& pose) {
-  const Vector3 p = pose.position_m / kPositionScale_m;
+  const Vector3 p = pose.position_m / gtf::kPositionScale_m;
   const double yaw_rad = euler_from_quaternion(pose.orientation).yaw_rad;
   return put(to, {p.x, p.y, p.z, std::sin(yaw_rad), std::cos(yaw_rad)});
 }

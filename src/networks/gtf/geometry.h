@@ -8,6 +8,7 @@
 #include <earpoint/core/pose.h>
 #include <earpoint/core/vector3.h>
 #include <earpoint/gtf/description.h>
+#include <earpoint/gtf/training_range.h>
 #include <earpoint/gtf/weights.h>
 
 namespace earpoint::kernels {
@@ -58,6 +59,7 @@ class GtfGeometry {
   [[nodiscard]] Levels levels_of(const GtfPlace& place, const Pose& source_from_target) const;
   void put_features(const GtfPlace& place, const Pose& source_from_target, const Levels& levels);
 
+  GtfTrainingRange range_;
   std::vector<float> power_, diffuse_power_, delay_s_;  // tables of the head
   std::vector<float> features_;
   std::array<float, 2> source_delay_s_{};

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include <earpoint/core/error.h>
-#include <earpoint/gtf/description.h>
 
 namespace earpoint {
 namespace {
@@ -30,22 +29,22 @@ double power_of(const Waveform& sound) {
 
 }  // namespace
 
-LevelTolerance gtf_level_tolerance(const Pose& source_from_target) {
+LevelTolerance gtf_level_tolerance(const Pose& source_from_target, const GtfTrainingRange& range) {
   const double distance_m = norm(source_from_target.position_m);
   const Vector3 front = rotate(source_from_target.orientation, {1, 0, 0});
   const double within_db = kAtRest_db + kPerMetre_db * std::min(distance_m, kFull_m) +
                            kTurned_db * (1.0 - front.x) / 2.0;
-  const double octaves = std::log2(std::max(distance_m / GtfDescription::kFarthestMove_m, 1.0));
+  const double octaves = std::log2(std::max(distance_m / range.farthest_move_m, 1.0));
   const double beyond = std::min(octaves / kFadeOctaves, 1.0);
   return {.louder_db = std::lerp(within_db, kBeyond.louder_db, beyond),
           .quieter_db = std::lerp(within_db, kBeyond.quieter_db, beyond)};
 }
 
-LevelTolerance gtf_level_tolerance(std::span<const Pose> path) {
+LevelTolerance gtf_level_tolerance(std::span<const Pose> path, const GtfTrainingRange& range) {
   EARPOINT_CHECK(!path.empty());
   LevelTolerance sum;
   for (const Pose& pose : path) {
-    const LevelTolerance tolerance = gtf_level_tolerance(pose);
+    const LevelTolerance tolerance = gtf_level_tolerance(pose, range);
     sum.louder_db += tolerance.louder_db;
     sum.quieter_db += tolerance.quieter_db;
   }

@@ -31,17 +31,17 @@ double left_db(double gain_db, double expected_db, const LevelTolerance& toleran
 }
 
 TEST(GtfLevel, ToleratesLittleAtRestAndBeyondTheTrainedRange) {
-  EXPECT_LE(gtf_level_tolerance(Pose{}).louder_db, 0.5);
-  EXPECT_LE(gtf_level_tolerance(Pose{}).quieter_db, 0.5);
-  EXPECT_GT(gtf_level_tolerance(ahead(3.0)).quieter_db, 9.0);
-  EXPECT_LE(gtf_level_tolerance(ahead(10.0)).louder_db, 1.0);
-  EXPECT_LE(gtf_level_tolerance(ahead(1e4)).quieter_db, 3.0);
+  EXPECT_LE(gtf_level_tolerance(Pose{}, {}).louder_db, 0.5);
+  EXPECT_LE(gtf_level_tolerance(Pose{}, {}).quieter_db, 0.5);
+  EXPECT_GT(gtf_level_tolerance(ahead(3.0), {}).quieter_db, 9.0);
+  EXPECT_LE(gtf_level_tolerance(ahead(10.0), {}).louder_db, 1.0);
+  EXPECT_LE(gtf_level_tolerance(ahead(1e4), {}).quieter_db, 3.0);
 }
 
 TEST(GtfLevel, ToleranceIsContinuousInTheDistance) {
-  LevelTolerance before = gtf_level_tolerance(Pose{});
+  LevelTolerance before = gtf_level_tolerance(Pose{}, {});
   for (double distance_m = 0.0; distance_m < 20.0; distance_m += 0.01) {
-    const LevelTolerance now = gtf_level_tolerance(ahead(distance_m));
+    const LevelTolerance now = gtf_level_tolerance(ahead(distance_m), {});
     // 4.5 dB per metre is the steepest.
     ASSERT_NEAR(now.louder_db, before.louder_db, 0.046) << distance_m;
     ASSERT_NEAR(now.quieter_db, before.quieter_db, 0.046) << distance_m;
@@ -51,8 +51,8 @@ TEST(GtfLevel, ToleranceIsContinuousInTheDistance) {
 
 TEST(GtfLevel, AWalksToleranceIsTheMeanOfItsPlaces) {
   const std::vector<Pose> path{ahead(0.0), ahead(1.0), ahead(2.0), ahead(1.0)};
-  EXPECT_NEAR(gtf_level_tolerance(path).louder_db, gtf_level_tolerance(ahead(1.0)).louder_db,
-              1e-12);
+  EXPECT_NEAR(gtf_level_tolerance(path, {}).louder_db,
+              gtf_level_tolerance(ahead(1.0), {}).louder_db, 1e-12);
 }
 
 TEST(GtfLevel, BringsALevelToTheEdgeOfWhatItMayBe) {

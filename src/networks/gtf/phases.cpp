@@ -4,7 +4,9 @@
 #include <cmath>
 #include <utility>
 
+#include <earpoint/core/ears.h>
 #include <earpoint/core/error.h>
+#include <earpoint/gtf/constants.h>
 
 namespace earpoint::kernels {
 namespace {
@@ -12,10 +14,8 @@ namespace {
 using D = GtfDescription;
 using Complex = std::complex<float>;
 
-constexpr std::size_t kEars = 2;
-constexpr std::size_t kValues = kEars * D::kBins;
+constexpr std::size_t kValues = std::size_t{kEars} * D::kBins;
 constexpr std::ptrdiff_t kHalf = D::kFrameSamples / 2;
-constexpr float kPowerFloor = 1e-8F;  // at the level at which the network hears
 
 float power_of(Complex x) { return x.real() * x.real() + x.imag() * x.imag(); }
 
@@ -100,7 +100,7 @@ bool GtfPhases::take(std::span<Complex> spectra, float scale) {
   std::ranges::copy(spectra, frame_.turned.begin());
   std::ranges::copy(spectra, frame_.heard.begin());
   for (std::size_t i = 0; i < kValues; ++i) frame_.magnitude[i] = std::sqrt(power_of(spectra[i]));
-  frame_.power_floor = kPowerFloor * scale * scale;
+  frame_.power_floor = gtf::kPowerFloor * scale * scale;
   return leave_through(0, spectra);
 }
 

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <earpoint/core/error.h>
+#include <earpoint/gtf/constants.h>
 #include <earpoint/gtf/description.h>
 
 namespace earpoint::kernels {
@@ -14,7 +15,6 @@ namespace {
 using D = GtfDescription;
 
 constexpr int kTaps = 9;  // of a 3x3 kernel
-constexpr double kNormEpsilon = 1e-5;
 
 /// [out][in][3][3] -> [out][3][3][in].
 std::vector<float> channels_last(std::span<const float> weight, int out, int in) {
@@ -46,7 +46,7 @@ void normalize(std::span<float> map, int channels, const std::vector<float>& sca
     }
     const double count = static_cast<double>(pixels) * of_group;
     const double mean = sum / count;
-    const double factor = 1.0 / std::sqrt(squares / count - mean * mean + kNormEpsilon);
+    const double factor = 1.0 / std::sqrt(squares / count - mean * mean + gtf::kNormEpsilon);
     for (std::size_t pixel = 0; pixel < pixels; ++pixel) {
       for (int c = group * of_group; c < (group + 1) * of_group; ++c) {
         float& value = map[pixel * channels + c];
@@ -67,7 +67,7 @@ Dense dense_of(const GtfWeights& weights, const std::string& name) {
   return {weights.at(name + ".weight").as<float>(), weights.at(name + ".bias").as<float>()};
 }
 
-GtfEye::GtfEye(const GtfWeights& weights)
+GtfPictureEncoder::GtfPictureEncoder(const GtfWeights& weights)
     : size_(weights.description.picture_px), output_(dense_of(weights, "picture.output")) {
   EARPOINT_CHECK(size_ > 0);
   std::size_t columns = 0;
@@ -100,7 +100,7 @@ GtfEye::GtfEye(const GtfWeights& weights)
   flat_.resize(static_cast<std::size_t>(output_.inputs()));
 }
 
-void GtfEye::convolve(const Layer& layer) {
+void GtfPictureEncoder::convolve(const Layer& layer) {
   const int in = layer.channels_in;
   const int side = layer.side_in / 2;
   float* column = columns_.data();
@@ -130,14 +130,15 @@ void GtfEye::convolve(const Layer& layer) {
             layer.norm_scale, layer.norm_shift);
 }
 
-void GtfEye::look(std::span<const float> picture, const std::optional<Box>& box,
-                  std::span<float> feature) {
+void GtfPictureEncoder::look(std::span<const float> picture, const std::optional<Box>& box,
+                             std::span<float> feature) {
   const std::size_t pixels = static_cast<std::size_t>(size_) * size_;
   EARPOINT_CHECK(picture.size() == 3 * pixels && std::ssize(feature) == output_.outputs());
   for (int y = 0; y < size_; ++y) {
     for (int x = 0; x < size_; ++x) {
       const std::size_t pixel = static_cast<std::size_t>(y) * size_ + x;
-      for (std::size_t c = 0; c < 3; ++c) map_[4 * pixel + c] = picture[c * pixels + pixel] - 0.5F;
+      for (std::size_t c = 0; c < 3; ++c)
+        map_[4 * pixel + c] = picture[c * pixels + pixel] - gtf::kMiddleGrey;
       const float across = (static_cast<float>(x) + 0.5F) / static_cast<float>(size_);
       const float down = (static_cast<float>(y) + 0.5F) / static_cast<float>(size_);
       const bool is_inside = box && across >= static_cast<float>(box->x_min) &&

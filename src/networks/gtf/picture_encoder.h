@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include <earpoint/core/image.h>
@@ -19,10 +20,10 @@ void apply_silu(std::span<float> values);
 [[nodiscard]] Dense dense_of(const GtfWeights& weights, const std::string& name);
 
 /// From the view to its feature: strided convolutions with group norms, a linear layer.
-class GtfEye {
+class GtfPictureEncoder {
  public:
   /// @param weights  of a network that looks
-  explicit GtfEye(const GtfWeights& weights);
+  explicit GtfPictureEncoder(const GtfWeights& weights);
 
   /// Allocates nothing.
   /// @param picture  [3][size][size], 0 to 1

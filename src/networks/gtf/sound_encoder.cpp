@@ -4,17 +4,14 @@
 
 #include <earpoint/core/error.h>
 #include <earpoint/core/pose.h>
+#include <earpoint/gtf/constants.h>
 
 namespace earpoint::kernels {
 namespace {
 
 using D = GtfDescription;
 
-constexpr float kPowerFloor = 1e-8F;
-constexpr float kBandFloor = 1e-3F;
-constexpr float kCrossFloor = 1e-4F;
 constexpr int kLagCount = 2 * D::kLags + 1;
-constexpr float kLagScale = 40.0F;
 
 void multiply_all(std::span<float> values, float factor) {
   for (float& value : values) value *= factor;
@@ -22,7 +19,7 @@ void multiply_all(std::span<float> values, float factor) {
 
 }  // namespace
 
-GtfEar::GtfEar(const GtfDescription& description)
+GtfSoundEncoder::GtfSoundEncoder(const GtfDescription& description)
     : bands_(description.bands),
       edges_(gtf_band_edges(description.bands).value()),
       power_(static_cast<std::size_t>(2 * bands_)),
@@ -39,16 +36,16 @@ GtfEar::GtfEar(const GtfDescription& description)
   }
 }
 
-void GtfEar::measure(EarSpectra spectrum, std::span<float> magnitude) {
+void GtfSoundEncoder::measure(EarSpectra spectrum, std::span<float> magnitude) {
   EARPOINT_CHECK(spectrum.size() == magnitude.size());
   for (std::size_t i = 0; i < spectrum.size(); ++i) {
     const std::complex<float> x = spectrum[i];
-    magnitude[i] = std::sqrt(x.real() * x.real() + x.imag() * x.imag() + kPowerFloor);
+    magnitude[i] = std::sqrt(x.real() * x.real() + x.imag() * x.imag() + gtf::kPowerFloor);
   }
 }
 
-void GtfEar::hear(EarSpectra spectrum, std::span<const float> magnitude,
-                  std::span<float> features) {
+void GtfSoundEncoder::hear(EarSpectra spectrum, std::span<const float> magnitude,
+                           std::span<float> features) {
   EARPOINT_CHECK(std::ssize(features) == std::ptrdiff_t{4} * bands_);
   const std::complex<float>* left = spectrum.data();
   const std::complex<float>* right = left + D::kBins;
@@ -71,11 +68,11 @@ void GtfEar::hear(EarSpectra spectrum, std::span<const float> magnitude,
       cross_[bin] += std::complex<float>(real, imag);
       strength_[bin] += std::sqrt(real * real + imag * imag);
     }
-    const float scale = 1.0F / std::sqrt(power[0] * power[1] + kCrossFloor);
+    const float scale = 1.0F / std::sqrt(power[0] * power[1] + gtf::kCrossFloor);
     const float loudness = power[0] + power[1];
     loudness_[band] += loudness;
     for (int i = 0; i < 2; ++i) {
-      features[i * bands_ + band] = std::log(power[i] + kBandFloor) / 4;
+      features[i * bands_ + band] = std::log(power[i] + gtf::kBandFloor) / gtf::kBandLogScale;
       features[(2 + i) * bands_ + band] = common[i] * scale;
       power_[i * bands_ + band] += power[i];
       likeness_[i * bands_ + band] += loudness * common[i] * scale;
@@ -83,12 +80,12 @@ void GtfEar::hear(EarSpectra spectrum, std::span<const float> magnitude,
   }
 }
 
-void GtfEar::fade(float share) {
+void GtfSoundEncoder::fade(float share) {
   frames_ *= share;
   rescale(share);
 }
 
-void GtfEar::rescale(float factor) {
+void GtfSoundEncoder::rescale(float factor) {
   multiply_all(power_, factor);
   multiply_all(loudness_, factor);
   multiply_all(likeness_, factor);
@@ -96,27 +93,28 @@ void GtfEar::rescale(float factor) {
   for (std::complex<float>& value : cross_) value *= factor;
 }
 
-void GtfEar::summarize(std::span<float> summary) const {
+void GtfSoundEncoder::summarize(std::span<float> summary) const {
   EARPOINT_CHECK(std::ssize(summary) == 4 * bands_ + kLagCount);
   const auto frames = static_cast<float>(frames_ > 0.0 ? frames_ : 1.0);
   for (int band = 0; band < bands_; ++band) {
-    const float loudness = 1.0F / (loudness_[band] + 1e-6F);
+    const float loudness = 1.0F / (loudness_[band] + gtf::kStrengthFloor);
     summary[band] = likeness_[band] * loudness;
     summary[bands_ + band] = likeness_[bands_ + band] * loudness;
     const float left = power_[band] / frames;
     const float right = power_[bands_ + band] / frames;
-    summary[2 * bands_ + band] = std::log((left + 1e-4F) / (right + 1e-4F)) / 2;
-    summary[3 * bands_ + band] = std::log(left + right + kBandFloor) / 4;
+    summary[2 * bands_ + band] =
+        std::log((left + gtf::kBalanceFloor) / (right + gtf::kBalanceFloor)) / 2;
+    summary[3 * bands_ + band] = std::log(left + right + gtf::kBandFloor) / gtf::kBandLogScale;
   }
   for (int lag = 0; lag < kLagCount; ++lag) {
     const float* cosine = lag_cosine_.data() + std::ptrdiff_t{lag} * D::kBins;
     const float* sine = lag_sine_.data() + std::ptrdiff_t{lag} * D::kBins;
     float sum = 0.0F;
     for (int bin = 0; bin < D::kBins; ++bin) {
-      const float weight = 1.0F / (strength_[bin] + 1e-6F);
+      const float weight = 1.0F / (strength_[bin] + gtf::kStrengthFloor);
       sum += weight * (cross_[bin].real() * cosine[bin] - cross_[bin].imag() * sine[bin]);
     }
-    summary[4 * bands_ + lag] = sum / kLagScale;
+    summary[4 * bands_ + lag] = sum / gtf::kLagScale;
   }
 }
 

@@ -13,9 +13,9 @@ namespace earpoint::kernels {
 using EarSpectra = std::span<const std::complex<float>>;
 
 /// What the network hears: features of each frame, and a summary of many.
-class GtfEar {
+class GtfSoundEncoder {
  public:
-  explicit GtfEar(const GtfDescription& description);
+  explicit GtfSoundEncoder(const GtfDescription& description);
 
   /// Magnitudes of a frame. @param magnitude  [2][bins]
   static void measure(EarSpectra spectrum, std::span<float> magnitude);

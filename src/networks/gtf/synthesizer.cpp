@@ -30,7 +30,7 @@ PictureUse GtfSynthesizer::picture_use() const {
   return network_.description().picture_px > 0 ? PictureUse::if_there : PictureUse::never;
 }
 
-std::vector<std::string> GtfSynthesizer::doubts(const RenderOutline& outline) const {
+std::vector<std::string> GtfSynthesizer::warnings(const RenderOutline& outline) const {
   return gtf_doubts(network_.description(), outline, horizontal_fov_rad_);
 }
 
@@ -56,8 +56,9 @@ Waveform GtfSynthesizer::synthesize_along(std::span<const Pose> path) {
   Waveform result(2, sound_.samples(), sound_.sample_rate_hz());
   network_.synthesize(sound_.planar(), path, result.planar());
   if (!limits_level_) return result;
-  limit_level(sound_, network_.expected_gain(), gtf_level_tolerance(path), speaker_m_.has_value(),
-              result);
+  limit_level(sound_, network_.expected_gain(),
+              gtf_level_tolerance(path, network_.description().training_range),
+              speaker_m_.has_value(), result);
   return result;
 }
 

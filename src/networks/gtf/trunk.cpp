@@ -12,8 +12,8 @@ namespace {
 
 /// One tap of [out][in][3] as [out][in].
 std::vector<float> tap_of(std::span<const float> weight, std::size_t tap) {
-  std::vector<float> matrix(weight.size() / 3);
-  for (std::size_t i = 0; i < matrix.size(); ++i) matrix[i] = weight[3 * i + tap];
+  std::vector<float> matrix(weight.size() / gtf::kTrunkTaps);
+  for (std::size_t i = 0; i < matrix.size(); ++i) matrix[i] = weight[gtf::kTrunkTaps * i + tap];
   return matrix;
 }
 
@@ -30,7 +30,7 @@ GtfTrunk::GtfTrunk(const GtfWeights& weights, std::ptrdiff_t most_frames)
     const auto values = weights.at(name + ".weight").as<float>();
     Layer layer;
     layer.step = weights.description.dilation(i);
-    for (std::size_t tap = 0; tap < 3; ++tap) {
+    for (std::size_t tap = 0; tap < gtf::kTrunkTaps; ++tap) {
       layer.taps[tap] = FrameMatrix(tap_of(values, tap), channels_);
     }
     layer.bias = padded_row(weights.at(name + ".bias").as<float>());
@@ -60,7 +60,7 @@ void GtfTrunk::run(const float* features, std::ptrdiff_t frames, float* states) 
     const std::ptrdiff_t past = 2 * layer.step * row();
     float* memory = layer.memory.data();
     std::copy_n(states, frames * row(), memory + past);
-    for (std::ptrdiff_t tap = 0; tap < 3; ++tap) {
+    for (std::ptrdiff_t tap = 0; tap < gtf::kTrunkTaps; ++tap) {
       layer.taps[tap].multiply(memory + tap * layer.step * row(), row(), frames, layer.bias.data(),
                                sums_.data(), tap > 0);
     }

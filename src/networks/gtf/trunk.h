@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include <earpoint/gtf/constants.h>
 #include <earpoint/gtf/weights.h>
 #include <earpoint/kernels/aligned_floats.h>
 #include <earpoint/kernels/dense.h>
@@ -33,7 +34,7 @@ class GtfTrunk {
  private:
   struct Layer {
     std::ptrdiff_t step = 1;
-    FrameMatrix taps[3];  // two steps back, one step back, now
+    FrameMatrix taps[gtf::kTrunkTaps];  // two steps back, one step back, now
     AlignedFloats bias;
     Dense film;
     std::vector<float> scale_and_shift;  // [2][channels]

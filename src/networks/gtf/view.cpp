@@ -6,19 +6,16 @@
 #include <earpoint/core/area_mean.h>
 #include <earpoint/core/error.h>
 #include <earpoint/core/pose.h>
+#include <earpoint/gtf/constants.h>
 
 namespace earpoint {
-namespace {
-
-constexpr float kGrey = 0.5F;
-
-}  // namespace
+namespace {}  // namespace
 
 GtfView gtf_view(const Image* picture, const std::optional<Box>& speaker_box,
                  double horizontal_fov_rad, int size) {
   EARPOINT_CHECK(size > 0 && horizontal_fov_rad > 0 && horizontal_fov_rad < kPi);
   GtfView view;
-  view.picture.assign(static_cast<std::size_t>(3) * size * size, kGrey);
+  view.picture.assign(static_cast<std::size_t>(3) * size * size, gtf::kMiddleGrey);
   // Half the picture's width at a distance of 1; the view's is 1.
   const double half_width = std::tan(0.5 * horizontal_fov_rad);
   double aspect = 1.0;
@@ -28,7 +25,8 @@ GtfView gtf_view(const Image* picture, const std::optional<Box>& speaker_box,
     const auto middle = [&](int pixels) {
       return covers(pixels, size, 0.5 * (pixels - width), width);
     };
-    area_means(*picture, middle(picture->height()), middle(picture->width()), kGrey, view.picture);
+    area_means(*picture, middle(picture->height()), middle(picture->width()), gtf::kMiddleGrey,
+               view.picture);
     aspect = static_cast<double>(picture->height()) / picture->width();
   }
   if (speaker_box) {

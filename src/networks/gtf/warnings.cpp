@@ -7,14 +7,12 @@
 #include <fmt/format.h>
 
 #include <earpoint/core/pose.h>
+#include <earpoint/gtf/training_range.h>
 #include <earpoint/gtf/view.h>
 
 namespace earpoint {
 namespace {
 
-// Training knows neither at all; people who hold a camera are not as exact.
-constexpr double kLevelMove_m = 0.1;
-constexpr double kLevelHead_rad = radians_from_degrees(5.0);
 // Below it the network takes everything for silence.
 constexpr double kQuietest_db = -80.0;
 constexpr double kStep_s = 0.1;
@@ -81,19 +79,20 @@ std::vector<std::string> gtf_doubts(const GtfDescription& description, const Ren
                                     double horizontal_fov_rad) {
   std::vector<std::string> doubts;
   const Reach reach = reach_of(outline);
-  if (reach.distance_m > GtfDescription::kFarthestMove_m) {
+  const GtfTrainingRange& range = description.training_range;
+  if (reach.distance_m > range.farthest_move_m) {
     doubts.push_back(
         fmt::format("an earpoint is {:.1f} m from the camera, it learned moves of up to "
                     "{:g} m",
-                    reach.distance_m, GtfDescription::kFarthestMove_m));
+                    reach.distance_m, range.farthest_move_m));
   }
-  if (reach.height_m > kLevelMove_m) {
+  if (reach.height_m > range.level_move_m) {
     doubts.push_back(
         fmt::format("an earpoint is {:.1f} m above or below the camera, it learned "
                     "level moves",
                     reach.height_m));
   }
-  if (reach.tilt_rad > kLevelHead_rad) {
+  if (reach.tilt_rad > radians_from_degrees(range.level_head_deg)) {
     doubts.push_back(
         fmt::format("a head pitches or rolls by {:.0f} degrees, it learned level heads",
                     degrees_from_radians(reach.tilt_rad)));
@@ -104,11 +103,11 @@ std::vector<std::string> gtf_doubts(const GtfDescription& description, const Ren
                     "nothing gets louder",
                     reach.nearest_speaker_m, GtfDescription::kNearestSpeaker_m));
   }
-  if (outline.speaker_m && norm(*outline.speaker_m) > GtfDescription::kFarthestSpeaker_m) {
+  if (outline.speaker_m && norm(*outline.speaker_m) > range.farthest_speaker_m) {
     doubts.push_back(
         fmt::format("the speaker is {:.1f} m from the camera, it learned speakers up to "
                     "{:g} m away",
-                    norm(*outline.speaker_m), GtfDescription::kFarthestSpeaker_m));
+                    norm(*outline.speaker_m), range.farthest_speaker_m));
   }
   if (outline.level_db < kQuietest_db) {
     doubts.push_back(fmt::format("the recording has {:.0f} dB, below {:g} dB it hears silence",

@@ -45,6 +45,17 @@ TEST(GtfDoubts, DoubtsAFarMoveAlsoInTheMiddleOfAPath) {
   EXPECT_TRUE(mentions(doubt_of(outline), "6.0 m from the camera")) << doubt_of(outline);
 }
 
+TEST(GtfDoubts, DoubtsByTheRangeOfItsTraining) {
+  RenderOutline outline = usual();
+  outline.targets.emplace_back(
+      Pose{{7, 0, 0}, quaternion_from_euler({.pitch_rad = radians_from_degrees(30)})});
+  GtfDescription far_and_tilted;
+  far_and_tilted.training_range = {.farthest_move_m = 8.0, .level_head_deg = 40.0};
+  EXPECT_EQ(doubt_of(outline, kFov_rad, far_and_tilted), "none");
+  far_and_tilted.training_range.farthest_move_m = 6.5;
+  EXPECT_TRUE(mentions(doubt_of(outline, kFov_rad, far_and_tilted), "up to 6.5 m"));
+}
+
 TEST(GtfDoubts, DoubtsHeightAndTilt) {
   RenderOutline outline = usual();
   outline.targets.emplace_back(Pose{{1, 0, -0.4}, {}});

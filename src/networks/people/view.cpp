@@ -10,8 +10,6 @@
 namespace earpoint {
 namespace {
 
-constexpr float kGrey = 0.5F;
-
 int rounded_size(double pixels) {
   constexpr int kStep = PeopleDescription::kCoarsest;
   return kStep * std::max(1, static_cast<int>(std::lround(pixels / kStep)));
@@ -36,8 +34,8 @@ ImagePlanes people_view_of_part(const Image& picture, const Box& part, int width
                                             (part.x_max - part.x_min) * picture.width());
   const std::vector<Cover> rows = covers(picture.height(), height, part.y_min * picture.height(),
                                          (part.y_max - part.y_min) * picture.height());
-  area_means(picture, rows, columns, kGrey, view.values);
-  for (float& value : view.values) value -= kGrey;
+  area_means(picture, rows, columns, PeopleDescription::kMiddleGrey, view.values);
+  for (float& value : view.values) value -= PeopleDescription::kMiddleGrey;
   return view;
 }
 

@@ -9,11 +9,11 @@
 #include <fmt/format.h>
 
 #include <earpoint/core/error.h>
-#include <earpoint/core/resize.h>
 #include <earpoint/kernels/matrix.h>
 #include <earpoint/kernels/openmp_threads.h>
 #include <earpoint/kernels/resnet18.h>
 #include <earpoint/kernels/strided.h>
+#include <earpoint/vam/encoding.h>
 
 namespace earpoint {
 namespace {
@@ -200,11 +200,7 @@ Vam& Vam::operator=(Vam&&) noexcept = default;
 const VamDescription& Vam::description() const { return state_->weights.description; }
 
 std::vector<float> Vam::image_map(const Image& picture) {
-  EARPOINT_CHECK(picture.channels() == 3 && !picture.empty());
-  const VamDescription& d = description();
-  ImagePlanes planes = resize_bilinear(planes_of(picture), d.image_width_px, d.image_height_px);
-  for (float& value : planes.values) value /= 255.0F;
-  return image_map(planes.values);
+  return image_map(vam_picture(description(), picture));
 }
 
 std::vector<float> Vam::image_map(std::span<const float> picture) {

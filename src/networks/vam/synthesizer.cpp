@@ -3,7 +3,7 @@
 #include <utility>
 
 #include <earpoint/core/error.h>
-#include <earpoint/network/pose_encoding.h>
+#include <earpoint/vam/encoding.h>
 
 namespace earpoint {
 namespace {
@@ -40,11 +40,8 @@ void VamSynthesizer::observe(const Observation& observation) {
 }
 
 Waveform VamSynthesizer::synthesize(const Pose& source_from_target) {
-  const EncodedPose encoded = encode_pose(PoseEncoding::full, source_from_target);
-  std::vector<float> pose = encoded.tgt_pose;
-  pose.insert(pose.end(), encoded.tgt_rotation.begin(), encoded.tgt_rotation.end());
   Waveform result(2, sound_.samples(), sound_.sample_rate_hz());
-  network_.synthesize(sound_.planar(), map_, pose, result.planar());
+  network_.synthesize(sound_.planar(), map_, vam_pose(source_from_target), result.planar());
   return result;
 }
 

@@ -12,6 +12,7 @@
 #include <earpoint/kernels/dense.h>
 #include <earpoint/kernels/gated_stack.h>
 #include <earpoint/network/pose_encoding.h>
+#include <earpoint/vigas/view.h>
 
 namespace earpoint {
 namespace {
@@ -66,10 +67,6 @@ kernels::Dense dense(const ViGasWeights& weights, const std::string& name) {
   return {weights.at(name + ".weight").as<float>(), weights.at(name + ".bias").as<float>()};
 }
 
-void divide_by_255(ImagePlanes& planes) {
-  for (float& value : planes.values) value /= 255.0F;
-}
-
 }  // namespace
 
 struct ViGas::State {
@@ -104,18 +101,14 @@ const ViGasDescription& ViGas::description() const { return state_->description;
 std::vector<float> ViGas::image_feature(const Image& picture) {
   EARPOINT_CHECK(state_->trunk.has_value() && picture.channels() == 3 && !picture.empty());
   const ViGasDescription& description = state_->description;
-  const int width = description.image_encoder->width_px;
-  const int height = description.image_encoder->height_px;
-  ImagePlanes planes = planes_of(picture);
-  // The loaders of the two data sets round in this order; elsewhere it makes no difference.
-  if (description.pose_encoding == PoseEncoding::soundspaces) {
-    divide_by_255(planes);
-    planes = resize_bilinear(planes, width, height);
-  } else {
-    planes = resize_bilinear(planes, width, height);
-    divide_by_255(planes);
+  const ImageEncoderDescription& encoder = *description.image_encoder;
+  if (description.pose_encoding != PoseEncoding::soundspaces) {
+    return image_feature(vigas_view(encoder, picture));
   }
-  return image_feature(planes.values);
+  // The loader of that data set divides first. It differs from vigas_view() in rounding alone.
+  ImagePlanes planes = planes_of(picture);
+  for (float& value : planes.values) value /= 255.0F;
+  return image_feature(resize_bilinear(planes, encoder.width_px, encoder.height_px).values);
 }
 
 std::vector<float> ViGas::image_feature(std::span<const float> picture) {

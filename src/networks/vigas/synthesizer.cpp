@@ -51,11 +51,15 @@ PictureUse ViGasSynthesizer::picture_use() const {
   return network_.description().image_encoder ? PictureUse::always : PictureUse::never;
 }
 
-std::vector<std::string> ViGasSynthesizer::doubts(const RenderOutline& /*outline*/) const {
+std::vector<std::string> ViGasSynthesizer::warnings(const RenderOutline& /*outline*/) const {
   if (network_.description().pose_encoding != PoseEncoding::replay) return {};
   return {
       "it was trained on poses in the axes of the recorded room, and only the pose relative to the "
       "camera is known: the camera is taken to look along the room's x axis"};
+}
+
+bool ViGasSynthesizer::needs_speaker_track() const {
+  return network_.description().has_input("bboxes");
 }
 
 void ViGasSynthesizer::observe(const Observation& observation) {
@@ -67,11 +71,7 @@ void ViGasSynthesizer::observe(const Observation& observation) {
     seen_ = observation.picture;
   }
   if (description.has_input("bboxes")) {
-    if (!observation.speaker_box) {
-      throw InputError("this network", "must be told who speaks",
-                       "give --speaker-box x0,y0,x1,y1 or --speaker-boxes FILE.csv");
-    }
-    box_ = encode_box(description.box_encoding, *observation.speaker_box);
+    box_ = encode_box(description.box_encoding, observation.speaker_box);
   }
   sound_ = observation.sound;
   world_from_source_ = observation.world_from_source.value_or(Pose{});

@@ -131,15 +131,15 @@ TEST(ViGasSynthesizer, AsksForTheBoxByItsFlag) {
 
 TEST(ViGasSynthesizer, SaysThatAReplayNetworkKnowsTheRoomsAxes) {
   ViGasWeights weights = make_weights();
-  EXPECT_TRUE(ViGasSynthesizer(weights, "test", 1).doubts({}).empty());
+  EXPECT_TRUE(ViGasSynthesizer(weights, "test", 1).warnings({}).empty());
   weights.description.pose_encoding = PoseEncoding::replay;
   weights.description.inputs = {{"tgt_pose", 3}, {"bboxes", 4}};
   weights.description.image_encoder.reset();
   RandomStream random(1);
   weights.tensors = random_tensors(required_tensors(weights.description), random, -0.2, 0.2);
-  const auto doubts = ViGasSynthesizer(weights, "test", 1).doubts({});
-  ASSERT_EQ(doubts.size(), 1U);
-  EXPECT_NE(doubts[0].find("x axis"), std::string::npos) << doubts[0];
+  const auto warnings = ViGasSynthesizer(weights, "test", 1).warnings({});
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_NE(warnings[0].find("x axis"), std::string::npos) << warnings[0];
 }
 
 }  // namespace

@@ -71,7 +71,7 @@ struct Door {
 };
 
 /// A window in an outer wall. The pane stands at the outer end of the recess.
-struct Window {
+struct HomeWindow {
   int room = 0;
   Side side = Side::x_low;
   FloorRectangle recess;  ///< the hole in the wall, from the room to the pane
@@ -84,7 +84,7 @@ struct Window {
 struct FloorPlan {
   std::vector<Room> rooms;
   std::vector<Door> doors;
-  std::vector<Window> windows;
+  std::vector<HomeWindow> windows;
   double inner_wall_m = 0.12;
 
   /// @return the sum over the rooms' floors, corridor included

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -10,10 +9,11 @@
 
 #include <earpoint/dataset/pair_sample.h>
 #include <earpoint/gtf/description.h>
+#include <earpoint/gtf/training_range.h>
 #include <earpoint/gtf/weights.h>
 #include <earpoint/rt60/weights.h>
 #include <earpoint/spatial/hrtf.h>
-#include <earpoint/train/learner.h>
+#include <earpoint/train/network_learner.h>
 #include <earpoint/train/training_batch.h>
 #include <earpoint/weights/safetensors.h>
 
@@ -43,6 +43,8 @@ struct GtfLearnerOptions {
   /// Who hears reverberation times for the loss. Not who measures them: what learns to please one
   /// estimator must convince another.
   std::optional<Rt60EstimatorWeights> estimator;
+  /// Of what it learns from; nothing: as the weights have it.
+  std::optional<GtfTrainingRange> training_range;
   double longest_gradient = 1.0;  ///< gradients are scaled down to that length
   double second_decay = 0.98;     ///< of Adam: short, as loud clips come and go
 };
@@ -60,15 +62,12 @@ struct GtfLearnerOptions {
 
 /// A geometric time-frequency network that learns by gradients, with its Adam optimizer. On the
 /// processor only. Its weights are those of a weight file: what was trained renders at once.
-class GtfLearner : public Learner {
+class GtfLearner : public NetworkLearner<GtfDescription> {
  public:
   explicit GtfLearner(const GtfWeights& weights, GtfLearnerOptions options = {});
   ~GtfLearner() override;
   GtfLearner(GtfLearner&&) noexcept;
   GtfLearner& operator=(GtfLearner&&) noexcept;
-
-  [[nodiscard]] const GtfDescription& description() const;
-  [[nodiscard]] GtfWeights weights() const;
 
   /// @param texture  0 the mean, 1 natural; means nothing to a network with one texture
   /// @return the sound at the targets, shape of batch.source
@@ -77,19 +76,11 @@ class GtfLearner : public Learner {
   [[nodiscard]] std::vector<float> locate(const TrainingBatch& batch);
 
   double compute_gradients(const TrainingBatch& batch) override;
-  /// The last gradient, by parameter; zero where the loss does not depend on it.
-  [[nodiscard]] std::map<std::string, Tensor> gradients() const;
-  void visit_gradients(const Visitor& visitor) override;
-  void visit_statistics(const Visitor& visitor) override;
   void apply_gradients(double learning_rate) override;
-  [[nodiscard]] std::int64_t steps() const override;
 
   /// The metric Mag of each clip, of the natural texture where there are two.
   [[nodiscard]] std::vector<double> errors(const TrainingBatch& batch) override;
   [[nodiscard]] std::string_view error_name() const override { return "mag"; }
-
-  [[nodiscard]] SafetensorsFile weight_file() const override;
-  [[nodiscard]] SafetensorsFile checkpoint() const override;
 
   /// The learner that wrote `file`.
   /// @throws InputError if it is no such file

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <cstdint>
-#include <map>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -9,7 +7,7 @@
 
 #include <earpoint/people/description.h>
 #include <earpoint/people/weights.h>
-#include <earpoint/train/learner.h>
+#include <earpoint/train/network_learner.h>
 #include <earpoint/train/training_batch.h>
 #include <earpoint/weights/safetensors.h>
 
@@ -17,7 +15,7 @@ namespace earpoint {
 
 /// A network that finds people and learns by gradients, with its Adam optimizer. Of a batch it
 /// looks at the pictures and the inputs of people_example(). As ViGasLearner, in all else.
-class PeopleLearner : public Learner {
+class PeopleLearner : public NetworkLearner<PeopleDescription> {
  public:
   /// @param width_px, height_px  of the views; multiples of PeopleDescription::kCoarsest
   /// @throws InputError if LibTorch does not have the device
@@ -26,11 +24,6 @@ class PeopleLearner : public Learner {
   ~PeopleLearner() override;
   PeopleLearner(PeopleLearner&&) noexcept;
   PeopleLearner& operator=(PeopleLearner&&) noexcept;
-
-  [[nodiscard]] const PeopleDescription& description() const;
-
-  /// A copy of the weights as they are now.
-  [[nodiscard]] PeopleWeights weights() const;
 
   /// What PeopleNetwork says of each view: [pictures][kOutputs][height / kCell][width / kCell].
   [[nodiscard]] std::vector<float> maps(const TrainingBatch& batch);
@@ -43,23 +36,6 @@ class PeopleLearner : public Learner {
   /// Computes the loss of a batch and its gradient by every parameter, in place of the last one;
   /// batch norms move their running statistics.
   double compute_gradients(const TrainingBatch& batch) override;
-
-  /// The last gradient, by parameter.
-  [[nodiscard]] std::map<std::string, Tensor> gradients() const;
-
-  void visit_gradients(const Visitor& visitor) override;
-  void visit_statistics(const Visitor& visitor) override;
-
-  /// One step of Adam along the last gradient.
-  void apply_gradients(double learning_rate) override;
-
-  /// Steps of Adam so far.
-  [[nodiscard]] std::int64_t steps() const override;
-
-  [[nodiscard]] SafetensorsFile weight_file() const override;
-
-  /// Everything that learning goes on from: the weight file, and the optimizer's state in it.
-  [[nodiscard]] SafetensorsFile checkpoint() const override;
 
   /// The learner that wrote `file`.
   /// @param where  the file, for messages

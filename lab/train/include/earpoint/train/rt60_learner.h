@@ -1,7 +1,5 @@
 #pragma once
 
-#include <cstdint>
-#include <map>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -9,7 +7,7 @@
 
 #include <earpoint/rt60/description.h>
 #include <earpoint/rt60/weights.h>
-#include <earpoint/train/learner.h>
+#include <earpoint/train/network_learner.h>
 #include <earpoint/train/training_batch.h>
 #include <earpoint/weights/safetensors.h>
 
@@ -24,18 +22,13 @@ inline constexpr std::string_view kT60Input = "t60_s";
 /// An estimator of reverberation time that learns by gradients, with its Adam optimizer. Of a batch
 /// it looks at the sources, [clips][Rt60Description::kWindowSamples], and the times. The loss is
 /// the mean absolute error in seconds. As ViGasLearner, in all else.
-class Rt60Learner : public Learner {
+class Rt60Learner : public NetworkLearner<Rt60Description> {
  public:
   /// @throws InputError if LibTorch does not have the device
   explicit Rt60Learner(const Rt60EstimatorWeights& weights, const std::string& device = "cpu");
   ~Rt60Learner() override;
   Rt60Learner(Rt60Learner&&) noexcept;
   Rt60Learner& operator=(Rt60Learner&&) noexcept;
-
-  [[nodiscard]] const Rt60Description& description() const;
-
-  /// A copy of the weights as they are now.
-  [[nodiscard]] Rt60EstimatorWeights weights() const;
 
   /// What Rt60Estimator says of each second.
   [[nodiscard]] std::vector<double> estimate_s(const TrainingBatch& batch);
@@ -48,22 +41,6 @@ class Rt60Learner : public Learner {
   /// batch norms move their running statistics.
   /// @return the loss, seconds
   double compute_gradients(const TrainingBatch& batch) override;
-
-  /// The last gradient, by parameter.
-  [[nodiscard]] std::map<std::string, Tensor> gradients() const;
-
-  /// One step of Adam along the last gradient.
-  void visit_gradients(const Visitor& visitor) override;
-  void visit_statistics(const Visitor& visitor) override;
-  void apply_gradients(double learning_rate) override;
-
-  /// Steps of Adam so far.
-  [[nodiscard]] std::int64_t steps() const override;
-
-  [[nodiscard]] SafetensorsFile weight_file() const override;
-
-  /// Everything that learning goes on from: the weight file, and the optimizer's state in it.
-  [[nodiscard]] SafetensorsFile checkpoint() const override;
 
   /// The learner that wrote `file`.
   /// @param where  the file, for messages

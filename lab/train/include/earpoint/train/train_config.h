@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -45,12 +46,22 @@ struct TrainConfig {
   std::string network;  ///< its section as JSON, for the kind's own parser
   std::string data;     ///< likewise
   TrainingPlan training;
-  std::string text;  ///< the whole configuration with what it extends, as JSON
+  std::string text;  ///< the whole configuration with what it extends and what was set, as JSON
+};
+
+/// One value of a configuration that is set aside of its file.
+struct ConfigSetting {
+  std::string key;    ///< names from the outside in, with dots: "network.picture.width_px"
+  std::string value;  ///< JSON; what is no JSON is a string
 };
 
 /// Reads a configuration and the ones that it extends. Keys that nobody knows are errors.
+/// @param settings  override the file's values, later ones earlier ones
+/// @param where     file and settings, for messages; empty: the file
 /// @throws InputError naming file and key
-[[nodiscard]] TrainConfig read_train_config(const std::filesystem::path& path);
+[[nodiscard]] TrainConfig read_train_config(const std::filesystem::path& path,
+                                            std::span<const ConfigSetting> settings = {},
+                                            std::string where = {});
 
 /// @param where  the file, for messages
 [[nodiscard]] TrainConfig train_config_from_json(std::string_view json, std::string_view where);

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include <earpoint/train/example_source.h>
 #include <earpoint/train/learner.h>

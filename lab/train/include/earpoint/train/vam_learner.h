@@ -1,14 +1,12 @@
 #pragma once
 
-#include <cstdint>
-#include <map>
 #include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include <earpoint/dataset/pair_sample.h>
-#include <earpoint/train/learner.h>
+#include <earpoint/train/network_learner.h>
 #include <earpoint/train/training_batch.h>
 #include <earpoint/vam/description.h>
 #include <earpoint/vam/weights.h>
@@ -26,18 +24,13 @@ inline constexpr std::string_view kVamPoseInput = "pose";
 /// A visual acoustic matching network that learns by gradients, with its Adam optimizer. Its loss
 /// is ViGAS's, the mean difference of STFT magnitudes; the original's adversarial loss is left out.
 /// As ViGasLearner, in all else.
-class VamLearner : public Learner {
+class VamLearner : public NetworkLearner<VamDescription> {
  public:
   /// @throws InputError if LibTorch does not have the device
   explicit VamLearner(const VamWeights& weights, const std::string& device = "cpu");
   ~VamLearner() override;
   VamLearner(VamLearner&&) noexcept;
   VamLearner& operator=(VamLearner&&) noexcept;
-
-  [[nodiscard]] const VamDescription& description() const;
-
-  /// A copy of the weights as they are now.
-  [[nodiscard]] VamWeights weights() const;
 
   /// @param batch  its targets are not looked at
   /// @return       the sound at the targets, shape of batch.source
@@ -51,22 +44,6 @@ class VamLearner : public Learner {
   /// batch norms move their running statistics.
   /// @return the loss
   double compute_gradients(const TrainingBatch& batch) override;
-
-  /// The last gradient, by parameter.
-  [[nodiscard]] std::map<std::string, Tensor> gradients() const;
-
-  /// One step of Adam along the last gradient.
-  void visit_gradients(const Visitor& visitor) override;
-  void visit_statistics(const Visitor& visitor) override;
-  void apply_gradients(double learning_rate) override;
-
-  /// Steps of Adam so far.
-  [[nodiscard]] std::int64_t steps() const override;
-
-  [[nodiscard]] SafetensorsFile weight_file() const override;
-
-  /// Everything that learning goes on from: the weight file, and the optimizer's state in it.
-  [[nodiscard]] SafetensorsFile checkpoint() const override;
 
   /// The learner that wrote `file`.
   /// @param where  the file, for messages

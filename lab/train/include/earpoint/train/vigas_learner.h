@@ -1,13 +1,12 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include <earpoint/train/learner.h>
+#include <earpoint/train/network_learner.h>
 #include <earpoint/train/training_batch.h>
 #include <earpoint/vigas/description.h>
 #include <earpoint/vigas/weights.h>
@@ -40,18 +39,13 @@ struct LearnerOptions {
 /// predict() is that of the inference engine.
 /// The same numbers come out on the same machine with the same number of threads.
 /// Source: Novel-View Acoustic Synthesis, CVPR 2023, section 5, and its released code.
-class ViGasLearner : public Learner {
+class ViGasLearner : public NetworkLearner<ViGasDescription> {
  public:
   /// @throws InputError if LibTorch does not have the device
   explicit ViGasLearner(const ViGasWeights& weights, LearnerOptions options = {});
   ~ViGasLearner() override;
   ViGasLearner(ViGasLearner&&) noexcept;
   ViGasLearner& operator=(ViGasLearner&&) noexcept;
-
-  [[nodiscard]] const ViGasDescription& description() const;
-
-  /// A copy of the weights as they are now.
-  [[nodiscard]] ViGasWeights weights() const;
 
   /// @param batch  its targets are not looked at
   /// @return       the sound at the targets, shape of batch.source
@@ -61,28 +55,12 @@ class ViGasLearner : public Learner {
   [[nodiscard]] std::vector<double> errors(const TrainingBatch& batch) override;
   [[nodiscard]] std::string_view error_name() const override { return "mag"; }
 
-  /// A weight file as weight_file() makes it.
-  [[nodiscard]] SafetensorsFile weight_file() const override;
-
   /// Computes the loss of a batch and its gradient by every parameter, in place of the last one;
   /// batch norms move their running statistics.
   /// @return the loss
   double compute_gradients(const TrainingBatch& batch) override;
 
-  /// The last gradient, by parameter.
-  [[nodiscard]] std::map<std::string, Tensor> gradients() const;
-
-  /// One step of Adam along the last gradient.
-  void visit_gradients(const Visitor& visitor) override;
-  void visit_statistics(const Visitor& visitor) override;
-  void apply_gradients(double learning_rate) override;
-
-  /// Steps of Adam so far.
-  [[nodiscard]] std::int64_t steps() const override;
-
-  /// Everything that learning goes on from: a weight file that vigas_weights() reads, with the
-  /// optimizer's moments beside the weights ("adam.first/NAME", "adam.second/NAME") and its steps
-  /// in the metadata ("earpoint.adam_steps").
+  /// With what place_steps taught beside the network.
   [[nodiscard]] SafetensorsFile checkpoint() const override;
 
   /// The learner that wrote `file`.

@@ -35,8 +35,9 @@ struct LocatedSpeaker {
 };
 
 /// Finds the speaker of a recording, window by window, by picture, box and sound.
+/// @param weights             of a network with geometry: others find no speaker
 /// @param horizontal_fov_rad  of the source camera
-/// @throws InputError for a bad recording or picture, or a network that finds no speaker
+/// @throws InputError for a bad recording or picture
 [[nodiscard]] LocatedSpeaker locate_speaker(const RenderSource& source, const GtfWeights& weights,
                                             double horizontal_fov_rad, ProgressSink& progress);
 

@@ -67,15 +67,15 @@ struct RenderReport {
   int windows = 0;
   int model_rate_hz = 0;  ///< at which the synthesizer worked
   bool has_picture = false;
-  /// What of it the synthesizer was not made for; AcousticSynthesizer::doubts().
-  std::vector<std::string> doubts;
+  /// What of it the synthesizer was not made for; AcousticSynthesizer::warnings().
+  std::vector<std::string> warnings;
 };
 
 /// A sound in memory, and what is known of the moment.
 struct SoundInMemory {
   Waveform sound;                        ///< 2 ears, at the synthesizer's rate or above
   std::shared_ptr<const Image> picture;  ///< a still one; null: none
-  std::optional<Box> speaker_box;
+  std::optional<Box> speaker_box;        ///< nothing: out of sight, or not known
   std::optional<Vector3> speaker_m;
   std::optional<Pose> world_from_source;  ///< as Observation has it
 };

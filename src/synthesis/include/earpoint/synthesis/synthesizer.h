@@ -33,7 +33,7 @@ struct Observation {
   /// The frame nearest to the window's middle; null where there is no picture. While a picture
   /// stands still, every window has the same one.
   std::shared_ptr<const Image> picture;
-  /// Where the speaker is seen in that frame.
+  /// Where the speaker is seen in that frame; nothing: out of sight, or not known.
   std::optional<Box> speaker_box;
   /// Where the speaker's mouth is, in the source view's frame.
   std::optional<Vector3> speaker_m;
@@ -77,8 +77,11 @@ class AcousticSynthesizer {
 
   [[nodiscard]] virtual PictureUse picture_use() const { return PictureUse::never; }
 
+  /// Whether boxes of the speaker must be known, be they in sight or not.
+  [[nodiscard]] virtual bool needs_speaker_track() const { return false; }
+
   /// What of a rendering lies outside of what it was made for: a reason each, for people.
-  [[nodiscard]] virtual std::vector<std::string> doubts(const RenderOutline& /*outline*/) const {
+  [[nodiscard]] virtual std::vector<std::string> warnings(const RenderOutline& /*outline*/) const {
     return {};
   }
 

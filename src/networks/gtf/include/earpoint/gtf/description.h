@@ -7,6 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include <earpoint/gtf/training_range.h>
+
 namespace earpoint {
 
 /// A geometric time-frequency synthesizer: it finds the speaker in space, computes what the move to
@@ -35,13 +37,6 @@ struct GtfDescription {
   /// Channels of the picture encoder's layers, each of which halves width and height.
   static constexpr int kPictureChannels[] = {4, 16, 32, 48, 64, 64};
   static constexpr int kPictureLayers = 5;
-  // The range of the training data, in the source's frame. Both viewpoints stand within 2.5 m of
-  // the middle between two people, who stand within 1.5 m of it; all heads are level, at one
-  // height.
-  static constexpr double kFarthestMove_m = 5.0;
-  static constexpr double kHighestMove_m = 0.3;  ///< up or down; people hold cameras by hand
-  static constexpr double kFarthestSpeaker_m = 4.0;
-  static constexpr double kHighestSpeaker_m = 1.0;   ///< the mouth, up or down
   static constexpr double kNearestSpeaker_m = 0.25;  ///< nearer nothing gets louder
 
   int window_samples = kSampleRateHz;        ///< length of the clips that it was trained on
@@ -76,6 +71,8 @@ struct GtfDescription {
   int locator_width = 128;  ///< of the layers that find the speaker
   int summary_width = 32;   ///< of the sound's summary, as conditioning
   int conditioning_width = 128;
+
+  GtfTrainingRange training_range;  ///< stands beside the JSON, in the metadata
 
   /// Distance between two samples that a layer of the trunk sees, in frames.
   [[nodiscard]] int dilation(int layer) const { return 1 << (layer % kDilations); }

@@ -54,7 +54,7 @@ class Gtf {
 
   /// Where the target is from here on, and the speaker's mouth if it is known, both in the source's
   /// frame. Pitch and roll turn the ears; what was learned knows the yaw alone. A place beyond the
-  /// range of the training data (GtfDescription) is heard as the nearest one within it, and by as
+  /// range of the training data (GtfTrainingRange) is heard as the nearest one within it, and by as
   /// much weaker as the way to it costs the direct sound; the diffuse field stays.
   void aim(const Pose& source_from_target, const std::optional<Vector3>& speaker_m = {});
 

@@ -4,6 +4,7 @@
 
 #include <earpoint/core/pose.h>
 #include <earpoint/core/waveform.h>
+#include <earpoint/gtf/training_range.h>
 
 namespace earpoint {
 
@@ -16,11 +17,13 @@ struct LevelTolerance {
 /// Hardly anything where nothing moves; more with distance, since walls and the speaker's heading
 /// may count for much; and again little beyond the range that the network was trained on, where
 /// geometry is all that is known. Continuous in the pose.
-[[nodiscard]] LevelTolerance gtf_level_tolerance(const Pose& source_from_target);
+[[nodiscard]] LevelTolerance gtf_level_tolerance(const Pose& source_from_target,
+                                                 const GtfTrainingRange& range);
 
 /// The same of a window whose target moves: the mean over its poses.
 /// @param path  not empty
-[[nodiscard]] LevelTolerance gtf_level_tolerance(std::span<const Pose> path);
+[[nodiscard]] LevelTolerance gtf_level_tolerance(std::span<const Pose> path,
+                                                 const GtfTrainingRange& range);
 
 /// Powers that a sound may have, over that of the source.
 struct LevelBounds {

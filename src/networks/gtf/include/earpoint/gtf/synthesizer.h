@@ -1,5 +1,11 @@
 #pragma once
 
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
 #include <earpoint/gtf/engine.h>
 #include <earpoint/gtf/weights.h>
 #include <earpoint/synthesis/synthesizer.h>
@@ -26,7 +32,7 @@ class GtfSynthesizer : public AcousticSynthesizer {
   [[nodiscard]] WindowShape window_shape(int source_rate_hz) const override;
   [[nodiscard]] double ambient_cutoff_hz() const override;
   [[nodiscard]] PictureUse picture_use() const override;
-  [[nodiscard]] std::vector<std::string> doubts(const RenderOutline& outline) const override;
+  [[nodiscard]] std::vector<std::string> warnings(const RenderOutline& outline) const override;
   void observe(const Observation& observation) override;
   [[nodiscard]] Waveform synthesize(const Pose& source_from_target) override;
   [[nodiscard]] Waveform synthesize_along(std::span<const Pose> path) override;

@@ -30,6 +30,9 @@ struct PeopleDescription {
   /// x and y; logarithms of the width and the height in units of kBoxUnit pixels.
   static constexpr int kOutputs = 5;
   static constexpr int kBoxUnit = 32;
+  /// Of those logarithms: e^4 kBoxUnit is more than any view.
+  static constexpr float kLargestLog = 4.0F;
+  static constexpr float kMiddleGrey = 0.5F;  ///< is subtracted from pixels of 0 to 1
 
   [[nodiscard]] int stage_channels(int stage) const { return channels * kWidths.at(stage); }
   [[nodiscard]] int neck_channels() const { return channels * kNeckWidth; }

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
+#include <string>
 #include <vector>
 
 #include <earpoint/synthesis/synthesizer.h>
@@ -23,7 +25,8 @@ class ViGasSynthesizer : public AcousticSynthesizer {
   [[nodiscard]] WindowShape window_shape(int source_rate_hz) const override;
   [[nodiscard]] double ambient_cutoff_hz() const override;
   [[nodiscard]] PictureUse picture_use() const override;
-  [[nodiscard]] std::vector<std::string> doubts(const RenderOutline& outline) const override;
+  [[nodiscard]] bool needs_speaker_track() const override;
+  [[nodiscard]] std::vector<std::string> warnings(const RenderOutline& outline) const override;
   void observe(const Observation& observation) override;
   [[nodiscard]] Waveform synthesize(const Pose& source_from_target) override;
 

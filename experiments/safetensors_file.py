@@ -1,0 +1,38 @@
+"""Reads and writes safetensors files without any package: docs/formats.md has the format."""
+import json
+import struct
+from pathlib import Path
+
+BYTES = {"F64": 8, "I64": 8, "U64": 8, "F32": 4, "I32": 4, "U32": 4, "F16": 2, "BF16": 2, "I16": 2,
+         "U16": 2, "I8": 1, "U8": 1, "BOOL": 1}
+
+
+def read(path):
+    """Tensors by name, each its type, shape and bytes; and the metadata."""
+    data = Path(path).read_bytes()
+    (length,) = struct.unpack("<Q", data[:8])
+    header = json.loads(data[8:8 + length])
+    metadata = header.pop("__metadata__", {})
+    tensors = {}
+    for name, entry in header.items():
+        begin, end = (8 + length + offset for offset in entry["data_offsets"])
+        tensors[name] = entry["dtype"], entry["shape"], data[begin:end]
+    return tensors, metadata
+
+
+def write(path, tensors):
+    """Tensors as read() gives them; the larger types first, so that all are aligned."""
+    header, body = {}, b""
+    for name, (dtype, shape, data) in sorted(tensors.items(), key=lambda t: -BYTES[t[1][0]]):
+        header[name] = {"dtype": dtype, "shape": shape, "data_offsets": [len(body), len(body) + len(data)]}
+        body += data
+    text = json.dumps(header).encode()
+    text += b" " * (-len(text) % 8)
+    Path(path).write_bytes(struct.pack("<Q", len(text)) + text + body)
+
+
+def rows(tensor, chosen):
+    """The chosen rows of a tensor, along its first axis."""
+    dtype, shape, data = tensor
+    size = len(data) // shape[0]
+    return dtype, [len(chosen)] + shape[1:], b"".join(data[r * size:(r + 1) * size] for r in chosen)
