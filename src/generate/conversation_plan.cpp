@@ -140,8 +140,7 @@ class Planner {
   }
 
   [[nodiscard]] bool has_view(const Pose& pose) const {
-    const auto ahead_m =
-        caster_.distance_m(pose.position_m, rotate(pose.orientation, {1, 0, 0}));
+    const auto ahead_m = caster_.distance_m(pose.position_m, rotate(pose.orientation, {1, 0, 0}));
     return !ahead_m || *ahead_m >= kLeastView_m;
   }
 
