@@ -17,7 +17,7 @@ from pathlib import Path
 
 INCLUDE = re.compile(r'^#include ([<"])([^>"]+)[>"]', re.M)
 # What a training graph may read of networks.
-SHARED_WITH_TRAINING = {"description", "weights", "view", "constants", "encoding", "training_range",
+SHARED_WITH_TRAINING = {"description", "weights", "view", "constants", "encoding", "training_range", "sight",
                         "checkpoint_export"}
 NETWORKS = {"gtf", "vigas", "vam", "rt60", "people"}
 

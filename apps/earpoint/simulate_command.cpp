@@ -49,11 +49,19 @@ void check_at_least(const char* flag, double value, double least) {
   throw InputError(flag, fmt::format("expected {:g} or more, found {:g}", least, value));
 }
 
+void check_within(const char* flag, double value, double least, double most) {
+  if (value >= least && value <= most) return;
+  throw InputError(flag, fmt::format("expected {:g} to {:g}, found {:g}", least, most, value));
+}
+
 void check(const Options& options) {
   const earpoint::GenerationOptions& generation = options.generation;
   check_at_least("--scenes", generation.order.scenes, 1);
   check_at_least("--conversations", generation.order.conversations, 1);
   check_at_least("--viewpoints", generation.conversation.viewpoints, 2);
+  check_within("--other-rooms", generation.conversation.other_room_share, 0.0, 1.0);
+  check_within("--other-rooms-reach", generation.conversation.other_room_reach_m, 1.0, 100.0);
+  check_within("--height-spread", generation.conversation.height_spread_m, 0.0, 1.0);
   check_at_least("--rays", generation.quality.rays, 1);
   check_at_least("--rate", generation.quality.sample_rate_hz, 8000);
   check_at_least("--jobs", options.jobs, 0);
@@ -163,6 +171,19 @@ void add_how(CLI::App& command, Options& options) {
       ->check(whole_number())
       ->capture_default_str();
   command.add_option("--viewpoints", generation.conversation.viewpoints, "Of each conversation")
+      ->capture_default_str();
+  command
+      .add_option("--other-rooms", generation.conversation.other_room_share,
+                  "Share of the viewpoints, the first of a conversation aside, that stand in other "
+                  "rooms and see neither speaker")
+      ->capture_default_str();
+  command
+      .add_option("--other-rooms-reach", generation.conversation.other_room_reach_m,
+                  "How far those may be from the speakers, metres")
+      ->capture_default_str();
+  command
+      .add_option("--height-spread", generation.conversation.height_spread_m,
+                  "How much higher or lower than 1.5 m viewpoints may be, metres")
       ->capture_default_str();
   command.add_option("--rays", generation.quality.rays, "Rays that leave each speaker")
       ->capture_default_str();

@@ -191,6 +191,10 @@ TEST_F(SimulateCommandTest, BadUseIsOneLineAndLeavesNothing) {
   EXPECT_NE(error_of("--materials", "m.json").find("--scene"), std::string::npos);
   EXPECT_NE(error_of("--viewpoints", "1").find("--viewpoints: expected 2 or more"),
             std::string::npos);
+  EXPECT_NE(error_of("--other-rooms", "1.5").find("--other-rooms: expected 0 to 1, found 1.5"),
+            std::string::npos);
+  EXPECT_NE(error_of("--height-spread", "-1").find("--height-spread: expected 0 to 1"),
+            std::string::npos);
   fs::remove(folder_ / "speech/speech.csv");
   EXPECT_NE(error_of("--seed", "2").find("./dev speech"), std::string::npos);
 }

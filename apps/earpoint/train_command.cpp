@@ -45,7 +45,7 @@ machine share its cores.
 struct Options {
   fs::path config;
   std::vector<std::string> settings;  ///< KEY=VALUE
-  fs::path data;
+  std::vector<fs::path> data;
   std::string layout;  ///< empty: whichever there is
   fs::path out;
   std::string device = "cpu";
@@ -207,7 +207,8 @@ void run(const Options& options) {
   ProcessGroup* const processes = group ? &*group : nullptr;
 
   BadExamples bad;
-  earpoint::TaskOptions task_options{.data = options.data,
+  earpoint::TaskOptions task_options{.data = options.data.front(),
+                                     .more_data = {options.data.begin() + 1, options.data.end()},
                                      .layout = std::nullopt,
                                      .device = options.device,
                                      .cache_bytes = static_cast<std::size_t>(options.cache_mib)
@@ -268,7 +269,9 @@ void add_train_command(CLI::App& app) {
       ->allow_extra_args(false);
   command
       ->add_option("--data", options->data,
-                   "Folder of the data set: of earpoint simulate, SoundSpaces-NVAS or Replay-NVAS")
+                   "Folder of the data set: of earpoint simulate, SoundSpaces-NVAS or Replay-NVAS. "
+                   "Given again, clips of further folders' training split join; validation is on "
+                   "the first folder's")
       ->required();
   command
       ->add_option("--layout", options->layout,

@@ -14,6 +14,7 @@ namespace {
 constexpr int kAttempts = 2000;
 constexpr int kViewpointDraws = 400;
 constexpr int kHiddenDraws = 200;
+constexpr int kOtherRoomDraws = 100;
 constexpr double kListenerRadius_m = 0.25;
 constexpr double kBetweenViewpoints_m = 0.6;
 // Nobody stands with the nose to a wall.
@@ -94,27 +95,69 @@ class Planner {
     }
     int draws = 0;
     while (std::ssize(plan.viewpoints) < options_.viewpoints) {
-      if (++draws > kViewpointDraws) return false;
-      if (draws > kHiddenDraws) hidden = -1;  // nothing here hides them
-      const FloorPoint at = near[random_.index(near.size())];
-      const Vector3 eye{at.x, at.y, options_.height_m};
-      if (!stands_free(plan, at, middle)) continue;
-      const Pose pose = look_at(eye, {middle.x, middle.y, options_.height_m});
-      const auto ahead_m = caster_.distance_m(eye, rotate(pose.orientation, {1, 0, 0}));
-      if (ahead_m && *ahead_m < kLeastView_m) continue;
-      const int seen =
-          (sees(caster_, eye, mouth_a) ? 1 : 0) + (sees(caster_, eye, mouth_b) ? 1 : 0);
-      if (std::ssize(plan.viewpoints) == hidden ? seen == 2 : seen == 0) continue;
-      plan.viewpoints.push_back(pose);
+      // Without such viewpoints nothing is drawn: plans are what they were before.
+      const bool goes_away = options_.other_room_share > 0.0 && !plan.viewpoints.empty() &&
+                             random_.uniform() < options_.other_room_share;
+      if (goes_away && place_in_other_room(plan, middle)) continue;
+      do {
+        if (++draws > kViewpointDraws) return false;
+        if (draws > kHiddenDraws) hidden = -1;  // nothing here hides them
+      } while (!place_near(plan, near, middle, std::ssize(plan.viewpoints) == hidden));
     }
     return true;
   }
 
-  bool stands_free(const ConversationPlan& plan, const FloorPoint& at,
-                   const Vector3& middle) const {
+  bool place_near(ConversationPlan& plan, const std::vector<FloorPoint>& near,
+                  const Vector3& middle, bool is_hidden) {
+    const FloorPoint at = near[random_.index(near.size())];
+    if (!stands_free(plan, at, middle, options_.viewpoint_reach_m)) return false;
+    const Vector3 eye = eye_at(at);
+    const Pose pose = look_at(eye, {middle.x, middle.y, eye.z});
+    if (!has_view(pose)) return false;
+    const int seen = mouths_seen(plan, eye);
+    if (is_hidden ? seen == 2 : seen == 0) return false;
+    plan.viewpoints.push_back(pose);
+    return true;
+  }
+
+  bool place_in_other_room(ConversationPlan& plan, const Vector3& middle) {
+    for (int draw = 0; draw < kOtherRoomDraws; ++draw) {
+      const auto at = floor_.draw(kListenerRadius_m, random_);
+      if (!at) return false;
+      if (!stands_free(plan, *at, middle, options_.other_room_reach_m)) continue;
+      const Vector3 eye = eye_at(*at);
+      const Pose pose{eye, quaternion_from_euler({.yaw_rad = random_.uniform(-kPi, kPi)})};
+      if (mouths_seen(plan, eye) > 0 || !has_view(pose)) continue;
+      plan.viewpoints.push_back(pose);
+      return true;
+    }
+    return false;
+  }
+
+  Vector3 eye_at(const FloorPoint& at) {
+    const double spread_m = options_.height_spread_m;
+    return {at.x, at.y,
+            options_.height_m + (spread_m > 0.0 ? random_.uniform(-spread_m, spread_m) : 0.0)};
+  }
+
+  [[nodiscard]] bool has_view(const Pose& pose) const {
+    const auto ahead_m = caster_.distance_m(pose.position_m, rotate(pose.orientation, {1, 0, 0}));
+    return !ahead_m || *ahead_m >= kLeastView_m;
+  }
+
+  [[nodiscard]] int mouths_seen(const ConversationPlan& plan, const Vector3& eye) const {
+    int seen = 0;
+    for (const PlannedPerson& person : plan.people) {
+      seen += sees(caster_, eye, person.world_from_mouth().position_m) ? 1 : 0;
+    }
+    return seen;
+  }
+
+  [[nodiscard]] bool stands_free(const ConversationPlan& plan, const FloorPoint& at,
+                                 const Vector3& middle, double reach_m) const {
     if (floor_.clearance_m(at) < kListenerRadius_m) return false;
     const double distance_m = std::hypot(at.x - middle.x, at.y - middle.y);
-    if (distance_m < kBetweenViewpoints_m || distance_m > options_.viewpoint_reach_m) return false;
+    if (distance_m < kBetweenViewpoints_m || distance_m > reach_m) return false;
     for (std::size_t i = 0; i < 2; ++i) {
       const double least_m = radii_m_[i] + kListenerRadius_m;
       if (earpoint::distance_m(at, plan.people[i].at) < least_m) return false;

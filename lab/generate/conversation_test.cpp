@@ -236,6 +236,46 @@ TEST_F(ConversationTest, ASpeakersOwnBodyIsNotInTheWay) {
   EXPECT_GE(checked, 4);
 }
 
+TEST(ConversationPlan, SomeViewpointsStandInOtherRoomsAndAtOtherHeights) {
+  const auto rooms = prepare_home("two rooms", two_rooms());
+  const FigureLibrary figures;
+  constexpr int kPlans = 30;
+  constexpr ConversationOptions kOptions{.viewpoints = 5,
+                                         .hidden_share = 0.0,
+                                         .other_room_share = 0.5,
+                                         .other_room_reach_m = 7.0,
+                                         .height_spread_m = 0.2};
+  int away = 0;
+  double lowest_m = 9.0;
+  double highest_m = 0.0;
+  for (std::uint64_t seed = 1; seed <= kPlans; ++seed) {
+    RandomStream random(seed);
+    const ConversationPlan plan = plan_conversation(
+        rooms->floor, rooms->caster, figures, FigureSplit::train, kOptions, "two rooms", random);
+    ASSERT_EQ(plan.viewpoints.size(), 5U);
+    for (const Pose& viewpoint : plan.viewpoints) {
+      const Vector3 at = viewpoint.position_m;
+      EXPECT_GE(rooms->floor.clearance_m({at.x, at.y}), 0.25);
+      lowest_m = std::min(lowest_m, at.z);
+      highest_m = std::max(highest_m, at.z);
+      bool sees_one = false;
+      for (const PlannedPerson& person : plan.people) {
+        sees_one = sees_one || sees(rooms->caster, at, person.world_from_mouth().position_m);
+      }
+      if (sees_one) continue;
+      ++away;
+      EXPECT_NE(&viewpoint, plan.viewpoints.data()) << "the first stays with the people";
+    }
+  }
+  // Of 120 that may go away 60 +- 5.5, but for plans whose other room is out of reach.
+  EXPECT_GT(away, 35);
+  EXPECT_LT(away, 80);
+  EXPECT_GE(lowest_m, 1.3);
+  EXPECT_LT(lowest_m, 1.35);
+  EXPECT_LE(highest_m, 1.7);
+  EXPECT_GT(highest_m, 1.65);
+}
+
 TEST(ConversationPlan, ASceneWithoutRoomIsRefused) {
   const auto closet =
       prepare_home("closet", make_shoebox({1.5, 1.8, 2.5}, all_bands(0.2F), all_bands(0.2F)));

@@ -37,6 +37,14 @@ Json record_of(const GenerationOptions& options, const SceneSource& scenes,
   json["conversations"] = options.order.conversations;
   json["split"] = options.order.split ? Json(*options.order.split) : Json();
   json["viewpoints"] = options.conversation.viewpoints;
+  // Left out where they are as in the first data sets, which can be gone on with.
+  if (options.conversation.other_room_share > 0.0) {
+    json["other_rooms"] = options.conversation.other_room_share;
+    json["other_rooms_reach_m"] = options.conversation.other_room_reach_m;
+  }
+  if (options.conversation.height_spread_m > 0.0) {
+    json["height_spread_m"] = options.conversation.height_spread_m;
+  }
   json["sample_rate_hz"] = options.quality.sample_rate_hz;
   json["duration_s"] = options.quality.duration_s;
   json["rays"] = options.quality.rays;

@@ -90,6 +90,20 @@ TEST_F(GenerationTest, TheBytesAreTheSameForAnyJobsAndShards) {
   EXPECT_EQ(contents_of(shards.folder), expected);
 }
 
+TEST_F(GenerationTest, ADataSetTellsWhatSetsItsViewpointsApartFromTheUsualOnes) {
+  GenerationOptions usual = three_conversations("usual");
+  usual.order.conversations = 1;
+  static_cast<void>(generate(usual));
+  // The first data sets do not have these keys and can be gone on with.
+  EXPECT_EQ(read_text_file(usual.folder / "dataset.json").find("other_rooms"), std::string::npos);
+  GenerationOptions varied = usual;
+  varied.conversation.other_room_share = 0.5;
+  EXPECT_NE(refusal_of(varied).find("other_rooms is missing"), std::string::npos);
+  varied.conversation.other_room_share = 0.0;
+  varied.conversation.height_spread_m = 0.1;
+  EXPECT_NE(refusal_of(varied).find("height_spread_m is missing"), std::string::npos);
+}
+
 TEST_F(GenerationTest, WhatWasInterruptedGoesOnToTheSameBytes) {
   const GenerationOptions options = three_conversations("set");
   static_cast<void>(generate(options));

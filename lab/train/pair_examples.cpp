@@ -65,6 +65,26 @@ std::vector<int> speaking(const SoundSpacesClip& clip) {
   return found;
 }
 
+/// The training split of one folder.
+struct TrainingClips {
+  TrainingClips(const std::filesystem::path& folder, const PairOptions& options,
+                std::size_t cache_bytes)
+      : data(soundspaces_options(folder, "train")),
+        sampler(data, cache_bytes,
+                options.alignment == Alignment::responses ? ResponseDelays::dropped
+                                                          : ResponseDelays::relative,
+                options.target) {}
+
+  SoundSpacesDataset data;
+  PairSampler sampler;
+};
+
+double power_of(const Waveform& sound) {
+  double power = 0.0;
+  for (const float sample : sound.planar()) power += double{sample} * sample;
+  return power;
+}
+
 }  // namespace
 
 std::vector<std::size_t> evenly_spread(std::size_t size, std::size_t count) {
@@ -78,14 +98,15 @@ struct PairExamples::State {
   State(PairOptions pair_options, PairEncoder encoder)
       : options(std::move(pair_options)),
         encode(std::move(encoder)),
-        train(soundspaces_options(options.data, "train")),
         val(soundspaces_options(options.data, "val")),
-        train_sampler(train, options.cache_bytes,
-                      options.alignment == Alignment::responses ? ResponseDelays::dropped
-                                                                : ResponseDelays::relative,
-                      options.target),
         // Validation is the same whatever training looks like, so that runs can be compared.
         val_sampler(val, options.cache_bytes / 4, ResponseDelays::dropped, options.target) {
+    const std::size_t cache_bytes = options.cache_bytes / (1 + options.more_data.size());
+    train.push_back(std::make_unique<TrainingClips>(options.data, options, cache_bytes));
+    for (const auto& folder : options.more_data) {
+      train.push_back(std::make_unique<TrainingClips>(folder, options, cache_bytes));
+    }
+    for (const auto& clips : train) train_clips += clips->data.clips().size();
     const auto list = find_pair_list(options.data, "val");
     const PairList pairs =
         list ? read_pair_list(*list) : draw_pair_list(val, PairDraw::every_target, kValidationDraw);
@@ -98,14 +119,16 @@ struct PairExamples::State {
   }
 
   /// Where a window of the speaker's speech begins.
-  [[nodiscard]] std::ptrdiff_t draw_start(const SoundSpacesSpeaker& speaker,
+  [[nodiscard]] std::ptrdiff_t draw_start(const PairSampler& sampler,
+                                          const SoundSpacesSpeaker& speaker,
                                           RandomStream& random) const {
-    const std::ptrdiff_t spare = train_sampler.speech_samples(speaker) - options.samples;
+    const std::ptrdiff_t spare = sampler.speech_samples(speaker) - options.samples;
     if (spare <= 0) return 0;
     return static_cast<std::ptrdiff_t>(random.index(static_cast<std::uint64_t>(spare) + 1));
   }
 
-  [[nodiscard]] SoundSpacesChoice draw_choice(const SoundSpacesClip& clip,
+  [[nodiscard]] SoundSpacesChoice draw_choice(const PairSampler& sampler,
+                                              const SoundSpacesClip& clip,
                                               RandomStream& random) const {
     SoundSpacesChoice choice;
     const std::size_t viewpoints = clip.viewpoints.size();
@@ -114,7 +137,7 @@ struct PairExamples::State {
     if (choice.target >= choice.source) ++choice.target;
     const std::vector<int> speakers = speaking(clip);
     choice.speaker = speakers[random.index(speakers.size())];
-    choice.window_start = draw_start(clip.speakers[choice.speaker], random);
+    choice.window_start = draw_start(sampler, clip.speakers[choice.speaker], random);
     return choice;
   }
 
@@ -133,50 +156,84 @@ struct PairExamples::State {
     }
   }
 
-  /// The same places and responses, but a window of any speech of the split.
-  [[nodiscard]] PairSample other_words(const SoundSpacesClip& clip, SoundSpacesChoice choice,
+  /// A clip of any folder's training split, and the folder.
+  struct Drawn {
+    const TrainingClips& from;
+    const SoundSpacesClip& clip;
+  };
+  [[nodiscard]] Drawn draw_clip(RandomStream& random) const {
+    std::size_t index = random.index(train_clips);
+    std::size_t folder = 0;
+    while (index >= train[folder]->data.clips().size()) {
+      index -= train[folder++]->data.clips().size();
+    }
+    return {*train[folder], train[folder]->data.clips()[index]};
+  }
+
+  /// The same places and responses, but a window of any speech of the folder's split.
+  [[nodiscard]] PairSample other_words(const Drawn& drawn, SoundSpacesChoice choice,
                                        RandomStream& random) const {
-    const SoundSpacesClip& other = train.clips()[random.index(train.clips().size())];
+    const auto& [from, clip] = drawn;
+    const SoundSpacesClip& other = from.data.clips()[random.index(from.data.clips().size())];
     const std::vector<int> speakers = speaking(other);
     SoundSpacesClip retold = clip;
     SoundSpacesSpeaker& speaker = retold.speakers[choice.speaker];
     speaker.speech = other.speakers[speakers[random.index(speakers.size())]].speech;
-    choice.window_start = draw_start(speaker, random);
-    return train_sampler.sample(retold, choice, options.samples);
+    choice.window_start = draw_start(from.sampler, speaker, random);
+    return from.sampler.sample(retold, choice, options.samples);
   }
 
-  [[nodiscard]] PairSample training_sample(std::uint64_t number, std::uint64_t attempt) const {
+  /// Whether a pair is one of those that are to be learned.
+  [[nodiscard]] bool is_wanted(const PairSample& sample) const {
+    if (options.farthest_move_m &&
+        norm(sample.source_from_target.position_m) > *options.farthest_move_m) {
+      return false;
+    }
+    return !options.most_gain_db ||
+           power_of(sample.target) <=
+               power_of(sample.source) * std::pow(10.0, *options.most_gain_db / 10.0);
+  }
+
+  /// @return nothing for a pair that is not to be learned
+  [[nodiscard]] std::optional<PairSample> training_sample(std::uint64_t number,
+                                                          std::uint64_t attempt) const {
     RandomStream random(options.seed, {kDraw, number, attempt});
-    const SoundSpacesClip& clip = train.clips()[random.index(train.clips().size())];
-    const SoundSpacesChoice choice = draw_choice(clip, random);
-    PairSample sample = options.any_speech ? other_words(clip, choice, random)
-                                           : train_sampler.sample(clip, choice, options.samples);
+    const Drawn drawn = draw_clip(random);
+    const auto& [from, clip] = drawn;
+    const SoundSpacesChoice choice = draw_choice(from.sampler, clip, random);
+    PairSample sample = options.any_speech ? other_words(drawn, choice, random)
+                                           : from.sampler.sample(clip, choice, options.samples);
+    if (!is_wanted(sample)) return std::nullopt;
     add_room(sample, RandomStream(options.seed, {kNoise, number}).next());
     if (options.alignment == Alignment::gcc_phat) align_target(sample);
     // Drawn in any case, so that the other draws are the same with and without.
     const bool is_mirrored = random.index(2) == 1;
     if (options.mirror && is_mirrored) sample = mirrored(sample);
-    spoil_view(sample, random);
+    spoil_view(sample, from, random);
     return sample;
   }
 
   /// Takes away what a user's camera may not show.
-  void spoil_view(PairSample& sample, RandomStream& random) const {
+  void spoil_view(PairSample& sample, const TrainingClips& from, RandomStream& random) const {
     const bool is_spoilt = random.uniform() < options.spoilt_pictures;
     const bool is_hidden = random.uniform() < options.hidden_boxes;
+    // Drawn only if asked for: the other draws are then those of before.
+    if (options.wide_pictures > 0.0 && random.uniform() < options.wide_pictures) {
+      widen_picture(sample);
+    }
     if (is_hidden) sample.speaker_box.reset();
     if (!is_spoilt) return;
-    const SoundSpacesClip& other = train.clips()[random.index(train.clips().size())];
+    const SoundSpacesClip& other = from.data.clips()[random.index(from.data.clips().size())];
     const auto viewpoint = static_cast<int>(random.index(other.viewpoints.size()));
     sample.picture =
-        spoilt_picture(*sample.picture, train_sampler.picture(other, viewpoint), random);
+        spoilt_picture(*sample.picture, from.sampler.picture(other, viewpoint), random);
   }
 
   PairOptions options;
   PairEncoder encode;
-  SoundSpacesDataset train;
+  std::vector<std::unique_ptr<TrainingClips>> train;
+  std::size_t train_clips = 0;
   SoundSpacesDataset val;
-  PairSampler train_sampler;
   PairSampler val_sampler;
   std::vector<std::pair<const SoundSpacesClip*, SoundSpacesChoice>> validation;
 };
@@ -188,7 +245,12 @@ PairExamples::~PairExamples() = default;
 PairSample PairExamples::training_sample(std::uint64_t number) const {
   for (std::uint64_t attempt = 0;; ++attempt) {
     try {
-      return state_->training_sample(number, attempt);
+      auto sample = state_->training_sample(number, attempt);
+      if (sample) return std::move(*sample);
+      if (attempt < kMostBadExamples) continue;
+      throw InputError(state_->options.data.string(),
+                       "too few pairs are within 'farthest_move_m' and 'most_gain_db'",
+                       "allow more");
     } catch (const InputError& error) {
       if (!state_->options.on_bad || attempt == kMostBadExamples) throw;
       state_->options.on_bad(error.what());

@@ -151,6 +151,84 @@ TEST_F(PairExamplesTest, SpoilsPicturesAndHidesBoxesAsOftenAsAskedAndChangesNoth
   EXPECT_GT(boxes, 0);
 }
 
+TEST_F(PairExamplesTest, ShowsPicturesAsACameraOfAnotherShapeTakesThem) {
+  PairOptions wide = options();
+  wide.wide_pictures = 1.0;
+  const PairExamples plain = examples(options());
+  const PairExamples cut = examples(wide);
+  int cut_boxes = 0;
+  for (std::uint64_t n = 0; n < 20; ++n) {
+    const PairSample one = plain.training_sample(n);
+    const PairSample two = cut.training_sample(n);
+    EXPECT_TRUE(std::ranges::equal(one.source.planar(), two.source.planar()));
+    // Of 64 rows 36 are left, 14 on either side are grey.
+    for (const int y : {0, 13, 50, 63}) EXPECT_EQ(two.picture->at(5, y, 0), 128);
+    for (const int y : {14, 49}) {
+      EXPECT_EQ(two.picture->at(5, y, 0), one.picture->at(5, y, 0));
+    }
+    ASSERT_EQ(one.speaker_box.has_value(), two.speaker_box.has_value());
+    if (!one.speaker_box) continue;
+    EXPECT_EQ(two.speaker_box->x_min, one.speaker_box->x_min);
+    EXPECT_DOUBLE_EQ(two.speaker_box->y_min, std::max(one.speaker_box->y_min, 7.0 / 32));
+    EXPECT_DOUBLE_EQ(two.speaker_box->y_max, std::min(one.speaker_box->y_max, 25.0 / 32));
+    ++cut_boxes;
+  }
+  EXPECT_GT(cut_boxes, 5);
+}
+
+TEST_F(PairExamplesTest, DrawsClipsOfAllFoldersAlikeAndValidatesOnTheFirst) {
+  const fs::path other = folder_ / "other";
+  write_tiny_dataset(other, {.clips = 6, .seed = 2});
+  PairOptions joined = options();
+  joined.mirror = false;
+  const PairExamples alone = examples(joined);
+  joined.data = other;
+  const PairExamples others = examples(joined);
+  joined.data = folder_;
+  joined.more_data = {other};
+  const PairExamples both = examples(joined);
+  // Told by where the target is: which folder's pairs there are.
+  const auto places_of = [](const PairExamples& source, int draws) {
+    std::multiset<double> places;
+    for (int n = 0; n < draws; ++n) {
+      places.insert(source.training_sample(n).source_from_target.position_m.x);
+    }
+    return places;
+  };
+  const std::multiset<double> own = places_of(alone, 200);
+  const std::multiset<double> theirs = places_of(others, 600);
+  int of_first = 0;
+  for (const double place : places_of(both, 200)) {
+    EXPECT_TRUE(own.contains(place) || theirs.contains(place));
+    of_first += own.contains(place) ? 1 : 0;
+  }
+  // Two of eight clips: of 200 draws 50 +- 6.
+  EXPECT_GT(of_first, 25);
+  EXPECT_LT(of_first, 75);
+  ASSERT_EQ(both.validations(), alone.validations());
+  EXPECT_EQ(both.validation(0)->target, alone.validation(0)->target);
+}
+
+TEST_F(PairExamplesTest, LeavesOutPairsBeyondTheLimits) {
+  PairOptions limited = options();
+  limited.farthest_move_m = 2.5;
+  limited.most_gain_db = 1.0;
+  const PairExamples all = examples(options());
+  const PairExamples some = examples(limited);
+  int beyond = 0;
+  for (std::uint64_t n = 0; n < 60; ++n) {
+    const auto is_beyond = [](const PairSample& sample) {
+      return norm(sample.source_from_target.position_m) > 2.5 ||
+             energy_of(sample.target.planar()) > 1.259 * energy_of(sample.source.planar());
+    };
+    EXPECT_FALSE(is_beyond(some.training_sample(n))) << n;
+    beyond += is_beyond(all.training_sample(n)) ? 1 : 0;
+  }
+  EXPECT_GT(beyond, 10);
+  limited.farthest_move_m = 0.1;
+  EXPECT_THROW(static_cast<void>(examples(limited).training_sample(0)), InputError);
+}
+
 TEST_F(PairExamplesTest, GccPhatTakesOutTheWaysDifference) {
   PairOptions kept = options();
   kept.alignment = Alignment::none;

@@ -16,6 +16,10 @@ constexpr std::uint32_t kValidationSeed = 0;
 
 /// What a configuration asks for must be there in recordings.
 PairOptions checked(PairOptions options) {
+  if (!options.more_data.empty()) {
+    throw InputError("--data", "recordings of Replay-NVAS are read from one folder",
+                     "name one folder");
+  }
   const auto refuse = [](const char* key, const char* expected) {
     throw InputError(fmt::format("'data': '{}'", key),
                      fmt::format("expected {} for recordings of Replay-NVAS", expected));
@@ -25,7 +29,10 @@ PairOptions checked(PairOptions options) {
   if (options.ambient_db) refuse("ambient_db", "null");
   if (options.any_speech) refuse("any_speech", "false");
   if (options.spoilt_pictures > 0.0) refuse("spoilt_pictures", "0");
+  if (options.wide_pictures > 0.0) refuse("wide_pictures", "0");
   if (options.hidden_boxes > 0.0) refuse("hidden_boxes", "0");
+  if (options.farthest_move_m) refuse("farthest_move_m", "null");
+  if (options.most_gain_db) refuse("most_gain_db", "null");
   if (options.samples != kPairSamples) refuse("window_samples", "16000");
   return options;
 }

@@ -1,6 +1,8 @@
 #include "spoil_view.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <utility>
 
@@ -29,6 +31,23 @@ std::shared_ptr<const Image> spoilt_picture(const Image& picture,
     return static_cast<std::uint8_t>(brightness * value);
   });
   return std::make_shared<const Image>(std::move(dark));
+}
+
+void widen_picture(PairSample& sample) {
+  Image picture = *sample.picture;
+  const double height = 9.0 / 16.0 * picture.width() / picture.height();
+  if (height >= 1.0) return;
+  const double top = 0.5 - 0.5 * height;
+  const auto rows = static_cast<std::ptrdiff_t>(std::lround(top * picture.height()));
+  const std::ptrdiff_t bar = rows * picture.width() * picture.channels();
+  std::fill_n(picture.pixels().begin(), bar, kGrey);
+  std::fill_n(picture.pixels().end() - bar, bar, kGrey);
+  sample.picture = std::make_shared<const Image>(std::move(picture));
+  if (!sample.speaker_box) return;
+  Box& box = *sample.speaker_box;
+  box.y_min = std::max(box.y_min, top);
+  box.y_max = std::min(box.y_max, 1.0 - top);
+  if (box.y_min >= box.y_max) sample.speaker_box.reset();
 }
 
 }  // namespace earpoint

@@ -4,6 +4,7 @@
 
 #include <earpoint/core/image.h>
 #include <earpoint/core/random.h>
+#include <earpoint/dataset/pair_sample.h>
 
 namespace earpoint {
 
@@ -14,5 +15,10 @@ namespace earpoint {
 [[nodiscard]] std::shared_ptr<const Image> spoilt_picture(const Image& picture,
                                                           std::shared_ptr<const Image> other,
                                                           RandomStream& random);
+
+/// What a camera that sees as far across and takes pictures of 16:9 would have shown: rows above
+/// and below are as gtf_view() shows them, and the box ends there.
+/// @param sample  its picture and box change
+void widen_picture(PairSample& sample);
 
 }  // namespace earpoint

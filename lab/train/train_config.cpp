@@ -315,7 +315,10 @@ PairOptions pair_options_from_json(std::string_view text, std::string_view where
   section.take("any_speech", options.any_speech);
   section.take("mirror", options.mirror);
   section.take("spoilt_pictures", options.spoilt_pictures, 0.0, 1.0);
+  section.take("wide_pictures", options.wide_pictures, 0.0, 1.0);
   section.take("hidden_boxes", options.hidden_boxes, 0.0, 1.0);
+  section.take("farthest_move_m", options.farthest_move_m, 0.1, 100.0);
+  section.take("most_gain_db", options.most_gain_db, 0.0, 100.0);
   section.take("align", options.alignment, kAlignments);
   section.take("target", options.target, kTargets);
   if (options.target == PairTarget::near_microphone && options.alignment != Alignment::responses) {

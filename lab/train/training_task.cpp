@@ -105,6 +105,7 @@ PairOptions pair_options(const TrainConfig& config, std::string_view where,
                          const TaskOptions& options) {
   PairOptions pairs = pair_options_from_json(config.data, fmt::format("{}: 'data'", where));
   pairs.data = options.data;
+  pairs.more_data = options.more_data;
   pairs.layout = dataset_layout(options.data, options.layout);
   pairs.seed = config.training.seed;
   pairs.cache_bytes = options.cache_bytes;
@@ -114,6 +115,11 @@ PairOptions pair_options(const TrainConfig& config, std::string_view where,
 
 TrainingTask make_training_task(const TrainConfig& config, std::string_view where,
                                 const TaskOptions& options) {
+  const bool learns_pairs = config.kind != "rt60" && config.kind != "people";
+  if (!learns_pairs && !options.more_data.empty()) {
+    throw InputError("--data", "a network of this kind learns from one folder only",
+                     "name one folder");
+  }
   if (config.kind == "vigas") return vigas_task(config, where, options);
   if (config.kind == "gtf") return gtf_task(config, where, options);
   if (config.kind == "vam") return vam_task(config, where, options);

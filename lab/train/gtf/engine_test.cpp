@@ -98,6 +98,14 @@ TEST(GtfEngine, RendersWhatTheLearnerPredictsWithRoundsOfPhasesAndATexture) {
   expect_engines_prediction(d, true, 5123, 1e-4);
 }
 
+TEST(GtfEngine, RendersWhatTheLearnerPredictsWithSightPoints) {
+  GtfDescription d;
+  d.channels = 12;
+  d.bands = 12;
+  d.sight_points = 4;
+  expect_engines_prediction(d, true, 5123);
+}
+
 TEST(GtfEngine, RendersWhatTheLearnerPredictsBlindly) {
   GtfDescription d;
   d.geometry = d.delays = d.box = false;

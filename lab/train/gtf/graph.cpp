@@ -22,6 +22,7 @@
 #include <earpoint/core/error.h>
 #include <earpoint/core/pose.h>
 #include <earpoint/gtf/constants.h>
+#include <earpoint/gtf/sight.h>
 
 namespace earpoint {
 namespace {
@@ -58,7 +59,7 @@ FrameLayer GtfGraph::modulated(const std::string& name, const at::Tensor& condit
           linear(name + ".static", conditions) + parameter(name + ".bias")};
 }
 
-at::Tensor GtfGraph::look(const at::Tensor& picture, const at::Tensor& box) const {
+GtfGraph::Seen GtfGraph::look(const at::Tensor& picture, const at::Tensor& box) const {
   // A fourth channel marks the box.
   const std::int64_t size = description_.picture_px;
   const at::Tensor middles =
@@ -68,13 +69,43 @@ at::Tensor GtfGraph::look(const at::Tensor& picture, const at::Tensor& box) cons
   const at::Tensor down = (middles >= side(2)).logical_and(middles <= side(4)).to(at::kFloat);
   const at::Tensor mask = down.unsqueeze(2) * across.unsqueeze(1) * side(0).unsqueeze(2);
   at::Tensor x = at::cat({picture - gtf::kMiddleGrey, mask.unsqueeze(1)}, 1);
+  Seen seen;
   for (int i = 0; i < D::kPictureLayers; ++i) {
     const std::string name = fmt::format("picture.{}", i);
     x = at::conv2d(x, parameter(name + ".weight"), parameter(name + ".bias"), 2, 1);
     x = at::silu(at::group_norm(x, D::kNormGroups, parameter(name + ".norm.weight"),
                                 parameter(name + ".norm.bias"), gtf::kNormEpsilon));
+    if (i + 1 == D::kSightLayer) seen.map = x;
   }
-  return at::silu(linear("picture.output", x.flatten(1)));
+  seen.feature = at::silu(linear("picture.output", x.flatten(1)));
+  return seen;
+}
+
+at::Tensor GtfGraph::look_along(const at::Tensor& map, const at::Tensor& target_m) const {
+  const std::int64_t clips = map.size(0);
+  const int side = static_cast<int>(map.size(3));
+  std::vector<GtfSight> places(std::size_t{2} * description_.sight_points);
+  const auto count = static_cast<std::int64_t>(places.size());
+  // Reading a map between its pixels is a product with what each of them counts.
+  at::Tensor shares = at::zeros({clips, count, std::int64_t{side} * side});
+  at::Tensor is_seen = at::zeros({clips, count, 1});
+  auto share = shares.accessor<float, 3>();
+  auto seen = is_seen.accessor<float, 3>();
+  const at::Tensor targets = target_m.contiguous();
+  const auto target = targets.accessor<float, 2>();
+  for (std::int64_t clip = 0; clip < clips; ++clip) {
+    find_sights({target[clip][0], target[clip][1], target[clip][2]}, side, places);
+    for (std::int64_t i = 0; i < count; ++i) {
+      const GtfSight& place = places[static_cast<std::size_t>(i)];
+      if (!place.is_seen) continue;
+      seen[clip][i][0] = 1.0F;
+      for (std::size_t k = 0; k < place.pixels.size(); ++k) {
+        share[clip][i][place.pixels[k]] += place.weights[k];
+      }
+    }
+  }
+  const at::Tensor there = at::matmul(shares, map.flatten(2).transpose(1, 2));
+  return at::cat({at::silu(linear("sight", there)) * is_seen, is_seen}, 2).flatten(1);
 }
 
 SpeakerPlace GtfGraph::locate(const at::Tensor& picture, const at::Tensor& box,
@@ -116,7 +147,8 @@ GtfGraph::Conditions GtfGraph::condition(const GtfInputs& inputs, const SoundFea
                                          std::optional<SpeakerPlace>& speaker) const {
   Conditions conditions;
   const at::Tensor box = description_.box ? inputs.box : inputs.box * 0;
-  const at::Tensor picture = description_.picture_px > 0 ? look(inputs.picture, box) : at::Tensor();
+  const Seen seen = description_.picture_px > 0 ? look(inputs.picture, box) : Seen();
+  const at::Tensor& picture = seen.feature;
   std::vector<at::Tensor> known;
   if (description_.geometry) {
     speaker = locate(picture, box, heard.summary);
@@ -132,6 +164,7 @@ GtfGraph::Conditions GtfGraph::condition(const GtfInputs& inputs, const SoundFea
   if (description_.texture) {
     known.push_back(at::full({heard.summary.size(0), 1}, inputs.texture));
   }
+  if (description_.sight_points > 0) known.push_back(look_along(seen.map, inputs.target_m));
   const at::Tensor hidden = at::silu(linear("conditioning.0", at::cat(known, 1)));
   conditions.vector = at::silu(linear("conditioning.1", hidden));
   return conditions;

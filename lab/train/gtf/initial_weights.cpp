@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <complex>
@@ -148,6 +149,28 @@ GtfWeights initial_gtf_weights(const GtfDescription& description, const HrtfSet&
     weights.tensors[name] = make_tensor<float>(
         name == "kernel.bias" ? identity_kernels(description) : draw(shapes, name, random), shape);
   }
+  return weights;
+}
+
+GtfWeights with_sight_points(GtfWeights weights, int sight_points, std::uint64_t seed) {
+  EARPOINT_CHECK(weights.description.sight_points == 0);
+  const std::int64_t known = weights.description.conditioning_inputs();
+  weights.description.sight_points = sight_points;
+  check_description(weights.description, "sight points");
+  const std::map<std::string, Shape> shapes = required_tensors(weights.description);
+  std::uint64_t index = 0;
+  for (const std::string name : {"sight.weight", "sight.bias"}) {
+    weights.tensors[name] =
+        make_tensor<float>(draw(shapes, name, RandomStream(seed, {index++})), shapes.at(name));
+  }
+  // What is new comes last among the conditions, and counts nothing at first.
+  Tensor& joined = weights.tensors.at("conditioning.0.weight");
+  const Shape& wider = shapes.at("conditioning.0.weight");
+  std::vector<float> values(static_cast<std::size_t>(wider[0] * wider[1]));
+  for (std::int64_t row = 0; row < wider[0]; ++row) {
+    std::copy_n(joined.as<float>().begin() + row * known, known, values.begin() + row * wider[1]);
+  }
+  joined = make_tensor<float>(values, wider);
   return weights;
 }
 

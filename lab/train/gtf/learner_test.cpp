@@ -225,6 +225,58 @@ TEST(GtfLearner, GradientIsTheSlopeOfTheLossWithPhaseRoundsTexturesAndADryVoice)
   expect_slope(d, 6, 0.05);
 }
 
+TEST(GtfLearner, GradientIsTheSlopeOfTheLossWithSightPoints) {
+  GtfDescription d = small();
+  d.sight_points = 2;
+  expect_slope(d, 6);
+}
+
+TEST(GtfLearner, RendersAsBeforeWithSightPointsThatAreNew) {
+  const GtfDescription d = small();
+  const GtfWeights before = stirred(d);
+  const GtfWeights after = with_sight_points(before, 3, 1);
+  const TrainingBatch batch = batch_for(d, 2);
+  const std::vector<float> expected = GtfLearner(before).predict(batch);
+  const std::vector<float> found = GtfLearner(after).predict(batch);
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    // Zeros are added to float32 sums whose order may change.
+    ASSERT_NEAR(found[i], expected[i], 1e-5) << i;
+  }
+}
+
+TEST(GtfLearner, LearnsFromThePictureWhatLiesOnTheWay) {
+  // Of two clips that differ in the picture where the target's floor is, one is to be silent. A
+  // network that is to learn this from the whole picture's feature has it set to nothing.
+  GtfDescription d = small();
+  d.sight_points = 2;
+  GtfWeights weights = initial_gtf_weights(d, head(), 1);
+  for (const char* name : {"picture.output.weight", "picture.output.bias"}) {
+    Tensor& tensor = weights.tensors.at(name);
+    tensor = make_tensor<float>(
+        std::vector<float>(static_cast<std::size_t>(tensor.elements()), 0.0F), tensor.shape);
+  }
+  TrainingBatch open = batch_for(d, 1);
+  open.inputs["target_m"] = {3, 0, 0};
+  open.target = open.source;
+  open.pictures.assign(open.pictures.size(), 0.3F);
+  TrainingBatch wall = open;
+  wall.target.assign(wall.target.size(), 0.0F);
+  for (int row = 20; row < 28; ++row) {
+    for (int column = 12; column < 20; ++column) wall.pictures[row * 32 + column] = 0.9F;
+  }
+  GtfLearner learner(weights);
+  for (int step = 0; step < 100; ++step) {
+    learner.compute_gradients(step % 2 == 0 ? open : wall);
+    learner.apply_gradients(0.01);
+  }
+  const auto energy = [&](const TrainingBatch& clip) {
+    double sum = 0.0;
+    for (const float sample : learner.predict(clip)) sum += double{sample} * sample;
+    return sum;
+  };
+  EXPECT_LT(energy(wall), 0.3 * energy(open));
+}
+
 TEST(GtfLearner, LearnsATextureForEachOfItsLosses) {
   GtfDescription d = small();
   d.texture = true;

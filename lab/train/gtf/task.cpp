@@ -113,7 +113,13 @@ GtfLearner make_learner(const GtfDescription& description, const GtfLearnerOptio
   if (options.checkpoint != nullptr) {
     return GtfLearner::from_checkpoint(*options.checkpoint, "the checkpoint", learner);
   }
-  if (init) return GtfLearner(gtf_weights(read_safetensors(*init), *init), learner);
+  if (init) {
+    GtfWeights weights = gtf_weights(read_safetensors(*init), *init);
+    if (weights.description.sight_points == 0 && description.sight_points > 0) {
+      weights = with_sight_points(std::move(weights), description.sight_points, seed);
+    }
+    return GtfLearner(weights, learner);
+  }
   const HrtfSet head = HrtfSet::load(GtfDescription::kSampleRateHz);
   return GtfLearner(initial_gtf_weights(description, head, seed), learner);
 }

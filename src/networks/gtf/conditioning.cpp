@@ -85,17 +85,23 @@ void GtfConditions::hear(std::span<const float> summary) {
 
 void GtfConditions::aim(const std::optional<Vector3>& speaker_m, const Pose& source_from_target) {
   float* to = joined_.data();
+  Vector3 target_m = source_from_target.position_m;
   if (description_.geometry) {
     place_ = located_;
     if (speaker_m) place_.position_m = *speaker_m;
     geometry_->move(place_, speaker_m.has_value(), source_from_target);
     to = std::copy(geometry_->features().begin(), geometry_->features().end(), to);
+    target_m = geometry_->shown_target_m();
   } else {
     to = put_pose(to, source_from_target);
   }
   to = std::copy(feature_.begin(), feature_.end(), to);
   to = std::copy(heard_.begin(), heard_.end(), to);
   if (description_.texture) *to++ = texture_;
+  if (description_.sight_points > 0) {
+    eye_->look_along(target_m, {to, static_cast<std::size_t>(description_.sight_features())});
+    to += description_.sight_features();
+  }
   EARPOINT_CHECK(to == joined_.data() + joined_.size());
   hidden_.apply(joined_, middle_);
   apply_silu(middle_);

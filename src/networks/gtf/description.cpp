@@ -39,6 +39,8 @@ void check_senses(const GtfDescription& d, std::string_view where) {
     throw InputError(where, fmt::format("picture_px: expected a multiple of {}, found {}", kShrink,
                                         d.picture_px));
   }
+  constexpr int kMostSightPoints = 16;
+  check_range(where, "sight_points", d.sight_points, 0, d.picture_px > 0 ? kMostSightPoints : 0);
   if (d.delays && !d.geometry) {
     throw InputError(where, "delays: expected false, as there is no geometry, found true");
   }
@@ -144,6 +146,7 @@ std::string to_json(const GtfDescription& d) {
   // Left out where they are as in the first networks, whose files stay the same bytes.
   if (d.ear_delays) json["ear_delays"] = true;
   if (d.phase_rounds > 0) json["phase_rounds"] = d.phase_rounds;
+  if (d.sight_points > 0) json["sight_points"] = d.sight_points;
   if (d.texture) json["texture"] = true;
   if (d.dry_voice) json["dry_voice"] = true;
   return json.dump();
@@ -178,6 +181,7 @@ GtfDescription gtf_description_from_json(std::string_view text, std::string_view
   d.conditioning_width = reader.integer("conditioning_width");
   if (reader.has("ear_delays")) d.ear_delays = reader.boolean("ear_delays");
   if (reader.has("phase_rounds")) d.phase_rounds = reader.integer("phase_rounds");
+  if (reader.has("sight_points")) d.sight_points = reader.integer("sight_points");
   if (reader.has("texture")) d.texture = reader.boolean("texture");
   if (reader.has("dry_voice")) d.dry_voice = reader.boolean("dry_voice");
   reader.expect_nothing_else();
@@ -196,6 +200,11 @@ TensorShapes required_tensors(const GtfDescription& d) {
     add_layer(shapes, "locator.2", {gtf::kLocatorOutputs, d.locator_width});
   }
   if (d.picture_px > 0) add_picture_encoder(shapes, d);
+  if (d.sight_points > 0) {
+    add_layer(shapes, "sight",
+              {GtfDescription::kSightWidth,
+               GtfDescription::kPictureChannels[GtfDescription::kSightLayer]});
+  }
   add_layer(shapes, "summary", {d.summary_width, d.summary_features()});
   add_layer(shapes, "conditioning.0", {d.conditioning_width, d.conditioning_inputs()});
   add_layer(shapes, "conditioning.1", {d.conditioning_width, d.conditioning_width});

@@ -54,6 +54,7 @@ TEST(GtfDescription, JsonRoundTrips) {
   d.highpass_cutoff_hz = 80;
   d.box = d.delays = d.geometry = false;
   d.phase_rounds = 3;
+  d.sight_points = 4;
   d.texture = d.dry_voice = true;
   EXPECT_EQ(gtf_description_from_json(to_json(d), "x"), d);
   d.geometry = d.delays = d.ear_delays = true;
@@ -63,7 +64,7 @@ TEST(GtfDescription, JsonRoundTrips) {
 
 TEST(GtfDescription, WhatTheFirstNetworksDidNotHaveIsLeftOutOfTheirFiles) {
   const std::string json = to_json(GtfDescription{});
-  for (const char* key : {"ear_delays", "phase_rounds", "texture", "dry_voice"}) {
+  for (const char* key : {"ear_delays", "phase_rounds", "sight_points", "texture", "dry_voice"}) {
     EXPECT_EQ(json.find(key), std::string::npos) << key;
   }
 }
@@ -86,6 +87,8 @@ TEST(GtfDescription, JsonMistakesAreNamed) {
   expect(refusal_with("[0.08,0.25]", "[0.08,\"0.25\"]"), "'tails_s': expected numbers");
   expect(refusal_with("\"layers\":6", "\"layers\":6,\"phase_rounds\":17"),
          "phase_rounds: expected 0 to 16, found 17");
+  expect(refusal_with("\"picture_px\":64", "\"picture_px\":0,\"sight_points\":2"),
+         "sight_points: expected 0 to 0, found 2");
   expect(refusal_with("[0.08,0.25]", "[-1]"), "tails_s: expected 0.001 to 10, found -1");
   expect(refusal_with("\"sample_rate_hz\":16000", "\"sample_rate_hz\":48000"),
          "sample_rate_hz: expected 16000, found 48000");
@@ -108,6 +111,11 @@ TEST(GtfDescription, TensorsFollowWhatTheNetworkKnows) {
   EXPECT_EQ(required_tensors(d).at("picture.output.weight"), (Shape{96, 256}));
   EXPECT_EQ(required_tensors(d).at("locator.0.weight"), (Shape{128, 96 + 9 + 193}));
   EXPECT_EQ(required_tensors(d).at("head.delay_s"), (Shape{72, 2}));
+  d.sight_points = 3;
+  EXPECT_EQ(required_tensors(d).at("sight.weight"), (Shape{16, 48}));
+  EXPECT_EQ(required_tensors(d).at("conditioning.0.weight"),
+            (Shape{128, 52 + 96 + 32 + 6 * (16 + 1)}));
+  d.sight_points = 0;
   d.delays = d.geometry = false;
   d.picture_px = 0;
   d.tails_s.clear();

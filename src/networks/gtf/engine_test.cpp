@@ -54,6 +54,7 @@ TEST(Gtf, LouderInGivesLouderOut) {
 TEST(Gtf, AllocatesNothingAfterTheFirstWindow) {
   GtfDescription d = small();
   d.phase_rounds = 2;
+  d.sight_points = 2;
   d.texture = true;
   Gtf engine = engine_that_looks(d);
   const std::vector<float> source = noise(2 * kSamples, 0.1, 2);

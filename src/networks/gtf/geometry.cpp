@@ -153,6 +153,7 @@ void GtfGeometry::put_features(const GtfPlace& place, const Pose& source_from_ta
 void GtfGeometry::move(const GtfPlace& place, bool is_told, const Pose& source_from_target) {
   const GtfPlace near_place = is_told ? limited(place, range_) : place;
   const Pose near_pose = limited(source_from_target, near_place, place.position_m, range_);
+  shown_target_m_ = near_pose.position_m;
   const Levels levels = levels_of(near_place, near_pose);
   put_features(near_place, near_pose, levels);
   read_table(delay_s_, levels.source.azimuth_rad, source_delay_s_);

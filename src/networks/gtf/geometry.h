@@ -43,6 +43,8 @@ class GtfGeometry {
   [[nodiscard]] const std::array<float, 2>& source_delay_s() const { return source_delay_s_; }
   [[nodiscard]] const std::array<float, 2>& target_delay_s() const { return target_delay_s_; }
 
+  /// The target where the network is shown it, in the source's frame.
+  [[nodiscard]] const Vector3& shown_target_m() const { return shown_target_m_; }
   /// Whether the move leaves the range of the training data.
   [[nodiscard]] bool is_beyond() const { return is_beyond_; }
   /// Amplitude factors that lead from the limited move to the true one; 1 within the range.
@@ -64,6 +66,7 @@ class GtfGeometry {
   std::vector<float> features_;
   std::array<float, 2> source_delay_s_{};
   std::array<float, 2> target_delay_s_{};
+  Vector3 shown_target_m_;
   bool is_beyond_ = false;
   GtfEarBands correction_{};
   GtfEarBands power_at_source_{}, power_at_target_{};  // of the true move

@@ -98,6 +98,12 @@ GtfPictureEncoder::GtfPictureEncoder(const GtfWeights& weights)
   rows_.resize(rows);
   map_.resize(map);
   flat_.resize(static_cast<std::size_t>(output_.inputs()));
+  if (weights.description.sight_points == 0) return;
+  sight_ = dense_of(weights, "sight");
+  places_.resize(std::size_t{2} * weights.description.sight_points);
+  there_.resize(static_cast<std::size_t>(sight_->inputs()));
+  const int side = size_ >> D::kSightLayer;
+  sight_map_.resize(there_.size() * side * side);
 }
 
 void GtfPictureEncoder::convolve(const Layer& layer) {
@@ -148,7 +154,10 @@ void GtfPictureEncoder::look(std::span<const float> picture, const std::optional
       map_[4 * pixel + 3] = is_inside ? 1.0F : 0.0F;
     }
   }
-  for (const Layer& layer : layers_) convolve(layer);
+  for (std::size_t i = 0; i < layers_.size(); ++i) {
+    convolve(layers_[i]);
+    if (i + 1 == D::kSightLayer) std::copy_n(map_.begin(), sight_map_.size(), sight_map_.begin());
+  }
   const std::size_t channels = D::kPictureChannels[D::kPictureLayers];
   const std::size_t places = flat_.size() / channels;
   for (std::size_t place = 0; place < places; ++place) {
@@ -157,6 +166,27 @@ void GtfPictureEncoder::look(std::span<const float> picture, const std::optional
   }
   output_.apply(flat_, feature);
   apply_silu(feature);
+}
+
+void GtfPictureEncoder::look_along(const Vector3& target_m, std::span<float> sight) {
+  EARPOINT_CHECK(sight_.has_value());
+  EARPOINT_CHECK(sight.size() == places_.size() * (D::kSightWidth + 1));
+  find_sights(target_m, size_ >> D::kSightLayer, places_);
+  for (const GtfSight& place : places_) {
+    const std::span<float> seen = sight.first(D::kSightWidth);
+    std::ranges::fill(seen, 0.0F);
+    if (place.is_seen) {
+      std::ranges::fill(there_, 0.0F);
+      for (std::size_t i = 0; i < place.pixels.size(); ++i) {
+        const float* pixel = sight_map_.data() + place.pixels[i] * std::ssize(there_);
+        for (std::size_t c = 0; c < there_.size(); ++c) there_[c] += place.weights[i] * pixel[c];
+      }
+      sight_->apply(there_, seen);
+      apply_silu(seen);
+    }
+    sight[D::kSightWidth] = place.is_seen ? 1.0F : 0.0F;
+    sight = sight.subspan(D::kSightWidth + 1);
+  }
 }
 
 }  // namespace earpoint::kernels

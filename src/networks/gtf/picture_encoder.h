@@ -6,6 +6,8 @@
 #include <vector>
 
 #include <earpoint/core/image.h>
+#include <earpoint/core/vector3.h>
+#include <earpoint/gtf/sight.h>
 #include <earpoint/gtf/weights.h>
 #include <earpoint/kernels/aligned_floats.h>
 #include <earpoint/kernels/dense.h>
@@ -31,6 +33,12 @@ class GtfPictureEncoder {
   void look(std::span<const float> picture, const std::optional<Box>& box,
             std::span<float> feature);
 
+  /// What the picture shows on the way to a target, of the last picture looked at, in a network
+  /// with sight points. Allocates nothing.
+  /// @param target_m  in the camera's frame
+  /// @param sight     [sight features]
+  void look_along(const Vector3& target_m, std::span<float> sight);
+
  private:
   struct Layer {
     int channels_in = 0;
@@ -49,6 +57,10 @@ class GtfPictureEncoder {
   std::vector<float> columns_;  // [pixel][9 * channels]
   std::vector<float> rows_;     // [pixel][padded channels]
   std::vector<float> flat_;
+  std::optional<Dense> sight_;
+  std::vector<float> sight_map_;  // [pixel][channel]
+  std::vector<GtfSight> places_;
+  std::vector<float> there_;  // [channel]: the map at one place
 };
 
 }  // namespace earpoint::kernels

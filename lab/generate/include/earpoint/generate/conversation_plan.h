@@ -38,12 +38,17 @@ struct ConversationOptions {
   double sitting_share = 0.35;     ///< of the people
   /// The share of conversations with one viewpoint from which a wall or furniture hides a speaker.
   double hidden_share = 0.4;
+  /// The share of the viewpoints, the first one aside, that stand in other rooms where the scene
+  /// has such places: neither speaker is seen from there.
+  double other_room_share = 0.0;
+  double other_room_reach_m = 5.0;  ///< of those from the middle between the people
+  double height_spread_m = 0.0;     ///< viewpoints are up to that higher or lower than height_m
 };
 
 /// Draws a conversation: two people at free places who see each other, turned more or less to each
 /// other, and viewpoints near them that look at the middle between their heads. Nobody stands in
 /// furniture, a wall or another person, and no viewpoint is further on foot than 1.8 times its
-/// reach: not behind a closed door.
+/// reach: not behind a closed door. Those in other rooms may be, and look anywhere.
 /// @param floor   of the scene without people; its floor lies at height 0
 /// @param caster  of the same scene
 /// @param figures people of the age of the voices

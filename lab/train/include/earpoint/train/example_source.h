@@ -43,14 +43,22 @@ enum class Alignment {
 
 /// How pairs of viewpoints become examples.
 struct PairOptions {
-  std::filesystem::path data;           ///< a folder that dataset_layout() knows
+  std::filesystem::path data;  ///< a folder that dataset_layout() knows
+  /// Further ones whose clips of `train` are drawn as often; in the SoundSpaces layout.
+  std::vector<std::filesystem::path> more_data;
   std::optional<DatasetLayout> layout;  ///< of it; nothing: whichever there is
   std::uint64_t seed = 1;               ///< of the draws in training
   std::ptrdiff_t samples = 16000;       ///< of a training window; validation takes a second
   bool any_speech = false;              ///< whoever speaks says what anyone of the split said
   bool mirror = true;            ///< half of the training examples are mirrored, left to right
   double spoilt_pictures = 0.0;  ///< share of training examples whose picture tells nothing
+  double wide_pictures = 0.0;    ///< share of training examples whose picture is cut to 16:9
   double hidden_boxes = 0.0;     ///< share of training examples without the speaker's box
+  /// Training pairs whose target is farther from the source are not drawn.
+  std::optional<double> farthest_move_m;
+  /// Training pairs whose target is by more louder than the source are not drawn: from behind a
+  /// closed door to the speaker, say. Level of the window over both ears.
+  std::optional<double> most_gain_db;
   PairTarget target = PairTarget::viewpoint;   ///< in validation too
   Alignment alignment = Alignment::responses;  ///< in training; validation pairs are aligned
   /// Level of room noise in both sounds, dB re full scale; near microphones hear none.
@@ -67,8 +75,8 @@ struct PairOptions {
 /// Makes an example of a sample; any thread may call it.
 using PairEncoder = std::function<TrainingExample(const PairSample&)>;
 
-/// Pairs of viewpoints in the SoundSpaces layout: random clip, pair, speaker and window of `train`;
-/// of `val` the frozen pair list, drawn where there is none.
+/// Pairs of viewpoints in the SoundSpaces layout: random clip, pair, speaker and window of `train`
+/// of all folders; of `val` of the first one the frozen pair list, drawn where there is none.
 class PairExamples : public ExampleSource {
  public:
   /// @throws InputError if the data set or its pair list is missing or malformed
@@ -80,6 +88,7 @@ class PairExamples : public ExampleSource {
   [[nodiscard]] std::optional<TrainingExample> validation(std::size_t index) const override;
 
   /// The sample that training(number) encodes.
+  /// @throws InputError if none of kMostBadExamples drawn pairs is within the limits of the options
   [[nodiscard]] PairSample training_sample(std::uint64_t number) const;
 
  private:

@@ -55,6 +55,12 @@ struct GtfLearnerOptions {
 [[nodiscard]] GtfWeights initial_gtf_weights(const GtfDescription& description, const HrtfSet& head,
                                              std::uint64_t seed);
 
+/// The same network, which also sees along the way to the target: it renders as before until it
+/// learns what to make of that.
+/// @param weights  of a network that looks at a picture and has no sight points
+[[nodiscard]] GtfWeights with_sight_points(GtfWeights weights, int sight_points,
+                                           std::uint64_t seed);
+
 /// A sample as the network is trained on it: beside its inputs it holds where the speaker is and
 /// what is said, "dry".
 [[nodiscard]] TrainingExample gtf_example(const GtfDescription& description,

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <earpoint/train/example_source.h>
 #include <earpoint/train/learner.h>
@@ -23,6 +24,8 @@ struct TrainingTask {
 
 struct TaskOptions {
   std::filesystem::path data;
+  /// As PairOptions has it; networks that do not learn pairs of viewpoints refuse it.
+  std::vector<std::filesystem::path> more_data{};
   std::optional<DatasetLayout> layout{};  ///< as PairOptions has it
   std::string device = "cpu";
   std::size_t cache_bytes = std::size_t{2} << 30;

@@ -37,6 +37,9 @@ struct GtfDescription {
   /// Channels of the picture encoder's layers, each of which halves width and height.
   static constexpr int kPictureChannels[] = {4, 16, 32, 48, 64, 64};
   static constexpr int kPictureLayers = 5;
+  /// After so many of those layers the map is read along the way to the target.
+  static constexpr int kSightLayer = 3;
+  static constexpr int kSightWidth = 16;             ///< what is kept of each place there
   static constexpr double kNearestSpeaker_m = 0.25;  ///< nearer nothing gets louder
 
   int window_samples = kSampleRateHz;        ///< length of the clips that it was trained on
@@ -67,6 +70,10 @@ struct GtfDescription {
   /// Whether it also tells the magnitudes of the dry voice, as a microphone at the mouth hears it.
   bool dry_voice = false;
 
+  /// Places on the way to the target, and as many on the floor below, where the picture's map is
+  /// read, so that walls in between are seen; needs a picture.
+  int sight_points = 0;
+
   int picture_width = 96;   ///< of the picture's feature
   int locator_width = 128;  ///< of the layers that find the speaker
   int summary_width = 32;   ///< of the sound's summary, as conditioning
@@ -92,11 +99,14 @@ struct GtfDescription {
   [[nodiscard]] int summary_features() const { return 4 * bands + 2 * kLags + 1; }
   [[nodiscard]] int geometry_features() const { return geometry ? 52 : 5; }
   [[nodiscard]] int picture_features() const { return picture_px > 0 ? picture_width : 0; }
+  /// Of each place, what is seen there and whether it is in the picture.
+  [[nodiscard]] int sight_features() const { return 2 * sight_points * (kSightWidth + 1); }
   [[nodiscard]] int locator_inputs() const {
     return picture_features() + (box ? kBoxFeatures : 0) + summary_features();
   }
   [[nodiscard]] int conditioning_inputs() const {
-    return geometry_features() + picture_features() + summary_width + (texture ? 1 : 0);
+    return geometry_features() + picture_features() + summary_width + (texture ? 1 : 0) +
+           sight_features();
   }
 
   friend bool operator==(const GtfDescription&, const GtfDescription&) = default;
