@@ -28,7 +28,7 @@ ClipMethod method_of(const std::string& word) {
     return {word, path->string()};
   }
   throw InputError("--methods " + word,
-                   "is neither input, dsp nor a model that is there; a clip has no other methods",
+                   "is neither input, dsp nor a shipped model; a clip has no other methods",
                    "name a weight file: " + word + "=FILE.safetensors");
 }
 

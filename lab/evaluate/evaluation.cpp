@@ -149,8 +149,7 @@ class Evaluation {
     for (const Clip& clip : batch) {
       if (!clip.problem) continue;
       if (!options_.skip_bad) {
-        throw InputError(clip.result.name, *clip.problem,
-                         "mend the data, or leave such pairs out with --skip-bad");
+        throw InputError(clip.result.name, *clip.problem, "repair the data, or skip bad pairs");
       }
       result_.skipped.push_back({clip.result.name, *clip.problem});
     }

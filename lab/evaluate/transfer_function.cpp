@@ -112,7 +112,7 @@ const TrainingPair<Clip, Choice>& nearest_of(const std::vector<TrainingPair<Clip
   }
   if (best == nullptr) {
     throw InputError("scene " + std::string(question.scene), "is not in the training split",
-                     "look up by relative pose (--tf-index relative)");
+                     "look up by relative pose");
   }
   return *best;
 }

@@ -38,7 +38,7 @@ void DatasetLock::take(const std::vector<WorkItem>& items) {
     if (!ranges_.try_lock(numbers[i], static_cast<std::int64_t>(end - i))) {
       throw InputError(folder_.string(),
                        "another process is simulating the same part of this data set",
-                       "wait for it, or give each its own --shard i/n");
+                       "wait for it, or give each process its own shard i/n");
     }
     i = end;
   }

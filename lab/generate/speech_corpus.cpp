@@ -73,7 +73,7 @@ SpeechCorpus SpeechCorpus::load(const fs::path& folder) {
     index = read_librispeech(folder);
   } else {
     throw InputError(folder.string(), "holds neither speech.csv nor SPEAKERS.TXT",
-                     "run ./dev speech, or give a folder of speech with --speech");
+                     "run ./dev speech, or give another folder of speech");
   }
   corpus.speakers_ = std::move(index.speakers);
   if (corpus.speakers_.empty()) throw InputError(folder.string(), "holds no speech");

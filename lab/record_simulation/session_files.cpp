@@ -87,8 +87,8 @@ void begin_simulation(const SessionSimulationOptions& options, const std::string
     what = fmt::format("{} is {} there, {} here", key, there, value.dump());
     break;
   }
-  throw InputError(path.string(), "was begun with other options: " + what,
-                   "use the same options, or another --out");
+  throw InputError(path.string(), "was started with other options: " + what,
+                   "use the same options, or another output folder");
 }
 
 Session describe_session(const SessionFiles& files, const SessionPlan& plan,

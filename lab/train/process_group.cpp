@@ -95,7 +95,7 @@ struct ProcessGroup::State {
 
   template <typename Start>
   static void wait_for(const Start& start) {
-    explained("another process is lost", "see what it says; then go on by --resume",
+    explained("another process was lost", "see its output; then resume the training",
               [&] { start()->wait(); });
   }
 

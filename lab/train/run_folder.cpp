@@ -52,7 +52,7 @@ const fs::path& made(const fs::path& folder) {
 RunLock::RunLock(const fs::path& folder) : lock_(made(folder) / ".lock") {
   if (lock_.try_lock(0, 1)) return;
   throw InputError(folder.string(), "another process is training there",
-                   "wait for it, or name another folder with --out");
+                   "wait for it, or choose another output folder");
 }
 
 RunState run_state_in(const SafetensorsFile& checkpoint) {

@@ -65,8 +65,8 @@ LocatedSpeaker locate_speaker(const RenderSource& source, const GtfWeights& weig
   Gtf network(weights);
   const GtfDescription& description = network.description();
   if (!description.geometry) {
-    throw InputError("this network", "does not find speakers: it has no geometry",
-                     "give one that does with --model");
+    throw InputError("this network", "cannot locate speakers: it has no geometry",
+                     "choose another model");
   }
   const SoundSurvey survey = survey_sound(source.sound);
   PictureStream pictures = description.picture_px > 0

@@ -20,10 +20,10 @@ double yaw_deg_of(const Quaternion& orientation) {
 /// Why a method cannot be listened to; empty: it can.
 std::string missing_for(const ListenMethod& method, const ServedClip& clip) {
   if (method.needs_box && (!clip.picture || !clip.speaker_box)) {
-    return "it must be told where in the picture the speaker is: --speaker-box";
+    return "it needs the speaker's box in the picture";
   }
   if (method.needs_speaker && !clip.speaker_m && !clip.speaker_box) {
-    return "it must be told where the speaker is: --speaker or --speaker-box";
+    return "it needs the speaker's position, or the speaker's box in the picture";
   }
   return {};
 }

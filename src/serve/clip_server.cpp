@@ -322,7 +322,7 @@ struct ClipServer::State {
 ClipServer::ClipServer(ClipLibrary& library, std::span<const ListenMethod> methods,
                        ServeOptions options) {
   if (!is_loopback(options.host) && options.token.empty()) {
-    throw InputError("--host " + options.host, "others can reach it, and there is no token");
+    throw InputError("host " + options.host, "others can reach it, and there is no token");
   }
   state_ = std::make_unique<State>(library, methods, std::move(options));
 }
@@ -332,7 +332,7 @@ int ClipServer::bind() {
   State& s = *state_;
   const auto fail = [&] {
     throw InputError(fmt::format("{}:{}", s.options.host, s.options.port), "cannot be served",
-                     "choose another --port; 0 takes any that is free");
+                     "choose another port; 0 takes any that is free");
   };
   int port = s.options.port;
   if (port == 0) {

@@ -100,8 +100,8 @@ GtfLearner make_learner(const GtfDescription& description, const GtfLearnerOptio
                         const std::optional<std::string>& init, std::uint64_t seed,
                         const TaskOptions& options) {
   if (options.device != "cpu") {
-    throw InputError("--device " + options.device, "this network learns on the processor only",
-                     "use --device cpu");
+    throw InputError("device " + options.device, "this network is trained on the processor only",
+                     "use cpu");
   }
   if (options.checkpoint != nullptr) {
     return GtfLearner::from_checkpoint(*options.checkpoint, "the checkpoint", learner);

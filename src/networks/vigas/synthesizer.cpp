@@ -68,8 +68,8 @@ void ViGasSynthesizer::observe(const Observation& observation) {
   }
   if (description.has_input("bboxes")) {
     if (!observation.speaker_box) {
-      throw InputError("this network", "must be told who speaks",
-                       "give --speaker-box x0,y0,x1,y1 or --speaker-boxes FILE.csv");
+      throw InputError("this network", "needs to know where the speaker is in the picture",
+                       "give the speaker's box, or a table of boxes over time");
     }
     box_ = encode_box(description.box_encoding, *observation.speaker_box);
   }
