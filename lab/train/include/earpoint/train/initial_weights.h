@@ -20,7 +20,7 @@ namespace earpoint {
 /// ImageNet; here it is drawn, normal by He's rule over the outputs: see load_image_trunk().
 ///
 /// The same description and seed give the same weights.
-/// Source: oracle notes on the released code; He et al., ICCV 2015.
+/// Source: docs/released-code.md, initial weights; He et al., ICCV 2015.
 [[nodiscard]] ViGasWeights initial_vigas_weights(const ViGasDescription& description,
                                                  std::uint64_t seed);
 
