@@ -16,7 +16,7 @@ BOXES = {
     "pose": (205, 20, 130, GIVEN, ["target pose", "every 10 ms"]),
     "spectra": (15, 335, 130, COMPUTED, ["spectra", "magnitude, phase"]),
     "summary": (205, 190, 130, COMPUTED, ["summary", "levels, lags"]),
-    "speaker": (205, 105, 130, LEARNED, ["speaker", "position, heading, room"]),
+    "speaker": (205, 105, 130, LEARNED, ["speaker", "position, heading"]),
     "geometry": (395, 20, 150, COMPUTED, ["geometry", "angles, levels, delays"]),
     "conditions": (395, 105, 150, LEARNED, ["conditions", "of all that follows"]),
     "trunk": (395, 190, 150, LEARNED, ["trunk", "6 dilated convolutions"]),
