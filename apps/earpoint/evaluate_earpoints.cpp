@@ -63,11 +63,11 @@ class SoundFolder {
       path_ = *report;
       std::error_code error;
       fs::create_directories(path_, error);
-      if (error) throw InputError(path_.string(), "cannot be made: " + error.message());
+      if (error) throw InputError(path_.string(), "cannot be created: " + error.message());
       return;
     }
     std::string name = (fs::temp_directory_path() / "earpoint-XXXXXX").string();
-    if (::mkdtemp(name.data()) == nullptr) throw InputError(name, "cannot be made");
+    if (::mkdtemp(name.data()) == nullptr) throw InputError(name, "cannot be created");
     path_ = name;
   }
   ~SoundFolder() {

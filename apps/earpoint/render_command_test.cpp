@@ -218,7 +218,8 @@ TEST_F(RenderCommand, BadArgumentsGetOneLine) {
   expect_refused({input, "--translate", "1,2,nan"}, "expected 3 numbers");
   expect_refused({input, "--translate", "1,0,0", "--translate", "2,0,0"}, "2 earpoints need");
   expect_refused({input, "--yaw", "90"}, "--speaker x,y,z");
-  expect_refused({input, "--yaw", "90", "--speaker-box", "0.5,0.2,1.2,0.9"}, "leaves the picture");
+  expect_refused({input, "--yaw", "90", "--speaker-box", "0.5,0.2,1.2,0.9"},
+                 "extends beyond the picture");
   expect_refused({input, "--yaw", "90", "--model", "nothing.safetensors"}, "neither a known name");
   expect_refused({input, "--yaw", "90", "--model", input}, "in.wav");
   expect_refused({input, "--yaw", "90", "--model", "dsp", "--hrtf", input}, "in.wav");
@@ -246,7 +247,8 @@ TEST_F(RenderCommand, SamplesThatAreNoNumbersAreNamed) {
   const float not_a_number = std::nanf("");
   file.write(reinterpret_cast<const char*>(&not_a_number), sizeof(not_a_number));
   file.close();
-  expect_refused({input, "--yaw", "90", "--speaker", "2,0,0"}, "is no number at 1.49");
+  expect_refused({input, "--yaw", "90", "--speaker", "2,0,0"},
+                 "has a NaN or infinite sample at 1.49");
 }
 
 TEST_F(RenderCommand, AFullDiskIsOneLineAndLeavesNothing) {

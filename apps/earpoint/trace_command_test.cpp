@@ -320,7 +320,7 @@ TEST_F(TraceCommand, RefusesPlacesThatMakeNoSense) {
             "earpoint: --source: expected three numbers in metres, found '3,4'\n");
   EXPECT_EQ(refusal("3,4,1.5", "3,4,x"), "earpoint: --source: expected a number, found 'x'\n");
   EXPECT_EQ(refusal("3,2,1.5", "3,2,1.5,jaw=4"),
-            "earpoint: --listener: unknown 'jaw'; it may have yaw, pitch and roll, in degrees\n");
+            "earpoint: --listener: unknown 'jaw'; known: yaw, pitch and roll, in degrees\n");
   EXPECT_EQ(refusal("3,2,1.5", "3,4,1.5"),
             "earpoint: --listener: is at the position of the source; move one of them\n");
   const std::string room = "6,5,3,absorption=0.3,scattering=0.4";
@@ -407,7 +407,7 @@ TEST_F(TraceMotionCommand, RefusesPathsThatLeaveTheSceneOrAreNotAlone) {
             "earpoint: --source: is missing; give it or --source-path\n");
   EXPECT_EQ(
       line({"--source", "3,4,1.5", "--listener", "1,1,1", "--listener-path", path_, "-o", output_}),
-      "earpoint: --listener-path: stands beside --listener; give one of the two\n");
+      "earpoint: --listener-path: cannot be combined with --listener; give one of the two\n");
   earpoint::write_file(path_, std::string_view("time_s,x,y,z,yaw_deg,pitch_deg,roll_deg\n"
                                                "0,5,2.5,1.5,0,0,0\n1,5,6.5,1.5,0,0,0\n"));
   EXPECT_NE(line({"--source", "3,4,1.5", "--listener-path", path_, "-o", output_})

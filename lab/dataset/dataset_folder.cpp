@@ -65,7 +65,7 @@ SoundSpacesDataset::Options recorded_options(const fs::path& folder, const std::
   }
   if (fs::weakly_canonical(options.root / prefix) != here) {
     throw InputError(folder.string(),
-                     fmt::format("its paths begin with {}, where it does not lie", prefix.string()),
+                     fmt::format("its paths begin with {}, but it is elsewhere", prefix.string()),
                      "move it there");
   }
   options.folder = prefix;

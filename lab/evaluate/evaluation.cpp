@@ -85,7 +85,7 @@ class Evaluation {
       for (Clip& clip : batch) result_.clips.push_back(std::move(clip.result));
     }
     progress.finish();
-    if (result_.clips.empty()) throw InputError("the pair list", "not one pair could be read");
+    if (result_.clips.empty()) throw InputError("the pair list", "no pair could be read");
     return std::move(result_);
   }
 
@@ -201,8 +201,8 @@ EvaluationResult evaluate(const EvaluationSet& set, std::span<const MethodEntry>
   for (const MethodEntry& entry : methods) {
     if (entry.needs_speaker && !set.knows_speaker()) {
       throw InputError("method " + entry.name,
-                       "must know where the speaker stands, which these "
-                       "data do not tell",
+                       "needs the speaker's position, which these "
+                       "data do not have",
                        "leave it out");
     }
   }

@@ -74,8 +74,8 @@ class BandOracle : public Method {
 
 const PairTruth& truth_of(const Question& question) {
   if (question.truth == nullptr) {
-    throw InputError("the dry speech", "is not known of recordings",
-                     "leave this oracle out, or take simulated data");
+    throw InputError("the dry speech", "is unknown for recordings",
+                     "leave this oracle out, or use simulated data");
   }
   return *question.truth;
 }

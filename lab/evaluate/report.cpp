@@ -252,7 +252,7 @@ void write_report(const std::filesystem::path& folder, const EvaluationSet& set,
                   const ReportOptions& options, ProgressSink& progress) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
-  if (error) throw InputError(folder.string(), "cannot be made: " + error.message());
+  if (error) throw InputError(folder.string(), "cannot be created: " + error.message());
   std::string body = head_of(make_table(result), options);
   body +=
       "<h2>Error over distance and angle</h2>\n<p>Five bins of equally many clips; bars are "

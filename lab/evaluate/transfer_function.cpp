@@ -194,7 +194,7 @@ class RecordedTrainingPairs : public TrainingPairs {
     for (const ReplayClip& clip : dataset_.clips()) add(clip);
     if (entries_.empty()) {
       throw InputError(folder.string(),
-                       "its training clips do not tell where speakers are, which tf looks up by");
+                       "its training clips have no positions of speakers, which tf needs");
     }
   }
 

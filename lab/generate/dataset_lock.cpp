@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 const fs::path& made(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
-  if (error) throw InputError(folder.string(), "cannot be made: " + error.message());
+  if (error) throw InputError(folder.string(), "cannot be created: " + error.message());
   return folder;
 }
 

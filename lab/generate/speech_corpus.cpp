@@ -104,7 +104,7 @@ const SpeechRecording& SpeechCorpus::recording(const std::string& id) const {
     if (found != speaker.recordings.end() && found->id == id) return *found;
   }
   throw InputError(folder_.string(), "has no recording '" + id + "'",
-                   "give the corpus that the data set was begun with");
+                   "use the corpus that the data set was started with");
 }
 
 fs::path default_speech_folder() { return data_folder().value_or(".") / "speech"; }

@@ -126,7 +126,7 @@ ImportedScene import_scene(const std::filesystem::path& path, const ImportOption
   const UpAxis up_axis = options.up_axis.value_or(default_up_axis(path));
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) {
-    throw InputError(path.string(), "is not there, or not a file");
+    throw InputError(path.string(), "does not exist, or is not a file");
   }
   ImportedScene imported = lower_extension(path) == ".ply"
                                ? read_ply_scene(path, options, up_axis)

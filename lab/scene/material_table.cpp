@@ -139,10 +139,10 @@ AcousticMaterial read_material(const std::string& name, const Json& json, const 
     for (std::size_t band = 0; band < kOctaveBands; ++band) {
       material.transmission[band] = std::pow(10.0F, -0.1F * loss_db[band]);
       if (material.transmission[band] <= material.absorption[band]) continue;
-      loss_field.fail(fmt::format("lets {:.3f} through at {} Hz, but only {} is absorbed",
-                                  material.transmission[band], kOctaveBandCentresHz[band],
-                                  material.absorption[band]),
-                      "what goes through counts as absorbed");
+      loss_field.fail(
+          fmt::format("transmits {:.3f} at {} Hz, but absorbs only {}", material.transmission[band],
+                      kOctaveBandCentresHz[band], material.absorption[band]),
+          "absorption includes transmission");
     }
   }
   for (const char* key : {"absorption_source", "scattering_source", "transmission_source"}) {
@@ -153,7 +153,7 @@ AcousticMaterial read_material(const std::string& name, const Json& json, const 
   return material;
 }
 
-/// Parses JSON and refuses a key that stands twice in one object: one of the two would be lost.
+/// Parses JSON and refuses a key that occurs twice in one object: one of the two would be lost.
 Json parse_json(std::string_view text, std::string_view where) {
   std::vector<std::set<std::string>> keys;
   std::string twice;
@@ -263,7 +263,7 @@ class MaterialTableReader {
       for (const std::string& part : parts) {
         const std::size_t star = part.find('*');
         if (star == std::string::npos || (star > 0 && star + 1 == part.size())) continue;
-        place.fail(fmt::format("'{}' has a * that does not end a word", text));
+        place.fail(fmt::format("'{}' has a * that is not at the end of a word", text));
       }
       table_.patterns_.push_back({.words = std::move(parts), .material = material, .rank = 0});
     }

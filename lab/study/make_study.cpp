@@ -278,8 +278,8 @@ Study make_study(const StudyMaterial& material, std::span<const MethodEntry> met
   check_methods(material, methods);
   std::error_code ignored;
   if (fs::exists(folder) && !fs::is_empty(folder, ignored)) {
-    throw InputError(folder.string(), "is there and not empty",
-                     "name another folder: a study that has answers must not change");
+    throw InputError(folder.string(), "exists and is not empty",
+                     "choose another folder: a study with answers must not change");
   }
   std::vector<DrawnClip> drawn = Draw(material, request).clips();
 

@@ -56,7 +56,7 @@ void check_escape(const SceneGeometry& scene, const Vector3& source_m, double fr
   if (lies_on_surface(scene, source_m)) {
     throw InputError(
         "the source",
-        fmt::format("lies on a surface: {:.0f} % of its sound is lost behind it", 100.0 * fraction),
+        fmt::format("is on a surface: {:.0f} % of its rays are lost behind it", 100.0 * fraction),
         "move it 1 cm or more into the room");
   }
   constexpr double kOutside = 0.4;

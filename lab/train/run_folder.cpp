@@ -43,7 +43,7 @@ Json without_limits(const std::string& config) {
 const fs::path& made(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
-  if (error) throw InputError(folder.string(), "cannot be made: " + error.message());
+  if (error) throw InputError(folder.string(), "cannot be created: " + error.message());
   return folder;
 }
 
@@ -133,7 +133,7 @@ std::optional<SafetensorsFile> read_checkpoint(const fs::path& folder, const std
   const auto found = checkpoint.metadata.find(kConfigKey);
   if (found == checkpoint.metadata.end() ||
       without_limits(found->second) != without_limits(config)) {
-    throw InputError(path.string(), "is of a run with another configuration",
+    throw InputError(path.string(), "belongs to a run with another configuration",
                      fmt::format("see {}", (folder / "config.json").string()));
   }
   return checkpoint;

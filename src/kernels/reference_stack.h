@@ -23,7 +23,8 @@ struct StackExample {
   std::uint64_t seed_;
 };
 
-/// The gated stack as docs/released-code.md defines it, sample by sample, in double. Slow; for tests.
+/// The gated stack as docs/released-code.md defines it, sample by sample, in double. Slow; for
+/// tests.
 std::vector<double> reference_stack(const GatedStackWeights& weights, std::span<const float> source,
                                     std::span<const float> conditioning);
 

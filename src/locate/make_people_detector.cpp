@@ -59,7 +59,7 @@ std::unique_ptr<PeopleDetector> make_people_detector(const std::optional<fs::pat
 #if EARPOINT_HAS_OPENCV
   return make_onnx_detector(*file, threads);
 #else
-  throw InputError(file->string(), "needs OpenCV, and this earpoint was built without",
+  throw InputError(file->string(), "needs OpenCV, and this build has none",
                    "build with -DEARPOINT_OPENCV=ON, or give a .safetensors file");
 #endif
 }

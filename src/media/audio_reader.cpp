@@ -225,8 +225,8 @@ struct AudioReader::State {
     // `queued` holds the silence already; what comes before the first sample is no gap.
     const double from_s = queued_s() - late_s;
     if (late_s < kWorthTelling_s || from_s <= 0.0) return;
-    container.warn(fmt::format("has no sound from {:.3f} to {:.3f} s; silence is there instead",
-                               from_s, queued_s()));
+    container.warn(fmt::format("has no sound from {:.3f} to {:.3f} s; replaced by silence", from_s,
+                               queued_s()));
   }
 
   ffmpeg::InputContainer container;
