@@ -8,8 +8,7 @@ class App;
 
 /// A library's message for the command line: what it calls a setting gets the flag of the command
 /// that sets it. "layout: expected ..." becomes "--layout: expected ...", and "...; choose another
-/// port"
-/// "...; choose another port (--port)".
+/// port" becomes "...; choose another port (--port)".
 /// @param command  flags that it does not have are left out; null: the command has them all
 [[nodiscard]] std::string with_flags(const std::string& message, const CLI::App* command = nullptr);
 

@@ -69,8 +69,8 @@ class Field {
   [[nodiscard]] Field at(std::size_t index) const {
     return {where_, fmt::format("{}[{}]", path_, index)};
   }
-  [[noreturn]] void fail(const std::string& problem, std::string_view mend = {}) const {
-    throw InputError(path_.empty() ? where_ : fmt::format("{}: {}", where_, path_), problem, mend);
+  [[noreturn]] void fail(const std::string& problem, std::string_view hint = {}) const {
+    throw InputError(path_.empty() ? where_ : fmt::format("{}: {}", where_, path_), problem, hint);
   }
 
  private:

@@ -7,7 +7,7 @@
 
 namespace earpoint::kernels {
 
-/// A gated stack with weights of its own, for tests.
+/// A gated stack with its weights, for tests.
 struct StackExample {
   StackExample(int audio_channels, int channels, int conditioning_width,
                const std::vector<DilatedConvolution>& convolutions, std::uint64_t seed);

@@ -12,7 +12,7 @@ namespace earpoint::kernels {
 /// One frame of both ears, bin by bin: [ear][bin].
 using EarSpectra = std::span<const std::complex<float>>;
 
-/// What the network hears: features of each frame, and a summary of many.
+/// The sound encoder: features of each frame, and a summary of many.
 class GtfEar {
  public:
   explicit GtfEar(const GtfDescription& description);

@@ -46,8 +46,8 @@ namespace earpoint {
 /// back its source.
 [[nodiscard]] VamWeights initial_vam_weights(const VamDescription& description, std::uint64_t seed);
 
-/// The same for a network that finds people: convolutions normal by He's rule over the inputs, the
-/// last one nearly zero and its bias so that it finds nobody.
+/// The same for a network that detects people: convolutions normal by He's rule over the inputs,
+/// the last one nearly zero and its bias so it detects nobody.
 [[nodiscard]] PeopleWeights initial_people_weights(const PeopleDescription& description,
                                                    std::uint64_t seed);
 

@@ -32,7 +32,8 @@ class PeopleLearner : public Learner {
   /// A copy of the weights as they are now.
   [[nodiscard]] PeopleWeights weights() const;
 
-  /// What PeopleNetwork says of each view: [pictures][kOutputs][height / kCell][width / kCell].
+  /// The output of PeopleNetwork for each view: [pictures][kOutputs][height / kCell][width /
+  /// kCell].
   [[nodiscard]] std::vector<float> maps(const TrainingBatch& batch);
 
   /// Of each picture one less the share that is right of what was found or should have been: twice
@@ -40,7 +41,7 @@ class PeopleLearner : public Learner {
   [[nodiscard]] std::vector<double> errors(const TrainingBatch& batch) override;
   [[nodiscard]] std::string_view error_name() const override { return "people_error"; }
 
-  /// Computes the loss of a batch and its gradient by every parameter, in place of the last one;
+  /// Computes the loss of a batch and its gradient by every parameter; replaces the last one;
   /// batch norms move their running statistics.
   double compute_gradients(const TrainingBatch& batch) override;
 

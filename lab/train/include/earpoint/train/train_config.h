@@ -48,7 +48,7 @@ struct TrainConfig {
   std::string text;  ///< the whole configuration with what it extends, as JSON
 };
 
-/// Reads a configuration and the ones that it extends. Keys that nobody knows are errors.
+/// Reads a configuration and the ones that it extends. Unknown keys are errors.
 /// @throws InputError naming file and key
 [[nodiscard]] TrainConfig read_train_config(const std::filesystem::path& path);
 
@@ -69,7 +69,7 @@ struct ViGasConfig {
   std::filesystem::path start_file;            ///< for ViGasStart::file
   std::optional<std::filesystem::path> trunk;  ///< a ResNet-18 for load_image_trunk()
   LossKind loss = LossKind::magnitude;
-  /// How much it counts beside the loss that the conditioning vector tells where the speaker is and
+  /// Weight of the probe's loss: the conditioning vector must contain the speaker's position and
   /// how each ear's level changes: see LearnerOptions.
   double place = 0.0;
   std::int64_t place_steps = 0;  ///< likewise

@@ -64,7 +64,7 @@ class ViGasLearner : public Learner {
   /// A weight file as weight_file() makes it.
   [[nodiscard]] SafetensorsFile weight_file() const override;
 
-  /// Computes the loss of a batch and its gradient by every parameter, in place of the last one;
+  /// Computes the loss of a batch and its gradient by every parameter; replaces the last one;
   /// batch norms move their running statistics.
   /// @return the loss
   double compute_gradients(const TrainingBatch& batch) override;
