@@ -246,7 +246,7 @@ std::vector<MethodEntry> oracle_methods() {
       entry<DryDirectOracle>("oracle-dry-direct",
                              "true dry speech and direct path, tail of matched noise", true),
       entry<ExpectedOracle>("oracle-expected",
-                            "what many such tails have in common: their median magnitudes", true),
+                            "the same, with median magnitudes over many such tails", true),
       entry<AllOracle>("oracle-all", "true dry speech and response", true)};
 }
 
