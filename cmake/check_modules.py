@@ -7,6 +7,7 @@
 - The graphs that train share a network's description, weights and input encoding with its engine, not the engine: that
   both give the same sound is the proof of both.
 - A source file includes its own header first, so that the header is known to stand alone.
+- No message of a library names a flag: apps/earpoint/flag_advice.cpp adds it.
 
 usage: check_modules.py ROOT
 """
@@ -15,6 +16,7 @@ import re
 import sys
 from pathlib import Path
 
+FLAG = re.compile(r'"[^"\n]*--[a-z][^"\n]*"')
 INCLUDE = re.compile(r'^#include ([<"])([^>"]+)[>"]', re.M)
 # What a training graph may read of networks.
 SHARED_WITH_TRAINING = {"description", "weights", "view", "constants", "encoding", "training_range", "sight",
@@ -70,6 +72,10 @@ def check_includes(root, modules, path):
                 Path(name).stem not in SHARED_WITH_TRAINING:
             yield f"{here}: includes {name}, of the engine that the graph is held against"
     yield from check_own_header(here, path, module, text)
+    if not is_test(path):
+        for message in FLAG.findall(text):
+            if "./dev " not in message:
+                yield f"{here}: a message names a flag, which only apps/ know: {message}"
 
 
 def check_own_header(here, path, module, text):

@@ -26,17 +26,17 @@ namespace {
 constexpr const char* kShipped = "enhance.safetensors";
 
 constexpr const char* kFooter = R"(
-The voice comes without the room and without noise, in one channel, as loud as speech is 1 m in front
-of the mouth in the open. Recordings above 16 kHz stay full-band: what is above 8 kHz follows the top
-octave below. The output has the recording's rate and length; it lags by nothing.
+The output is the dry speech in one channel, at its level 1 m in front of the mouth in free field.
+Recordings above 16 kHz stay full-band: above 8 kHz the gain follows the top octave below. The output has
+the recording's rate and length, without delay.
 
 Examples:
   earpoint enhance clip.mp4 -o dry.wav
 
-  # told who of several people in the picture speaks
+  # with the box of the speaker, where several people are in the picture
   earpoint enhance clip.mp4 --speaker-box 0.4,0.3,0.6,0.9 -o dry.flac
 
-  # into another program
+  # piped into another program
   earpoint enhance sound.wav -o - | ffmpeg -i - dry.mp3
 
   # with weights of your own (earpoint train configs/enhance.json)
@@ -62,29 +62,29 @@ std::string model_of(const EnhanceArguments& arguments) {
                                                                          : arguments.model;
   }
   if (const auto path = shipped_model_path(kShipped)) return path->string();
-  throw InputError("enhance", fmt::format("finds no {} among the shipped models", kShipped),
-                   "name a weight file that was trained for enhancement with --model");
+  throw InputError("enhance", fmt::format("{} is not among the shipped models", kShipped),
+                   "choose a weight file trained for enhancement with --model");
 }
 
-/// What the user did not say and was taken for granted: a line each.
+/// What was assumed because it was not given: a line each.
 std::vector<std::string> assumptions(const EnhanceArguments& arguments, const RenderSource& source,
                                      const RenderReport& report) {
   std::vector<std::string> lines;
   if (!source.speaker_track && !source.speaker_m) {
-    lines.emplace_back("no speaker given: whoever is loudest is enhanced");
+    lines.emplace_back("no speaker given: the loudest one is enhanced");
   }
-  if (!report.has_picture) lines.emplace_back("no picture: by sound alone");
+  if (!report.has_picture) lines.emplace_back("no picture: the sound alone is used");
   if (report.survey.sample_rate_hz > report.model_rate_hz) {
     lines.push_back(
         arguments.band == "full"
             ? fmt::format("above {:g} kHz the gain follows the top octave below",
                           report.model_rate_hz / 2e3)
-            : fmt::format("nothing above {:g} kHz is kept", report.model_rate_hz / 2e3));
+            : fmt::format("sound above {:g} kHz is dropped", report.model_rate_hz / 2e3));
   }
   if (arguments.ambient == "bandpass") {
-    lines.emplace_back("ambient sound is what lies below the model's cutoff");
+    lines.emplace_back("ambient sound: below the model's cutoff");
   } else {
-    lines.emplace_back("ambient sound is what is steady for a second");
+    lines.emplace_back("ambient sound: what is steady for a second");
   }
   return lines;
 }
@@ -121,7 +121,8 @@ void print_json(const EnhanceArguments& arguments, const std::string& model,
 void run_enhance(const EnhanceArguments& arguments) {
   const bool to_stdout = arguments.output == "-";
   if (arguments.json && to_stdout) {
-    throw InputError("--json", "standard output takes the sound already", "write it to a file");
+    throw InputError("--json", "standard output is used for the sound already",
+                     "write it to a file");
   }
   const std::string model = model_of(arguments);
   const RenderSource source = parse_source(arguments.source);

@@ -63,40 +63,40 @@ Examples:
   earpoint evaluate --earpoints examples/earpoints.json --report out
 
 Methods:
-  input    the source's sound as it is
-  dsp      inverse and forward head filters, told where the speaker truly is
+  input    the unchanged sound of the source
+  dsp      inverse and forward head filters, given the speaker's true position
   tf       Wiener filters of the nearest pair of the training split, by true positions
-  NAME     a model that comes with Earpoint, e.g. vigas
+  NAME     a shipped model, e.g. vigas
   NAME=FILE  a weight file, in a row of that name
-  ...:mean   any of these that was trained for two textures, asked for the mean one (render --texture)
-Oracles, which are shown part of the answer (--oracles: all), from the lowest rung up:
+  ...:mean   the mean texture of a network that was trained for two (render --texture)
+Oracles, which are given part of the answer (--oracles: all), from the least to the most:
   oracle-gain        true level of each ear
   oracle-bands       true level of each frequency and ear
   oracle-dry-direct  true dry speech and direct path, tail of noise with the true decay
-  oracle-expected    the same, but the magnitudes to be expected over many such tails: best by Mag
-  oracle-all         everything known: 0
+  oracle-expected    the same, with median magnitudes over many such tails: best by Mag
+  oracle-all         the complete answer: 0
 Data sets (docs/datasets.md): one of `earpoint simulate` or `earpoint record prepare`, or a download of SoundSpaces-NVAS or Replay-NVAS,
 named by the folder that holds data/synthetic_dataset/v16 or data/appen_dataset/v3, or by one of these.
 Pairs come from pairs-<split>.json. Where there is none, as in the downloads, they are drawn: every viewpoint
 of SoundSpaces-NVAS the target once, in random seconds; of Replay-NVAS as the released test draws them. The
-paper's numbers on SoundSpaces-NVAS are of first seconds: --draw released draws those. Absolute values of
-different seconds do not compare; ratios to input do better.
+paper's numbers on SoundSpaces-NVAS are for first seconds: --draw released draws those. Absolute values of
+different seconds cannot be compared; ratios to input compare better.
 Room noise (--ambient -40) falls by 6 dB an octave from 20 Hz on and is independent at each ear. It is
-separated as the paper separates ambient sound, by a high-pass at 80 Hz (--ambient -40,bandpass), or by
-spectral subtraction or log-MMSE of tracked noise as well: methods hear the primary sound, and answer what
-the clean target is compared with. The SI-SDR of the primary sound is printed. A network that was trained
-without separation hears all of the noise, and what it answers goes through the high-pass.
+separated as in the paper, by a high-pass at 80 Hz (--ambient -40,bandpass), or also by spectral subtraction
+or log-MMSE of tracked noise: methods get the primary sound, and their output is compared with the clean
+target. The SI-SDR of the primary sound is printed. A network that was trained without separation gets all of
+the noise, and its output goes through the high-pass.
 dsp and networks are run as `earpoint render` runs them, on the window of one second alone, as in the paper,
 or with --context 4 on the four seconds before it too (silence before the speech): windows overlap and are
-cross-faded, and the last second is compared. The target, and what other methods hear, are the same.
-Enhancement (--enhance) asks for the dry speech as a microphone close before the mouth records it, as loud as
-it is 1 m away in free field, in room noise of -40 dB unless --ambient says otherwise. Methods are not told
-where that microphone is; tf and dsp, which answer for a place, have no row.
-A clip of your own (--earpoints) needs no data set: a JSON file names the clip, and places with what was
-truly heard there (docs/formats.md). It is rendered as `earpoint render` does it, by input, dsp, shipped
-models and weight files; gtf is told nothing of the speaker. Without --json one table is printed.
-Every number is an error: 0 is best. Intervals hold the mean at 95 % confidence, drawn by home where there
-are several, else by conversation.
+cross-faded, and the last second is compared. The target and the input of other methods are the same.
+Enhancement (--enhance): the target is the dry speech of a microphone close to the mouth, at its level 1 m
+away in free field; the source has room noise of -40 dB unless --ambient is given. Methods do not get the
+position of that microphone; tf and dsp, which render for a position, have no row.
+A clip of your own (--earpoints) needs no data set: a JSON file names the clip, and earpoints with the true
+sound there (docs/formats.md). It is rendered as `earpoint render` does, by input, dsp, shipped models and
+weight files; gtf does not get the speaker's position. Without --json one table is printed.
+Every number is an error: 0 is best. Intervals have 95 % confidence, bootstrapped by home where there are
+several, else by conversation.
 )";
 
 struct Options {
@@ -171,15 +171,15 @@ std::ptrdiff_t context_of(const Options& options) {
 
 std::unique_ptr<earpoint::EvaluationSet> recorded_set(const Options& options) {
   if (options.enhance) {
-    throw InputError("--enhance", "wants simulated data, whose dry speech is known",
+    throw InputError("--enhance", "needs simulated data, whose dry speech is known",
                      "make some with `earpoint simulate`");
   }
   if (options.context_s > 0.0) {
-    throw InputError("--context", "clips of Replay-NVAS are taken whole", "leave it out");
+    throw InputError("--context", "clips of Replay-NVAS are used whole", "leave it out");
   }
   if (!options.ambient.empty()) {
-    throw InputError("--ambient", "recordings have ambient sound of their own",
-                     "leave it out, or take simulated data");
+    throw InputError("--ambient", "recordings have their own ambient sound",
+                     "leave it out, or use simulated data");
   }
   if (options.pairs) {
     throw InputError("--pairs",
@@ -219,12 +219,12 @@ void warn_of_levels(const earpoint::EvaluationTable& table) {
   for (const earpoint::TableRow& row : table.rows) {
     const auto& mag = row[earpoint::Metric::mag].mean;
     if (!mag || mag->value < kAbsurdMag) continue;
-    fmt::print(
-        stderr,
-        "earpoint: a Mag of {:.0f} is of sounds far above full scale: 16-bit speech files are "
-        "taken as whole numbers, as the released loader takes them; convert "
-        "data/LibriSpeech-wav to 32-bit float (docs/datasets.md)\n",
-        mag->value);
+    fmt::print(stderr,
+               "earpoint: warning: a Mag of {:.0f} means sounds far above full scale: 16-bit "
+               "speech files are "
+               "read as integers, as the released loader does; convert "
+               "data/LibriSpeech-wav to 32-bit float (docs/datasets.md)\n",
+               mag->value);
     return;
   }
 }
@@ -233,8 +233,8 @@ void check_boxes(earpoint::SpeakerBoxes boxes, std::span<const earpoint::MethodE
   if (boxes != earpoint::SpeakerBoxes::none) return;
   for (const earpoint::MethodEntry& method : methods) {
     if (!method.needs_speaker) continue;
-    throw InputError("--methods " + method.name, "must be told where the speaker is",
-                     "leave it out with --boxes none, or take --boxes detected");
+    throw InputError("--methods " + method.name, "needs the speaker's position",
+                     "leave it out with --boxes none, or use --boxes detected");
   }
 }
 
@@ -258,7 +258,7 @@ void run(const Options& options) {
   }
   if (!options.earpoints.empty()) return run_on_clip(options);
   if (options.data.empty()) {
-    throw InputError("--data", "missing", "name a data set, or a clip with --earpoints");
+    throw InputError("--data", "missing", "give a data set, or a clip with --earpoints");
   }
   const std::unique_ptr<earpoint::EvaluationSet> set = evaluation_set(options);
   std::set<std::string> scenes;
@@ -329,15 +329,14 @@ void run(const Options& options) {
 void add_evaluate_command(CLI::App& app) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand(
-      "evaluate",
-      "Measure methods side by side on the frozen pairs of a data set, or on a clip of your own.");
+      "evaluate", "Compare methods on the frozen pairs of a data set, or on a clip of your own.");
   command->add_option(
       "--data", options->data,
       "Folder of the data set: of earpoint simulate, SoundSpaces-NVAS or Replay-NVAS");
   auto* earpoints = command->add_option(
       "--earpoints", options->earpoints,
-      "Instead of a data set, a JSON file with a clip and what was heard in other places");
-  command->add_option("--split", options->split, "Whose pairs")->capture_default_str();
+      "Instead of a data set: a JSON file with a clip and its true sound at other positions");
+  command->add_option("--split", options->split, "Split of the pairs")->capture_default_str();
   command
       ->add_option("--layout", options->layout,
                    "Which data set, where a folder holds SoundSpaces-NVAS and Replay-NVAS")
@@ -351,7 +350,7 @@ void add_evaluate_command(CLI::App& app) {
       ->excludes(pairs);
   auto* methods = command
                       ->add_option("--methods", options->methods.words,
-                                   "What to compare, separated by commas; default: input,dsp; "
+                                   "Methods to compare, separated by commas; default: input,dsp; "
                                    "input alone with --enhance "
                                    "and on recordings; input,dsp,gtf with --earpoints")
                       ->delimiter(',');
@@ -363,25 +362,25 @@ void add_evaluate_command(CLI::App& app) {
       ->excludes(methods);
   command->add_option("--runs", options->methods.runs,
                       "Folder of training runs: a row for the best weights of each");
-  command->add_flag("--oracles", options->methods.oracles, "The ladder of oracles as well");
-  command
-      ->add_option("--tf-index", options->methods.tf_index,
-                   "How tf looks up: by locations in the scene or by relative pose; default: "
-                   "locations if the scenes are among those of the training split")
-      ->check(CLI::IsMember({"locations", "relative"}));
-  command->add_option("--limit", options->limit, "Take that many pairs, spread over the list")
-      ->check(CLI::PositiveNumber);
+  command->add_flag("--oracles", options->methods.oracles, "Add the oracles");
   command
       ->add_option(
-          "--ambient", options->ambient,
-          "Room noise in what the source hears, the same for every method: its level in dB "
-          "re full scale, how it is separated (bandpass, subtract, mmse), or both: "
-          "-40,mmse; see below")
+          "--tf-index", options->methods.tf_index,
+          "How tf finds the nearest pair: by locations in the scene or by relative pose; default: "
+          "locations if the scenes are among those of the training split")
+      ->check(CLI::IsMember({"locations", "relative"}));
+  command->add_option("--limit", options->limit, "Use that many pairs, spread over the list")
+      ->check(CLI::PositiveNumber);
+  command
+      ->add_option("--ambient", options->ambient,
+                   "Room noise in the source's sound, the same for every method: its level in dB "
+                   "re full scale, how it is separated (bandpass, subtract, mmse), or both: "
+                   "-40,mmse; see below")
       ->delimiter(',')
       ->allow_extra_args(false);
   command
       ->add_option("--context", options->context_s,
-                   "Seconds of sound before the window that dsp and networks hear too; see below")
+                   "Seconds of preceding sound for dsp and networks; see below")
       ->check(earpoint::within(0.0, 60.0))
       ->capture_default_str();
   command->add_flag(
@@ -389,21 +388,22 @@ void add_evaluate_command(CLI::App& app) {
       "Enhancement of speech instead: the target is the speaker's near microphone; see "
       "below");
   command
-      ->add_option("--boxes", options->boxes,
-                   "What methods are told about the speaker: the true box and place, those of the "
-                   "person who is found to speak, or nothing")
+      ->add_option(
+          "--boxes", options->boxes,
+          "What methods get of the speaker: the true box and position, those of the person "
+          "detected as the speaker, or nothing")
       ->check(CLI::IsMember({"true", "detected", "none"}))
       ->capture_default_str();
   command->add_option("--detector", options->detector,
-                      "What finds people with --boxes detected: a weight file or an .onnx network; "
+                      "People detector for --boxes detected: a weight file or an .onnx network; "
                       "default: the shipped network");
   command->add_option("--jobs", options->jobs, "Threads; 0 takes all cores")->capture_default_str();
   command->add_option("--rt60-model", options->rt60_model,
                       "Weight file of the estimator behind rte_s (default: the shipped one)");
   command->add_option("--report", options->report,
-                      "Folder for a page with tables, curves, and clips to look at and listen to");
+                      "Folder for a page with tables, curves, pictures and players");
   command->add_flag("--skip-bad", options->skip_bad,
-                    "Leave out pairs whose files are missing or broken, naming them");
+                    "Skip pairs whose files are missing or broken, naming them");
   command->add_flag("--json", options->json, "Print the tables as JSON");
   command->add_flag("--quiet", options->quiet, "No progress");
   for (const char* name :

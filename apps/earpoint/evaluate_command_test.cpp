@@ -243,7 +243,7 @@ TEST_F(EvaluateCommandTest, RunsAndShippedModelsAreRows) {
   const ProgramOutcome none = with({"--ablations"});
   ::unsetenv("EARPOINT_MODELS_DIR");
   EXPECT_EQ(none.exit_code, 2);
-  EXPECT_NE(none.errors.find("finds neither gtf.safetensors"), std::string::npos) << none.errors;
+  EXPECT_NE(none.errors.find("neither gtf.safetensors nor"), std::string::npos) << none.errors;
 }
 
 TEST_F(EvaluateCommandTest, ATextureIsAskedForAfterAColon) {

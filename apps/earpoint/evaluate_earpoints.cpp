@@ -28,7 +28,7 @@ ClipMethod method_of(const std::string& word) {
     return {word, path->string()};
   }
   throw InputError("--methods " + word,
-                   "is neither input, dsp nor a model that is there; a clip has no other methods",
+                   "is neither input, dsp nor a shipped model; a clip has no other methods",
                    "name a weight file: " + word + "=FILE.safetensors");
 }
 
@@ -63,11 +63,11 @@ class SoundFolder {
       path_ = *report;
       std::error_code error;
       fs::create_directories(path_, error);
-      if (error) throw InputError(path_.string(), "cannot be made: " + error.message());
+      if (error) throw InputError(path_.string(), "cannot be created: " + error.message());
       return;
     }
     std::string name = (fs::temp_directory_path() / "earpoint-XXXXXX").string();
-    if (::mkdtemp(name.data()) == nullptr) throw InputError(name, "cannot be made");
+    if (::mkdtemp(name.data()) == nullptr) throw InputError(name, "cannot be created");
     path_ = name;
   }
   ~SoundFolder() {

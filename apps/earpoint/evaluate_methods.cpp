@@ -42,12 +42,12 @@ MethodEntry method_of(const std::string& word, const MethodRequest& request,
                       const std::set<std::string>& scenes) {
   if (word == "input") return earpoint::input_method();
   if (request.enhance && (word == "dsp" || word == "tf")) {
-    throw InputError("--methods " + word, "says what a place hears, not what was spoken",
+    throw InputError("--methods " + word, "renders the sound at a position, not dry speech",
                      "leave it out with --enhance");
   }
   if (!request.knows_speaker && word == "tf") {
     throw InputError("--methods tf",
-                     "must know where speakers are, which these recordings do not tell",
+                     "needs the speakers' positions, which these recordings do not have",
                      "leave it out");
   }
   if (word == "dsp") return earpoint::dsp_method();
@@ -69,7 +69,7 @@ MethodEntry method_of(const std::string& word, const MethodRequest& request,
   if (const auto path = earpoint::shipped_model_path(model + ".safetensors")) {
     return earpoint::network_method(word, path->string(), options);
   }
-  throw InputError("--methods " + word, "is neither a known method nor a model that is there",
+  throw InputError("--methods " + word, "is neither a known method nor a shipped model",
                    "name a weight file: " + word + "=FILE.safetensors");
 }
 
@@ -106,8 +106,8 @@ std::vector<std::string> shipped_families() {
   }
   if (words.empty()) {
     throw InputError("--ablations",
-                     "finds neither gtf.safetensors nor vigas.safetensors among the shipped models",
-                     "name the folder of your own runs with --runs");
+                     "neither gtf.safetensors nor vigas.safetensors is among the shipped models",
+                     "give the folder of your own runs with --runs");
   }
   std::ranges::sort(words);
   return words;

@@ -32,26 +32,27 @@ constexpr const char* kFooter = R"(
 The direction is seen from the camera: azimuth to its left, elevation up, degrees. x points to the
 front, y to the left, z up; metres.
 
-People are found in the picture and followed, five times a second; the time between the ears tells who of
-them speaks, or that the speaker is not in the picture. With a box that is given nobody is looked for.
+People are detected in the picture and tracked, five times a second; the interaural time difference
+tells which of them speaks, or that the speaker is not in the picture. If a box is given, people are not
+detected.
 
 Examples:
-  # which way the speaker is, by picture and sound
+  # the direction of the speaker, by picture and sound
   earpoint locate clip.mp4
 
-  # who is where and who speaks when; render takes the CSV, by hand corrected or not
+  # a table of people and of who speaks when; render reads it, corrected by hand or not
   earpoint locate clip.mp4 -o boxes.csv --plot people.mp4
   earpoint render clip.mp4 --speaker-boxes boxes.csv --translate 1,0,0 -o there.wav
 
-  # where they are and which way they face, told where they are seen; and a map
+  # position and heading of a speaker whose box is given; and a map
   earpoint locate frame.png sound.flac --speaker-box 0.4,0.3,0.6,0.9 --3d --plot map.png
 
-  # by ear alone, for a program
+  # by sound alone, as JSON
   earpoint locate sound.wav --3d --json
 
-Spreads are over the seconds of the recording: how steady the answer is, not how right. Stereo that is
-not binaural (panned, two equal channels, one channel, one inverted) is told: its direction is not that
-of the speaker, and its spread says so.)";
+Spreads are over the seconds of the recording: they show how steady the estimate is, not how accurate.
+Stereo that is not binaural (panned, two equal channels, one silent or inverted channel) gets a warning: it
+carries no direction of the speaker, and the spread is large.)";
 
 struct LocateArguments {
   SourceArguments source;
@@ -67,8 +68,8 @@ struct LocateArguments {
 std::string model_of(const LocateArguments& arguments) {
   if (!arguments.model.empty()) return arguments.model;
   if (const auto path = shipped_model_path(kShipped)) return path->string();
-  throw InputError("locate", fmt::format("finds no {} among the shipped models", kShipped),
-                   "name a gtf weight file with --model");
+  throw InputError("locate", fmt::format("{} is not among the shipped models", kShipped),
+                   "choose a gtf weight file with --model");
 }
 
 double azimuth_deg(const Vector3& p) { return degrees_from_radians(std::atan2(p.y, p.x)); }
@@ -219,11 +220,13 @@ void add_locate_command(CLI::App& app) {
   add_channel_option(*command, arguments->source);
   add_recording_option(*command, arguments->source);
   command->add_flag("--3d", arguments->is_3d, "Distance, height and heading as well");
-  command->add_option("-o,--output", arguments->output,
-                      "CSV of who is where and who speaks, five times a second; render takes it as "
-                      "--speaker-boxes");
-  command->add_option("--plot", arguments->plot,
-                      "Draw a map from above into a .png, or everybody's box into a .mp4 or .mov");
+  command->add_option(
+      "-o,--output", arguments->output,
+      "CSV of people's boxes and who speaks, five times a second; render reads it as "
+      "--speaker-boxes");
+  command->add_option(
+      "--plot", arguments->plot,
+      "Draw a map from above (.png), or a movie with everybody's box (.mp4 or .mov)");
   command->add_flag("--json", arguments->json, "Print JSON, with every window");
   command->add_flag("--quiet", arguments->quiet, "No progress");
   command->callback([arguments] { run_locate(*arguments); });

@@ -52,13 +52,13 @@ Examples:
   earpoint metrics near.wav dry.wav --variant speech
   earpoint metrics measured_brir.wav traced_brir.wav --impulse-responses
 
-Zero is best, but of speech. Both sounds are binaural (left, right) and of one length.
+Zero is best, except for speech. Both sounds are binaural (left, right) and of equal length.
   mag             sum over the ears of the mean difference of STFT magnitudes
   lre_db          difference of the left-right energy ratios, dB; none if a left ear is silent
   stft_distance   sum over the ears of the Euclidean distance of the STFTs
   l2              mean squared difference of the samples
-  rte_s           mean difference of the ears' T60, as a network hears it in the sounds; none
-                  where the program finds no models/rt60.safetensors
+  rte_s           mean difference of the ears' T60, estimated from the sounds by a network; none
+                  if models/rt60.safetensors is missing
   delay_samples   mean delay of the ears at 16 kHz, at most 50 (also for a silent ear)
 --variant rwavs:
   mag             sum over the ears of the mean squared difference of STFT magnitudes, 22.05 kHz
@@ -114,12 +114,12 @@ void check_speech(const Pair& pair, const MetricsOptions& options) {
     throw earpoint::InputError(options.estimate.string(),
                                fmt::format("has {} channels, {} has {}", pair.estimate.channels(),
                                            options.reference.string(), pair.reference.channels()),
-                               "compare sounds with as many channels");
+                               "compare sounds with the same number of channels");
   }
   for (const auto& [sound, path] : {std::pair{&pair.reference, &options.reference},
                                     std::pair{&pair.estimate, &options.estimate}}) {
     if (!std::ranges::all_of(sound->planar(), [](float x) { return std::isfinite(x); })) {
-      throw earpoint::InputError(path->string(), "holds a sample that is no number",
+      throw earpoint::InputError(path->string(), "contains NaN or infinite samples",
                                  "write the file again");
     }
   }
@@ -138,7 +138,7 @@ Pair read_pair(const MetricsOptions& options, Report& report) {
       throw earpoint::InputError(options.estimate.string(),
                                  fmt::format("has {} samples, {} has {}", pair.estimate.samples(),
                                              options.reference.string(), pair.reference.samples()),
-                                 "--trim compares what both have");
+                                 "use --trim to compare the common length");
     }
     report.notes.push_back(fmt::format("{} samples at the end left out", longer - shorter));
     trim_to(pair.reference, shorter);
@@ -268,15 +268,15 @@ void print(const Report& report, bool as_json) {
 
 void add_metrics_command(CLI::App& app) {
   auto options = std::make_shared<MetricsOptions>();
-  CLI::App* command =
-      app.add_subcommand("metrics", "Measure how far an estimated sound is from its reference.");
-  command->add_option("reference", options->reference, "What was to be heard (WAV, FLAC, ...)")
+  CLI::App* command = app.add_subcommand(
+      "metrics", "Measure the error of an estimated sound against its reference.");
+  command->add_option("reference", options->reference, "The true sound (WAV, FLAC, ...)")
       ->required();
-  command->add_option("estimate", options->estimate, "What was rendered")->required();
+  command->add_option("estimate", options->estimate, "The rendered sound")->required();
   command->add_flag("--json", options->json, "Print JSON");
   auto* variant = command
                       ->add_option("--variant", options->variant,
-                                   "Whose definitions: vigas (16 kHz) or rwavs (22.05 kHz); or "
+                                   "Definitions: vigas (16 kHz) or rwavs (22.05 kHz); or "
                                    "speech: SI-SDR and ESTOI")
                       ->check(CLI::IsMember({"vigas", "rwavs", "speech"}))
                       ->capture_default_str();
@@ -288,7 +288,7 @@ void add_metrics_command(CLI::App& app) {
                    "Weight file of the estimator behind rte_s (default: the shipped one)")
       ->excludes(decays);
   auto* trim = command->add_flag("--trim", options->trim,
-                                 "Compare sounds of different lengths as far as both go");
+                                 "Compare sounds of different lengths over the common length");
   auto* sign_fix = command->add_flag(
       "--sign-fix", options->sign_fix,
       "First negate one ear of an estimate in opposite phase, as the published evaluation does");

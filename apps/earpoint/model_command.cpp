@@ -71,7 +71,7 @@ void import_model(const ImportOptions& options) {
   fmt::print("wrote {}: {} tensors, {} values", options.output.string(), file.tensors.size(),
              value_count(file.tensors));
   if (file.tensors.size() < found) {
-    fmt::print("; left out {} tensors that inference never reads (--keep-all keeps them)",
+    fmt::print("; dropped {} tensors that inference does not use (--keep-all keeps them)",
                found - file.tensors.size());
   }
   fmt::print("\n");
@@ -85,12 +85,13 @@ void export_model(const ExportOptions& options) {
   fmt::print("wrote {}: {} tensors, {} options", options.output.string(),
              checkpoint.state_dict.size(), checkpoint.hparams.size());
   if (!checkpoint.filled.empty()) {
-    fmt::print("; {} tensors that inference never reads are zero", checkpoint.filled.size());
+    fmt::print("; {} tensors that inference does not use are zero", checkpoint.filled.size());
   }
   fmt::print("\n");
   if (!checkpoint.differences.empty()) {
     fmt::print(stderr,
-               "earpoint: the released class builds another network and will not load it: {}\n",
+               "earpoint: warning: the released class builds a different network and will not load "
+               "it: {}\n",
                fmt::join(checkpoint.differences, "; "));
   }
 }
@@ -187,20 +188,21 @@ void print_info(const InfoOptions& options) {
 void add_import(CLI::App& model) {
   auto options = std::make_shared<ImportOptions>();
   CLI::App* command = model.add_subcommand(
-      "import", "Make a weight file of a PyTorch checkpoint of the released code.");
+      "import", "Convert a PyTorch checkpoint of the released code into a weight file.");
   command->add_option("checkpoint", options->checkpoint, "Checkpoint, e.g. best_val.ckpt")
       ->required();
   command->add_option("-o,--output", options->output, "Weight file to write (.safetensors)")
       ->required();
   command->add_flag("--keep-all", options->keep_all,
-                    "Also keep the tensors that inference never reads");
+                    "Keep the tensors that inference does not use, too");
   command->callback([options] { import_model(*options); });
 }
 
 void add_export(CLI::App& model) {
   auto options = std::make_shared<ExportOptions>();
   CLI::App* command = model.add_subcommand(
-      "export", "Make a PyTorch checkpoint that the released code loads of a ViGAS weight file.");
+      "export",
+      "Convert a ViGAS weight file into a PyTorch checkpoint that the released code loads.");
   command->add_option("file", options->file, "Weight file (.safetensors)")->required();
   command->add_option("-o,--output", options->output, "Checkpoint to write, e.g. best_val.ckpt")
       ->required();
@@ -222,8 +224,7 @@ void add_set_range(CLI::App& model) {
 
 void add_info(CLI::App& model) {
   auto options = std::make_shared<InfoOptions>();
-  CLI::App* command =
-      model.add_subcommand("info", "Check a weight file and say what network it is of.");
+  CLI::App* command = model.add_subcommand("info", "Check a weight file and describe its network.");
   command->add_option("file", options->file, "Weight file (.safetensors)")->required();
   command->add_flag("--json", options->json, "Print JSON");
   command->callback([options] { print_info(*options); });

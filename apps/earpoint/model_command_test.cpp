@@ -105,7 +105,7 @@ TEST_F(ModelCommand, BadFilesGiveOneLineAndNoOutput) {
                  "earpoint: /missing.ckpt: no such file");
   const std::string text = (folder_ / "text.ckpt").string();
   earpoint::write_file(text, "not a checkpoint");
-  expect_refused({"model", "import", text, "-o", output_}, "is not a whole zip archive");
+  expect_refused({"model", "import", text, "-o", output_}, "is not a complete zip archive");
   expect_refused({"model", "info", text}, "safetensors");
   expect_refused({"model", "info", kCheckpoint}, "safetensors");
   expect_refused(

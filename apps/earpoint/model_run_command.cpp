@@ -184,13 +184,13 @@ void run_model(const RunOptions& options) {
 void add_model_run_command(CLI::App& model) {
   auto options = std::make_shared<RunOptions>();
   CLI::App* command =
-      model.add_subcommand("run", "Run a network on raw tensors and write what comes out.");
+      model.add_subcommand("run", "Run a network on raw tensors and write its outputs.");
   command->footer(kNotes);
   command->add_option("weights", options->weights, "Weight file (.safetensors)")->required();
   command->add_option("inputs", options->inputs, "Input tensors (.safetensors)")->required();
   command->add_option("-o,--output", options->output, "Output tensors to write (.safetensors)")
       ->required();
-  command->add_option("--threads", options->threads, "Number of threads; no influence on results")
+  command->add_option("--threads", options->threads, "Number of threads; does not change results")
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
   command->callback([options] { run_model(*options); });

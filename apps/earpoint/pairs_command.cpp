@@ -26,10 +26,10 @@ Examples:
   earpoint evaluate --data nvas --pairs pairs-released.json
 
 Draws:
-  every-target  every viewpoint of every clip is the target once, the second starts anywhere in the speech
-  released      as the released test draws: one pair a clip, the first second, NumPy's generator of seed 0
-                over the clips. It takes scenes as the file system lists them, which nobody can repeat; here
-                they stand in the order of their names
+  every-target  every viewpoint of every clip is the target once, at a random second of the speech
+  released      as the released test draws: one pair per clip, the first second, NumPy's generator of seed 0
+                over the clips. It takes scenes in the file system's order, which is not reproducible; here
+                they are sorted by name
 )";
 
 struct Options {
@@ -50,8 +50,8 @@ void run(const Options& options) {
   const fs::path output =
       options.output.value_or(options.data / fmt::format("pairs-{}.json", options.split));
   if (!options.output && fs::exists(output)) {
-    throw InputError(output.string(), "is there already",
-                     "results are compared on it: name another by -o");
+    throw InputError(output.string(), "exists already",
+                     "results are compared on it: choose another file with -o");
   }
   const earpoint::SoundSpacesDataset dataset(
       earpoint::soundspaces_options(options.data, options.split));
@@ -66,18 +66,18 @@ void run(const Options& options) {
 void add_pairs_command(CLI::App& app) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand(
-      "pairs", "Draw the pairs of a data set that methods are compared on, and write the list.");
+      "pairs", "Draw the pairs on which methods are compared, and write the list.");
   command
       ->add_option(
           "--data", options->data,
           "Folder of a data set in the layout of SoundSpaces-NVAS; the pairs of Replay-NVAS "
           "are drawn by evaluate")
       ->required();
-  command->add_option("--split", options->split, "Whose pairs")->capture_default_str();
-  command->add_option("--draw", options->draw, "How; see below")
+  command->add_option("--split", options->split, "Split of the pairs")->capture_default_str();
+  command->add_option("--draw", options->draw, "Rule of the draw; see below")
       ->check(CLI::IsMember({"every-target", "released"}))
       ->capture_default_str();
-  command->add_option("--seed", options->seed, "Of every-target (default: 1)");
+  command->add_option("--seed", options->seed, "Seed of every-target (default: 1)");
   command->add_option("-o,--output", options->output,
                       "List to write (default: pairs-<split>.json in the folder)");
   command->footer(kFooter);

@@ -57,8 +57,7 @@ TEST_F(PairsCommand, WritesTheListThatEvaluateTakes) {
   ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
   EXPECT_EQ(nlohmann::json::parse(outcome.output).at("pairs"),
             (root_ / "pairs-test.json").string());
-  EXPECT_NE(refusal({"pairs", "--data", root_.string()}).find("is there already"),
-            std::string::npos);
+  EXPECT_NE(refusal({"pairs", "--data", root_.string()}).find("exists already"), std::string::npos);
 
   const std::string released = (root_ / "released.json").string();
   ASSERT_EQ(run_earpoint({"pairs", "--data", root_.string(), "--draw", "released", "-o", released})
@@ -83,7 +82,8 @@ TEST_F(PairsCommand, BothDataSetsUnderOneRootAskForTheLayout) {
   fs::create_directories(root_ / "data/appen_dataset/v3");
   earpoint::write_file(root_ / "data/appen_dataset/v3/metadata_v2.json", std::string_view("{}"));
   const std::string data = root_.string();
-  EXPECT_NE(refusal({"evaluate", "--data", data, "--quiet"}).find("say which by --layout"),
+  EXPECT_NE(refusal({"evaluate", "--data", data, "--quiet"})
+                .find("choose the layout, soundspaces or replay (--layout)"),
             std::string::npos);
   EXPECT_EQ(run_earpoint({"evaluate", "--data", data, "--layout", "soundspaces", "--methods",
                           "input", "--quiet"})

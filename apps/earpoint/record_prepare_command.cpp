@@ -26,7 +26,7 @@ Examples:
 Every session is a scene of the data set, all of it in one split. Devices are synchronised first, as by
 `earpoint record sync`. Seconds in which nobody speaks, and knocks, are left out by the energy of the near
 microphones; those in which two people speak are marked. Started again after it was stopped, it goes on
-where it was. The folders are described in docs/formats.md.
+where it stopped. The folders are described in docs/formats.md.
 )";
 
 struct Options {
@@ -47,7 +47,7 @@ void run(const Options& options) {
   for (const std::string& note : made.notes) fmt::print(stderr, "earpoint: {}\n", note);
   fmt::print("{}: {} clips of {} cameras in split {} ({} made now, {} with two people speaking)\n",
              made.scene, made.clips, made.cameras, made.split, made.made, made.overlapping);
-  fmt::print("of {} windows {} were silent and {} noisy\n", made.windows, made.silent, made.noisy);
+  fmt::print("of {} windows, {} were silent and {} noisy\n", made.windows, made.silent, made.noisy);
 }
 
 }  // namespace
@@ -55,13 +55,14 @@ void run(const Options& options) {
 void add_record_prepare_command(CLI::App& record) {
   auto options = std::make_shared<Options>();
   CLI::App* command =
-      record.add_subcommand("prepare", "Make clips of a session, in the layout of Replay-NVAS.");
+      record.add_subcommand("prepare", "Cut a session into clips, in the layout of Replay-NVAS.");
   command->add_option("session", options->session, "session.json")->required();
   command->add_option("--out", options->prepare.out, "Folder of the data set")->required();
   command
-      ->add_option("--split", options->split,
-                   "Whose scene it is (default: the session's; else that of the published scene of "
-                   "that name; else train)")
+      ->add_option(
+          "--split", options->split,
+          "Split of the scene (default: the session's; else that of the published scene of "
+          "that name; else train)")
       ->check(CLI::IsMember({"train", "val", "test"}));
   command->add_option("--hop", options->prepare.hop_s, "Seconds between the beginnings of windows")
       ->check(CLI::Range(0.05, 60.0))

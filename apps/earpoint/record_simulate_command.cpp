@@ -109,26 +109,27 @@ void add_what(CLI::App& command, Options& options) {
       ->check(within(0.25, 30.0))
       ->capture_default_str();
   command
-      .add_option("--people", options.people, "How many talk, 2 to 4; 0: drawn for each session")
+      .add_option("--people", options.people,
+                  "Number of people, 2 to 4; 0: random for each session")
       ->check(CLI::IsMember({0, 2, 3, 4}))
       ->capture_default_str();
-  command.add_option("--cameras", session.cameras, "In a ring around them, looking inwards")
+  command
+      .add_option("--cameras", session.cameras, "Number of cameras, in a ring around the people")
       ->check(within(1, 32))
       ->capture_default_str();
-  command
-      .add_option("--walks", session.walks_per_minute,
-                  "How often somebody walks to another place, a minute")
+  command.add_option("--walks", session.walks_per_minute, "Walks to another place per minute")
       ->check(within(0, 20))
       ->capture_default_str();
   command
-      .add_option("--scenarios", options.simulation.scenarios,
-                  "Sessions to make, each in a folder of its own: with three or more split "
-                  "90 : 10 : 20 into train, val and test")
+      .add_option(
+          "--scenarios", options.simulation.scenarios,
+          "Number of sessions, each in its own folder; three or more are split 90 : 10 : 20 "
+          "into train, val and test")
       ->check(within(1, 10000))
       ->capture_default_str();
   command
       .add_option("--split", options.split,
-                  "Whose voices and figures a single session has: train, val or test")
+                  "Split of the voices and figures of a single session: train, val or test")
       ->check(CLI::IsMember({"train", "val", "test"}))
       ->capture_default_str();
   command
@@ -150,7 +151,7 @@ void add_devices(CLI::App& command, Options& options) {
       ->capture_default_str();
   command
       .add_option("--drift", simulation.session.most_drift_ppm,
-                  "Largest drift of a clock either way, parts per million")
+                  "Largest drift of a clock in either direction, parts per million")
       ->check(within(0, 1000))
       ->capture_default_str();
   command
@@ -158,7 +159,7 @@ void add_devices(CLI::App& command, Options& options) {
                   "Largest time between the starts of two recordings, seconds")
       ->check(within(0, 5))
       ->capture_default_str();
-  command.add_option("--size", options.size, "Of the pictures, WIDTHxHEIGHT in pixels")
+  command.add_option("--size", options.size, "Size of the pictures, WIDTHxHEIGHT in pixels")
       ->capture_default_str();
   command.add_option("--fps", simulation.session.frame_rate_hz, "Pictures per second")
       ->check(within(1, 30))
@@ -168,7 +169,7 @@ void add_devices(CLI::App& command, Options& options) {
       ->capture_default_str();
   command
       .add_option("--samples", options.samples,
-                  "Rays per pixel, a square number: 1 makes pictures in a third of the time")
+                  "Rays per pixel, a square number; 1 takes a third of the time")
       ->check(CLI::IsMember({1, 4, 9, 16}))
       ->capture_default_str();
   command.add_option("--rays", simulation.sound.rays, "Rays from each mouth")
@@ -182,7 +183,9 @@ void add_record_simulate_command(CLI::App& record) {
   auto options = std::make_shared<Options>();
   CLI::App* command = record.add_subcommand(
       "simulate", "Simulate a session of a conversation between cameras, with known truth.");
-  command->add_option("--out", options->simulation.folder, "Folder to write; a run goes on there")
+  command
+      ->add_option("--out", options->simulation.folder,
+                   "Output folder; an interrupted run continues there")
       ->required();
   add_what(*command, *options);
   add_scene_argument(*command, options->scene);
@@ -197,9 +200,9 @@ Examples:
 
 Two to four people sit, stand and walk in a furnished flat and talk in turns and over each other. A
 ring of cameras records them with binaural sound, and everybody wears a microphone near the mouth; every
-device has its own clock. Without a scene the flat is drawn from the seed. Written are session.json,
-camera-N.mp4, near-N.wav, and what is known: truth.json and boxes.csv (docs/formats.md). A run that was
-stopped goes on when it is started again.
+device has its own clock. Without a scene, the flat is generated from the seed. The output is session.json,
+camera-N.mp4, near-N.wav, and the truth: truth.json and boxes.csv (docs/formats.md). An interrupted run
+continues when it is started again.
 )");
   command->callback([options] { run(*options); });
 }

@@ -112,7 +112,7 @@ TEST_F(RecordSimulateCommand, RefusesBadArgumentsInOneLine) {
 
 TEST_F(RecordSimulateCommand, SaysThatASceneHasNoRoom) {
   const std::string line = refusal(with("--shoebox", "2,2,2.7"));
-  EXPECT_NE(line.find("has no place for a ring of 2 cameras"), std::string::npos) << line;
+  EXPECT_NE(line.find("has no space for a ring of 2 cameras"), std::string::npos) << line;
 }
 
 }  // namespace

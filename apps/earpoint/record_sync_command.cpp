@@ -31,9 +31,9 @@ Examples:
   earpoint record sync session.json --truth truth.json --json     # of a simulated session
 
 Session time is the first camera's clock. What a device recorded at its own time c happened at
-offset_s + c / (1 + 1e-6 drift_ppm). Clocks are found by
-  positions  voices found again in the ears of calibrated cameras, with the ways that sound travels removed
-  onsets     when sounds set in, to some ten milliseconds: where the camera stands is not known
+offset_s + c / (1 + 1e-6 drift_ppm). Clocks are estimated by
+  positions  arrival times of voices at calibrated cameras, corrected for the travel time of sound
+  onsets     onset times of sounds, to about ten milliseconds, where the camera's position is unknown
 The session file is described in docs/formats.md.
 )";
 
@@ -92,14 +92,14 @@ void run(const Options& options) {
 
 void add_record_sync_command(CLI::App& record) {
   auto options = std::make_shared<Options>();
-  CLI::App* command =
-      record.add_subcommand("sync", "Find the offset and the drift of every device of a session.");
+  CLI::App* command = record.add_subcommand(
+      "sync", "Estimate the clock offset and drift of every device of a session.");
   command->add_option("session", options->session, "session.json")->required();
   command->add_option("--truth", options->truth,
-                      "truth.json of a simulated session, to tell how far clocks are off");
+                      "truth.json of a simulated session, to print the errors of the clocks");
   command->add_option("-o,--output", options->output, "Write the clocks as JSON");
   command->add_option("--plot", options->plot,
-                      "Picture (.png, .jpg) of what is left of times of arrival, by device");
+                      "Picture (.png, .jpg) of the residuals of the arrival times, by device");
   command->add_flag("--json", options->json, "Print JSON");
   command->add_flag("--quiet", options->quiet, "No progress");
   command->footer(kFooter);

@@ -1,6 +1,7 @@
 #include "render_command.h"
 
 #include "arguments.h"
+#include "flag_advice.h"
 #include "json_text.h"
 #include "source_arguments.h"
 #include "speaker_search.h"
@@ -32,15 +33,15 @@ constexpr const char* kFooter = R"(
 Frames: x points to the front of the source view, y to its left, z up; metres. A positive yaw turns
 the target's head to the left, a positive pitch looks up.
 
-Where neither --speaker nor a box tells who speaks, the people in the picture are found and the
-speaker among them is heard by the time between the ears; --json says how sure that is. The voice of a
-recording that is not binaural is put at the speaker first.
+If neither --speaker nor a box is given, people are detected in the picture, and the speaker among
+them is found by the interaural time difference; --json prints the certainty. The voice of a recording
+that is not binaural is first placed at the speaker's position.
 
 Examples:
   # one metre ahead and half a metre to the right, looking left
   earpoint render clip.mp4 --translate 1.0,-0.5,0 --yaw 90 -o there.wav
 
-  # the same, told where the mouth is
+  # the same, with the position of the mouth
   earpoint render clip.mp4 --translate 1.0,-0.5,0 --yaw 90 --speaker 2,0,0 -o there.wav
 
   # three earpoints in one pass, with a picture of what each ear hears
@@ -179,8 +180,8 @@ void print_table(const RenderArguments& arguments, const RenderReport& report) {
 
 void warn_of_model(const RenderArguments& arguments, const RenderReport& report) {
   for (const std::string& warning : report.warnings) {
-    fmt::print(stderr, "earpoint: {} may be out of its depth: {}\n",
-               std::filesystem::path(arguments.model).filename().string(), warning);
+    fmt::print(stderr, "earpoint: warning: {}: {}\n",
+               std::filesystem::path(arguments.model).filename().string(), with_flags(warning));
   }
 }
 
@@ -203,11 +204,12 @@ void warn_of_peaks(const RenderArguments& arguments, const RenderReport& report)
   }
 }
 
-/// A program that was moved away from its models renders differently: never without a word.
+/// A program that was moved away from its models renders differently: never silently.
 void warn_of_missing_network() {
-  fmt::print(stderr,
-             "earpoint: found no gtf.safetensors among the shipped models and rendered by dsp; set "
-             "EARPOINT_MODELS_DIR to the folder that holds it, or ask for --model dsp\n");
+  fmt::print(
+      stderr,
+      "earpoint: warning: gtf.safetensors is not among the shipped models, rendered by dsp; set "
+      "EARPOINT_MODELS_DIR to its folder, or choose --model dsp\n");
 }
 
 void write_plot(const RenderArguments& arguments, const RenderReport& report) {
@@ -240,10 +242,11 @@ void run_render(RenderArguments arguments) {
   const bool takes_default = arguments.model.empty();
   arguments.model = resolve_model(arguments.model);
   if (arguments.json && writes_to_stdout(arguments)) {
-    throw InputError("--json", "standard output takes the sound already", "write it to a file");
+    throw InputError("--json", "standard output is used for the sound already",
+                     "write it to a file");
   }
   if (!arguments.hrtf.empty() && arguments.model != "dsp") {
-    throw InputError("--hrtf", "only --model dsp takes head filters", "leave it out");
+    throw InputError("--hrtf", "only --model dsp uses head filters", "leave it out");
   }
   const std::vector<EarpointPath> paths = parse_targets(arguments);
   if (!arguments.plot.empty()) check_image_path(arguments.plot);
@@ -304,8 +307,8 @@ void add_target_options(CLI::App& command, RenderArguments& arguments) {
   command
       .add_option(
           "-o,--output", arguments.outputs,
-          "Where an earpoint's sound goes: .wav .flac .ogg .mp3 .w64, or .mp4 .mov .mkv with "
-          "the picture, or - for standard output (WAV); once per earpoint")
+          "Output file: .wav .flac .ogg .mp3 .w64, or .mp4 .mov .mkv with the picture, or - for "
+          "standard output (WAV); once per earpoint")
       ->required()
       ->allow_extra_args(false);
   const char* group = "Earpoints (all relative to the source view; repeat for several)";
@@ -333,7 +336,7 @@ void add_speaker_options(CLI::App& command, RenderArguments& arguments) {
   add_box_options(command, arguments.source);
   command
       .add_option("--speaker", arguments.source.speaker,
-                  "x,y,z of the mouth in metres, in place of a box")
+                  "x,y,z of the mouth in metres, instead of a box")
       ->group("Who speaks");
   add_detector_option(command, arguments.detector);
 }
@@ -342,18 +345,18 @@ void add_model_options(CLI::App& command, RenderArguments& arguments) {
   command.add_option(
       "--model", arguments.model,
       "input (copy), dsp (head filters), the name of a shipped model, or a weight file; "
-      "default: gtf, or dsp where it is not there");
+      "default: gtf, or dsp where gtf is not installed");
   command
       .add_option(
           "--texture", arguments.texture,
-          "Of a gtf network that was trained for both: natural, with the modulation and decay of "
-          "such a room; mean, with the least error of magnitudes; default: natural")
+          "For gtf networks trained for both: natural, with realistic modulation and decay; mean, "
+          "with the smallest error of magnitudes; default: natural")
       ->check(CLI::IsMember({"natural", "mean"}));
   command.add_option("--hrtf", arguments.hrtf, "Head filters for dsp: a SOFA file");
   command
       .add_option(
           "--band", arguments.band,
-          "full: what lies above the model's band follows its top octave; model: leave it out")
+          "full: above the model's band, sound follows its top octave; model: drop that sound")
       ->check(CLI::IsMember({"full", "model"}))
       ->capture_default_str();
   add_ambient_option(command, arguments.ambient);
@@ -366,8 +369,8 @@ void add_model_options(CLI::App& command, RenderArguments& arguments) {
   command.add_option("--gain", arguments.gain_db, "Gain of the outputs in dB")
       ->check(within(-60.0, 60.0));
   command.add_flag("--no-limit", arguments.no_limit,
-                   "Write peaks above full scale as they are; default: they are limited");
-  command.add_option("--threads", arguments.threads, "Default: all cores")
+                   "Keep peaks above full scale; default: limit them");
+  command.add_option("--threads", arguments.threads, "Number of threads; default: all cores")
       ->check(CLI::Range(1, 256));
 }
 

@@ -127,7 +127,8 @@ TEST_F(RenderCommand, ASpeakerPassedByChangesSides) {
   const auto& right = document["targets"][1];
   EXPECT_LT(left["left_db"].get<double>(), left["right_db"].get<double>() - 3.0);
   EXPECT_GT(right["left_db"].get<double>(), right["right_db"].get<double>() + 3.0);
-  EXPECT_NE(outcome.errors.find("found no gtf.safetensors"), std::string::npos) << outcome.errors;
+  EXPECT_NE(outcome.errors.find("gtf.safetensors is not among"), std::string::npos)
+      << outcome.errors;
 }
 
 TEST_F(RenderCommand, AMovieWithAMovingEarpointKeepsItsPictureAndLength) {
@@ -204,7 +205,7 @@ TEST_F(RenderCommand, SaysWhenANetworkIsOutOfItsDepth) {
   const ProgramOutcome outcome = run_earpoint(
       {"render", sound(), "--translate", "9,0,0", "-o", at("out.wav"), "--json", "--quiet"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
-  // Too far, no picture, and nobody says who speaks: a line each.
+  // Too far, no picture, and no speaker given: a line each.
   EXPECT_EQ(std::count(outcome.errors.begin(), outcome.errors.end(), '\n'), 3) << outcome.errors;
   EXPECT_NE(outcome.errors.find("9.0 m"), std::string::npos) << outcome.errors;
   const nlohmann::json document = nlohmann::json::parse(outcome.output);
@@ -219,14 +220,15 @@ TEST_F(RenderCommand, BadArgumentsGetOneLine) {
   expect_refused({input, "--translate", "1,2,nan"}, "expected 3 numbers");
   expect_refused({input, "--translate", "1,0,0", "--translate", "2,0,0"}, "2 earpoints need");
   expect_refused({input, "--yaw", "90"}, "--speaker x,y,z");
-  expect_refused({input, "--yaw", "90", "--speaker-box", "0.5,0.2,1.2,0.9"}, "leaves the picture");
+  expect_refused({input, "--yaw", "90", "--speaker-box", "0.5,0.2,1.2,0.9"},
+                 "extends beyond the picture");
   expect_refused({input, "--yaw", "90", "--model", "nothing.safetensors"}, "neither a known name");
   expect_refused({input, "--yaw", "90", "--model", input}, "in.wav");
   expect_refused({input, "--yaw", "90", "--model", "dsp", "--hrtf", input}, "in.wav");
   expect_refused({input, "--yaw", "90", "--model", "dsp", "--hrtf", at("missing.sofa")},
                  "missing.sofa: no such file");
   expect_refused({input, "--yaw", "90", "--model", "input", "--hrtf", at("missing.sofa")},
-                 "only --model dsp takes head filters");
+                 "only --model dsp uses head filters");
   expect_refused({input, "--to", at("missing.json")}, "no such file");
   expect_refused({input, "--translate", "1,0,0", "--colour", "red"}, "--colour");
   expect_refused({at("missing.wav"), "--yaw", "90", "--speaker", "2,0,0"}, "missing.wav");
@@ -247,7 +249,8 @@ TEST_F(RenderCommand, SamplesThatAreNoNumbersAreNamed) {
   const float not_a_number = std::nanf("");
   file.write(reinterpret_cast<const char*>(&not_a_number), sizeof(not_a_number));
   file.close();
-  expect_refused({input, "--yaw", "90", "--speaker", "2,0,0"}, "is no number at 1.49");
+  expect_refused({input, "--yaw", "90", "--speaker", "2,0,0"},
+                 "has a NaN or infinite sample at 1.49");
 }
 
 TEST_F(RenderCommand, AFullDiskIsOneLineAndLeavesNothing) {
@@ -369,7 +372,7 @@ TEST_F(RenderCommand, TheFieldOfViewIsTakenFromThePictureOrSaid) {
   const std::vector<std::string> command = {
       "render",      at("frame.jpg"), in,  "--model", "dsp",        "--speaker-box",
       "16,12,32,36", "--yaw",         "1", "-o",      at("out.wav")};
-  EXPECT_NE(run_earpoint(command).errors.find("field of view not known, 90 degrees assumed"),
+  EXPECT_NE(run_earpoint(command).errors.find("field of view unknown, 90 degrees assumed"),
             std::string::npos);
   // 24 mm on 35 mm film: 71.6 degrees from side to side.
   const char exif[] =

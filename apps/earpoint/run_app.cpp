@@ -1,5 +1,7 @@
 #include "run_app.h"
 
+#include "flag_advice.h"
+
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -36,10 +38,10 @@ int run_app(CLI::App& app, int argc, char** argv) {
       app.exit(error);
       return flushed();
     }
-    std::fprintf(stderr, "earpoint: %s; --help tells more\n", error.what());
+    std::fprintf(stderr, "earpoint: %s; see --help\n", error.what());
     return 2;
   } catch (const earpoint::InputError& error) {
-    std::fprintf(stderr, "earpoint: %s\n", error.what());
+    std::fprintf(stderr, "earpoint: %s\n", with_flags(error.what(), &given_command(app)).c_str());
     return 2;
   } catch (const std::exception& error) {
     if (std::ferror(stdout) != 0) return flushed();  // what printing failed at

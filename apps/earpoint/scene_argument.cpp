@@ -18,13 +18,13 @@ void check_that_one_is_named(const SceneArgument& argument) {
   const int named = (argument.file.empty() ? 0 : 1) + (argument.shoebox.empty() ? 0 : 1) +
                     (argument.home_seed ? 1 : 0);
   if (named == 1) return;
-  throw InputError("scene", named == 0 ? "none is named" : "several are named",
+  throw InputError("scene", named == 0 ? "none is given" : "several are given",
                    "give one of SCENE, --shoebox and --home");
 }
 
 void check_that_file_options_have_a_file(const SceneArgument& argument) {
   const auto refuse = [](const char* flag) {
-    throw InputError(flag, "belongs to a scene that is read from a file", "leave it out");
+    throw InputError(flag, "applies only to a scene that is read from a file", "leave it out");
   };
   if (!argument.materials.empty()) refuse("--materials");
   if (!argument.up_axis.empty()) refuse("--up");
@@ -54,12 +54,12 @@ void add_scene_argument(CLI::App& command, SceneArgument& argument) {
       ->type_name("SCENE");
   command.add_option(
       "--shoebox", argument.shoebox,
-      "An empty room instead of a file, a corner at the origin: LX,LY,LZ[,absorption=A]"
-      "[,scattering=S], metres and shares of energy");
+      "An empty room instead of a file, one corner at the origin: LX,LY,LZ[,absorption=A]"
+      "[,scattering=S], metres and fractions of energy");
   command
       .add_option("--home", argument.home_seed,
-                  "A furnished home instead of a file, drawn from this seed with the furniture "
-                  "that is installed")
+                  "A furnished home instead of a file, generated from this seed with the installed "
+                  "furniture")
       ->check(whole_number());
   command.add_option("--materials", argument.materials,
                      "JSON table of acoustic materials for the file's surfaces");
@@ -68,7 +68,7 @@ void add_scene_argument(CLI::App& command, SceneArgument& argument) {
   command.add_option("--unit", argument.unit_m, "Length of the file's unit, metres")
       ->capture_default_str();
   command.add_flag("--close-ceiling", argument.close_ceiling,
-                   "Put a ceiling where the file has none");
+                   "Add a ceiling where the file has none");
 }
 
 NamedScene read_scene(const SceneArgument& argument) {

@@ -29,20 +29,20 @@ Examples:
   # walk through a clip in the browser
   earpoint serve clip.mp4
 
-  # a recording without a picture, the speaker two metres ahead, always under one address
+  # a recording without a picture, the speaker two metres ahead, at a fixed port
   earpoint serve sound.flac --speaker 2,0,0 --port 8080
 
-  # the test clips of a data set, with what was truly heard elsewhere
+  # the test clips of a data set, with the true sound at other viewpoints
   earpoint serve --data data/homes
 
-  # a clip of which it is known what was heard elsewhere
+  # a clip with the true sound at other positions
   earpoint serve --earpoints examples/earpoints.json
 
   # a network of your own beside the shipped ones
   earpoint serve clip.mp4 --model runs/mine/best.safetensors
 
-Only this computer reaches the page, unless --host says otherwise; the address then holds a token
-that whoever is to listen needs. Ctrl-C ends it.)";
+Only this computer can open the page, unless --host is given; the address then contains a token that
+listeners need. Stop with Ctrl-C.)";
 
 struct ServeArguments {
   SourceArguments source;
@@ -110,7 +110,7 @@ void check(const ServeArguments& arguments) {
       arguments.source.inputs.empty() && arguments.data.empty() && arguments.earpoints.empty();
   if (names_none && arguments.no_uploads) {
     throw InputError("serve", "there is nothing to listen to",
-                     "name a clip, --earpoints or --data");
+                     "give a clip, --earpoints or --data");
   }
 }
 
@@ -139,7 +139,7 @@ void run_serve(const ServeArguments& arguments) {
   ClipServer server(library, methods, options);
   const int port = server.bind();
   const std::string query = options.token.empty() ? "" : "?token=" + options.token;
-  fmt::print("Listen at http://{}:{}/{} (Ctrl-C ends it)\n", shown_host(arguments.host), port,
+  fmt::print("Listen at http://{}:{}/{} (stop with Ctrl-C)\n", shown_host(arguments.host), port,
              query);
   std::fflush(stdout);
   server.run();
@@ -150,13 +150,13 @@ void add_source_options(CLI::App& command, ServeArguments& arguments) {
   command.add_option("--data", arguments.data,
                      "A data set in the SoundSpaces layout, whose clips can be chosen on the page");
   command.add_option("--earpoints", arguments.earpoints,
-                     "A clip of which it is known what was heard elsewhere, as "
-                     "examples/earpoints.json describes one");
-  command.add_option("--split", arguments.split, "Of the data set")->capture_default_str();
+                     "A clip with the true sound at other positions, in the format of "
+                     "examples/earpoints.json");
+  command.add_option("--split", arguments.split, "Split of the data set")->capture_default_str();
   command
       .add_option("--speaker", arguments.source.speaker,
                   "x,y,z of the speaker's mouth in metres, if it is known")
-      ->group("Who speaks");
+      ->group("Speaker");
   add_box_options(command, arguments.source);
   add_detector_option(command, arguments.detector);
   add_channel_option(command, arguments.source);
@@ -168,28 +168,30 @@ void add_source_options(CLI::App& command, ServeArguments& arguments) {
 void add_serve_command(CLI::App& app) {
   auto arguments = std::make_shared<ServeArguments>();
   CLI::App* command =
-      app.add_subcommand("serve", "Open a page on which you walk through a clip and hear it.");
+      app.add_subcommand("serve", "Serve a page to walk through a clip and listen.");
   command->footer(kFooter);
   add_source_options(*command, *arguments);
   command
-      ->add_option("--methods", arguments->methods,
-                   "What can be compared: input, dsp, names of shipped models, or NAME=FILE; "
-                   "default: all that are there")
+      ->add_option(
+          "--methods", arguments->methods,
+          "Methods to compare: input, dsp, names of shipped models, or NAME=FILE; default: all "
+          "that are available")
       ->delimiter(',');
-  command->add_option("--model", arguments->models, "A weight file beside them; once per file")
+  command->add_option("--model", arguments->models, "A further weight file; once per file")
       ->allow_extra_args(false);
   command
       ->add_option("--host", arguments->host,
-                   "The address to listen at; 0.0.0.0 is every network of this computer")
+                   "Address to listen at; 0.0.0.0: all networks of this computer")
       ->capture_default_str();
-  command->add_option("--port", arguments->port, "0 takes any that is free")
+  command->add_option("--port", arguments->port, "Port; 0 takes any that is free")
       ->check(CLI::Range(0, 65535))
       ->capture_default_str();
-  command->add_option("--listeners", arguments->listeners, "At most so many pages play at once")
+  command
+      ->add_option("--listeners", arguments->listeners, "Maximum number of pages that play at once")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
   command->add_flag("--no-uploads", arguments->no_uploads,
-                    "No recordings can be dropped on the page");
+                    "Do not accept recordings dropped on the page");
   command->add_flag("--quiet", arguments->quiet, "No progress");
   command->callback([arguments] { run_serve(*arguments); });
 }

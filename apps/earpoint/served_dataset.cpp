@@ -137,7 +137,7 @@ PairList pairs_of(const SoundSpacesDataset& dataset, const fs::path& folder) {
 
 void add_dataset(const fs::path& folder, const std::string& split, ClipLibrary& library) {
   if (dataset_layout(folder, std::nullopt) == DatasetLayout::replay) {
-    throw InputError("--data " + folder.string(), "is of the Replay layout",
+    throw InputError("--data " + folder.string(), "has the Replay layout",
                      "give a data set in the SoundSpaces layout");
   }
   const auto data = std::make_shared<OpenDataset>(soundspaces_options(folder, split));

@@ -1,5 +1,6 @@
 #include "simulate_command.h"
 
+#include "flag_advice.h"
 #include "flag_checks.h"
 #include "simulate_report.h"
 
@@ -74,7 +75,8 @@ void check(const Options& options) {
   }
   if (!options.scenes.empty()) return;
   const auto refuse = [](const char* flag) {
-    throw InputError(flag, "belongs to a scene that is read from a file", "name one with --scene");
+    throw InputError(flag, "applies only to a scene that is read from a file",
+                     "give one with --scene");
   };
   if (options.materials) refuse("--materials");
   if (!options.up_axis.empty()) refuse("--up");
@@ -97,7 +99,7 @@ std::unique_ptr<earpoint::SceneSource> scene_source(const Options& options,
     import.up_axis = options.up_axis == "y" ? earpoint::UpAxis::y : earpoint::UpAxis::z;
   }
   const auto warn = [&bar](const fs::path& file, const std::string& warning) {
-    bar.note(fmt::format("earpoint: {}: {}", file.string(), warning));
+    bar.note(fmt::format("earpoint: {}: {}", file.string(), with_flags(warning)));
   };
   return std::make_unique<earpoint::FileSource>(options.scenes, import, materials_text, warn);
 }
@@ -142,21 +144,23 @@ void run(Options options) {
 void add_what(CLI::App& command, Options& options) {
   earpoint::WorkOrder& order = options.generation.order;
   command
-      .add_option("--scenes", order.scenes,
-                  "Homes to draw, split 90 : 10 : 20 into train, val and test; a single one's "
-                  "conversations are split instead")
+      .add_option(
+          "--scenes", order.scenes,
+          "Number of homes, split 90 : 10 : 20 into train, val and test; with a single home "
+          "its conversations are split instead")
       ->capture_default_str();
   command
       .add_option("--scene", options.scenes,
                   "Scans or models of your own instead (.glb, .gltf, .obj, .ply)")
       ->excludes("--scenes");
-  command.add_option("--materials", options.materials,
-                     "How the surfaces of --scene sound (JSON); default: the standard table");
+  command.add_option(
+      "--materials", options.materials,
+      "Acoustic materials of the surfaces of --scene (JSON); default: the standard table");
   command.add_option("--up", options.up_axis, "Axis that points up in --scene")
       ->check(CLI::IsMember({"y", "z"}));
   command.add_option("--unit", options.unit_m, "Length of the unit of --scene, metres");
   command.add_flag("--close-ceiling", options.close_ceiling,
-                   "Put a lid on --scene where it is open");
+                   "Add a ceiling to --scene where it has none");
   command.add_option("--conversations", order.conversations, "Conversations in each scene")
       ->capture_default_str();
   command.add_option("--split", options.split, "Put everything into this split");
@@ -170,7 +174,9 @@ void add_how(CLI::App& command, Options& options) {
   command.add_option("--seed", generation.seed, "The same seed gives the same bytes")
       ->check(whole_number())
       ->capture_default_str();
-  command.add_option("--viewpoints", generation.conversation.viewpoints, "Of each conversation")
+  command
+      .add_option("--viewpoints", generation.conversation.viewpoints,
+                  "Viewpoints of each conversation")
       ->capture_default_str();
   command
       .add_option("--other-rooms", generation.conversation.other_room_share,
@@ -187,18 +193,19 @@ void add_how(CLI::App& command, Options& options) {
       ->capture_default_str();
   command.add_option("--rays", generation.quality.rays, "Rays that leave each speaker")
       ->capture_default_str();
-  command.add_option("--rate", generation.quality.sample_rate_hz, "Of the responses")
+  command.add_option("--rate", generation.quality.sample_rate_hz, "Sample rate of the responses")
       ->capture_default_str();
-  command.add_option("--duration", generation.quality.duration_s, "Of the responses, seconds")
+  command
+      .add_option("--duration", generation.quality.duration_s, "Length of the responses, seconds")
       ->capture_default_str();
   command.add_option("--path-prefix", generation.path_prefix,
                      "Put before every path in the metadata, e.g. data/synthetic_dataset/v16");
   command.add_flag("--released-speech", options.released_speech,
-                   "Write the used speech as the released loader reads it");
+                   "Write the used speech in the format of the released loader");
   command.add_flag("--heard", generation.write_heard,
-                   "Also write what every viewpoint hears of every speaker");
+                   "Write the sound of every speaker at every viewpoint, too");
   command.add_option("--jobs", options.jobs, "Threads; 0 takes all cores")->capture_default_str();
-  command.add_option("--shard", options.shard, "Make the i-th of n parts only: i/n, from 0");
+  command.add_option("--shard", options.shard, "Make only the i-th of n parts: i/n, from 0");
   command.add_flag("--quiet", options.quiet, "No progress, no summary");
   command.add_flag("--json", options.json, "Print the summary as JSON");
 }
@@ -212,7 +219,7 @@ void add_simulate_command(CLI::App& app) {
       "Simulate a data set: homes, people who talk in them, pictures and binaural responses.");
   command
       ->add_option("--out", options->generation.folder,
-                   "Folder of the data set; a run that was interrupted goes on there")
+                   "Folder of the data set; an interrupted run continues there")
       ->required();
   add_what(*command, *options);
   add_how(*command, *options);

@@ -18,7 +18,7 @@ std::string simulation_report(const earpoint::GenerationSummary& summary) {
   text += fmt::format("\nescape fraction {:.2g} on average, {:.2g} at most\n",
                       summary.mean_escape_fraction, summary.most_escape_fraction);
   if (summary.missing > 0)
-    text += fmt::format("{} conversations are not there yet\n", summary.missing);
+    text += fmt::format("{} conversations are still missing\n", summary.missing);
   if (summary.simulated == 0) return text;
   text += fmt::format("made {} conversations in {}; core-seconds each:", summary.simulated,
                       earpoint::format_duration(summary.wall_s));

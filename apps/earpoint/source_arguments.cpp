@@ -17,7 +17,7 @@
 namespace earpoint {
 namespace {
 
-constexpr const char* kSpeakerGroup = "Who speaks";
+constexpr const char* kSpeakerGroup = "Speaker";
 
 bool is_picture(const std::filesystem::path& path) {
   return probe_media(path).kind == MediaKind::picture;
@@ -61,7 +61,7 @@ CLI::Option* add_source_inputs(CLI::App& command, SourceArguments& arguments) {
 void add_box_options(CLI::App& command, SourceArguments& arguments) {
   auto* box = command
                   .add_option("--speaker-box", arguments.speaker_box,
-                              "x0,y0,x1,y1 of the person in the picture, 0 to 1 from top left, or "
+                              "x0,y0,x1,y1 of the speaker in the picture, 0 to 1 from top left, or "
                               "in pixels")
                   ->group(kSpeakerGroup);
   command.add_option("--speaker-boxes", arguments.speaker_boxes, "CSV file with boxes over time")
@@ -70,25 +70,25 @@ void add_box_options(CLI::App& command, SourceArguments& arguments) {
   command
       .add_option(
           "--fov", arguments.fov_deg,
-          "The camera's horizontal field of view, degrees; default: what the picture's file "
-          "tells of the lens, else 90")
+          "The camera's horizontal field of view, degrees; default: from the lens data of the "
+          "picture's file, else 90")
       ->check(within(10.0, 170.0))
       ->group(kSpeakerGroup);
 }
 
 void add_channel_option(CLI::App& command, SourceArguments& arguments) {
   command.add_option("--binaural-channels", arguments.binaural_channels,
-                     "left,right: which channels are the ears, counted from 0");
+                     "left,right: the channel of each ear, counted from 0");
   command.add_option("--audio-stream", arguments.audio_stream,
-                     "Which of a movie's streams to hear, counted from 0; default: the preferred");
+                     "Audio stream of a movie, counted from 0; default: the preferred one");
 }
 
 void add_recording_option(CLI::App& command, SourceArguments& arguments) {
   command
       .add_option(
           "--recording", arguments.recording,
-          "What the sound is: binaural, stereo of a phone or mixing desk, or mono; the voice "
-          "of the latter two is put at the speaker by head filters; auto finds out")
+          "Kind of recording: binaural, stereo (phone or mixing desk) or mono; for the latter two "
+          "the voice is placed at the speaker by head filters; auto detects it")
       ->check(CLI::IsMember({"auto", "binaural", "stereo", "mono"}))
       ->capture_default_str();
 }
@@ -150,13 +150,14 @@ double fov_deg_of(const SourceArguments& arguments, const RenderSource& source, 
     const double fov_deg =
         std::clamp(degrees_from_radians(*picture->horizontal_fov_rad), 10.0, 170.0);
     if (tells) {
-      fmt::print(stderr, "earpoint: {}: field of view {:.0f} degrees, by its lens\n", name,
+      fmt::print(stderr, "earpoint: {}: field of view {:.0f} degrees, from its lens data\n", name,
                  fov_deg);
     }
     return fov_deg;
   }
   if (tells) {
-    fmt::print(stderr, "earpoint: {}: field of view not known, 90 degrees assumed; --fov sets it\n",
+    fmt::print(stderr,
+               "earpoint: {}: field of view unknown, 90 degrees assumed; use --fov to set it\n",
                name);
   }
   return kAssumedDegrees;

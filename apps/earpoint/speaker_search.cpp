@@ -61,7 +61,7 @@ std::string who_speaks(const PeopleInClip& people) {
   const std::string found = fmt::format("{} {} in the picture", summary.people,
                                         summary.people == 1 ? "person" : "people");
   if (!people.hears_direction && summary.people > 1) {
-    return found + "; without binaural sound it cannot be heard which of them speaks";
+    return found + "; the speaker among them cannot be found without binaural sound";
   }
   const std::string sure = fmt::format("{:.0f} % sure", 100.0 * summary.certainty);
   if (!summary.speaker) return fmt::format("{}; the speaker is not ({})", found, sure);
@@ -72,10 +72,11 @@ std::string who_speaks(const PeopleInClip& people) {
 
 void add_detector_option(CLI::App& command, std::string& detector) {
   command
-      .add_option("--detector", detector,
-                  "What finds people where no speaker is given: a weight file or an .onnx network; "
-                  "none: nobody is looked for; default: the shipped network")
-      ->group("Who speaks");
+      .add_option(
+          "--detector", detector,
+          "People detector, used if no speaker is given: a weight file or an .onnx network; "
+          "none: do not detect people; default: the shipped network")
+      ->group("Speaker");
 }
 
 std::unique_ptr<PeopleDetector> detector_named(const std::string& word, bool tells) {
@@ -86,8 +87,8 @@ std::unique_ptr<PeopleDetector> detector_named(const std::string& word, bool tel
   }
   if (tells) {
     fmt::print(stderr,
-               "earpoint: found no {} among the shipped models: people are not looked for; "
-               "--speaker-box or --speaker tells who speaks\n",
+               "earpoint: warning: {} is not among the shipped models, people are not detected; "
+               "use --speaker or --speaker-box\n",
                kShippedDetector);
   }
   return nullptr;
@@ -132,15 +133,15 @@ std::vector<std::string> lines_of(const SpeakerSearchResult& result, const Rende
   if (result.kind == StereoKind::plausible) return lines;
   if (!result.is_placed) {
     lines.push_back(
-        fmt::format("not binaural ({}), and nobody is known to put its voice at; "
-                    "--speaker x,y,z or --speaker-box tells",
+        fmt::format("not binaural ({}), and the speaker's position is unknown; "
+                    "use --speaker x,y,z or --speaker-box",
                     words_for(result.kind)));
     return lines;
   }
   const Vector3 mouth = source.sound.placement->rows.front().mouth_m;
   lines.push_back(
-      fmt::format("not binaural ({}): its voice is put at the speaker, {}{}, by head filters; "
-                  "--recording binaural keeps it as it is",
+      fmt::format("not binaural ({}): the voice is placed at the speaker, {}{}, by head filters; "
+                  "use --recording binaural to keep it unchanged",
                   words_for(result.kind), side_of(std::atan2(mouth.y, mouth.x)),
                   source.sound.placement->rows.size() > 1 ? " at first" : ""));
   return lines;

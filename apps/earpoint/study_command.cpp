@@ -23,22 +23,22 @@ namespace fs = std::filesystem;
 
 constexpr const char* kFooter = R"(
 Examples:
-  # 20 clips, four methods: who sounds closest to what is heard at the target?
+  # 20 clips, four methods: which sounds closest to the true sound at the target?
   earpoint study make --data data/homes --methods input,dsp,vigas,gtf --count 20 --seed 1 -o study
   earpoint study simulate study --rule mag          # try it without people
-  earpoint study serve study --port 8080            # people take part at this computer
+  earpoint study serve study --port 8080            # participants use this computer
   earpoint study report study -o report             # at any time, also while it is served)";
 
 constexpr const char* kServeFooter = R"(
-Participants open the page at this computer, in any number one after the other or in several tabs. The code
-that the page asks for is optional; http://127.0.0.1:PORT/?participant=CODE fills it in, and a code takes part
-once. Every answer is in answers.sqlite in the study's folder before the page goes on; a closed page, a killed
-server or a restart loses none, and the page goes on where it was. Ctrl-C ends it.)";
+Participants open the page on this computer, one after the other or in several tabs. The code that the page
+asks for is optional; http://127.0.0.1:PORT/?participant=CODE fills it in, and each code can take part once.
+Every answer is stored in answers.sqlite in the study's folder before the page continues; nothing is lost if
+the page is closed or the server killed, and the page continues where it was. Stop with Ctrl-C.)";
 
 constexpr const char* kSimulateFooter = R"(
-Simulated participants open the study as a browser does, pass the headphone check and answer by what they
-hear: the smallest Mag against the reference, the smallest difference of level, or at random. They are
-marked as simulated in answers.sqlite, in tables, CSV, JSON and on the report's page, and never counted as
+Simulated participants open the study as a browser does, pass the headphone check and answer by
+a rule: the smallest Mag against the reference, the smallest difference of level, or at random. They are
+marked as simulated in answers.sqlite, in tables, CSV, JSON and on the report's page, and are not counted as
 people.
 
 Examples:
@@ -46,12 +46,12 @@ Examples:
   earpoint study simulate study --rule random --count 10 --seed 5)";
 
 constexpr const char* kReportFooter = R"(
-Shares (or mean ratings) have 95 % intervals that are drawn over participants and clips alike. Each method is
+Shares (or mean ratings) have 95 % intervals, bootstrapped over participants and clips. Each method is
 tested against each baseline by sign tests: over answers, as if they were independent, over participants and
-over clips; with them goes the smallest preference that each finds with a power of 80 %.
+over clips; each with the smallest preference that it detects with a power of 80 %.
 Not counted: who failed the headphone check, did not finish, missed the reference in more than 15 % of the
 controls (choice), or, after ITU-R BS.1534, rated the hidden reference below 90 on more than 15 % of the pages
-or an anchor's place above 90 on more than 15 % of its pages (mushra). Numbers before that are told too.
+or an anchor's place above 90 on more than 15 % of its pages (mushra). Numbers before this screening are printed too.
 
 Examples:
   earpoint study report study
@@ -70,7 +70,7 @@ void run_serve(const ServeArguments& arguments) {
   }
   StudyServer server(arguments.folder);
   const int port = server.bind(arguments.port);
-  fmt::print("The study is at http://127.0.0.1:{}/ (Ctrl-C ends it)\n", port);
+  fmt::print("The study is at http://127.0.0.1:{}/ (stop with Ctrl-C)\n", port);
   std::fflush(stdout);
   server.run();
 }
@@ -137,7 +137,7 @@ void add_folder(CLI::App& command, fs::path& folder) {
 
 void add_study_command(CLI::App& app) {
   CLI::App* study = app.add_subcommand(
-      "study", "Listening studies: people compare methods with what is truly heard at the target.");
+      "study", "Listening studies: people compare methods with the true sound at the target.");
   study->require_subcommand(1);
   study->footer(kFooter);
   add_study_make_command(*study);
@@ -148,10 +148,9 @@ void add_study_command(CLI::App& app) {
 
 void add_study_serve_command(CLI::App& study) {
   auto arguments = std::make_shared<ServeArguments>();
-  CLI::App* command =
-      study.add_subcommand("serve", "Serve a study's page and store what it is answered.");
+  CLI::App* command = study.add_subcommand("serve", "Serve a study's page and store the answers.");
   add_folder(*command, arguments->folder);
-  command->add_option("--port", arguments->port, "Of http://127.0.0.1; 0 takes any that is free")
+  command->add_option("--port", arguments->port, "Port at 127.0.0.1; 0 takes any that is free")
       ->check(CLI::Range(0, 65535))
       ->capture_default_str();
   command->footer(kServeFooter);
@@ -161,23 +160,22 @@ void add_study_serve_command(CLI::App& study) {
 void add_study_simulate_command(CLI::App& study) {
   auto arguments = std::make_shared<SimulateArguments>();
   CLI::App* command =
-      study.add_subcommand("simulate", "Let simulated participants go through a study.");
+      study.add_subcommand("simulate", "Run simulated participants through a study.");
   add_folder(*command, arguments->folder);
-  command->add_option("--rule", arguments->rule, "How they answer: mag, level or random")
+  command->add_option("--rule", arguments->rule, "Rule of the answers: mag, level or random")
       ->check(CLI::IsMember({"mag", "level", "random"}))
       ->capture_default_str();
-  command->add_option("--count", arguments->count, "How many")
+  command->add_option("--count", arguments->count, "Number of participants")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  command->add_option("--seed", arguments->seed, "Of those who answer at random")
-      ->capture_default_str();
+  command->add_option("--seed", arguments->seed, "Seed of the rule random")->capture_default_str();
   command->footer(kSimulateFooter);
   command->callback([arguments] { run_simulate(*arguments); });
 }
 
 void add_study_report_command(CLI::App& study) {
   auto arguments = std::make_shared<ReportArguments>();
-  CLI::App* command = study.add_subcommand("report", "Say what a study comes to.");
+  CLI::App* command = study.add_subcommand("report", "Report the results of a study.");
   add_folder(*command, arguments->folder);
   command->add_option(
       "-o,--output", arguments->output,

@@ -29,13 +29,13 @@ constexpr const char* kFooter = R"(
 Designs:
   choice   as in the paper: picture and sound of the target as reference, and a sound of every method, unnamed
            and in random order; which is closest? With --controls, clips are mixed in where one of the sounds is
-           the reference, to find who does not listen.
+           the reference, to screen inattentive participants.
   mushra   after ITU-R BS.1534: every method, the hidden reference, and as anchors the reference in mono and
-           with its ears exchanged are rated from 0 to 100, in one part by place and in one by timbre.
+           with its ears exchanged are rated from 0 to 100, in one part by position and in one by timbre.
 Clips are drawn by the seed from the frozen pairs of the data set, each from another conversation and from as
-many homes as there are. Methods are those of `earpoint evaluate --methods`, rendered by the code of
-`earpoint render`. Sounds of a clip are as loud as its reference (BS.1770); --loudness kept leaves the methods'
-own levels.
+many homes as possible. Methods are those of `earpoint evaluate --methods`, rendered by the code of
+`earpoint render`. Sounds of a clip are matched to the loudness of its reference (BS.1770); --loudness kept
+keeps the methods' own levels.
 
 Examples:
   earpoint study make --data data/homes --methods input,dsp,vigas,gtf --count 20 --seed 1 -o study
@@ -105,21 +105,21 @@ void add_study_make_command(CLI::App& study) {
       ->add_option("--data", arguments->data,
                    "Folder of the data set: of earpoint simulate or record prepare, or published")
       ->required();
-  command->add_option("--split", request.split, "Whose pairs")->capture_default_str();
+  command->add_option("--split", request.split, "Split of the pairs")->capture_default_str();
   command->add_option("--pairs", arguments->pairs,
                       "Another pair list than pairs-<split>.json of the data set");
-  command->add_option("--methods", arguments->methods, "What is compared, separated by commas")
+  command->add_option("--methods", arguments->methods, "Methods to compare, separated by commas")
       ->delimiter(',')
       ->capture_default_str();
   command
       ->add_option("--baselines", arguments->baselines,
-                   "Those of the methods that the others are tested against")
+                   "Methods that the others are tested against")
       ->delimiter(',')
       ->capture_default_str();
   command->add_option("--design", arguments->design, "choice or mushra; see below")
       ->check(CLI::IsMember({"choice", "mushra"}))
       ->capture_default_str();
-  command->add_option("--count", request.count, "Clips")
+  command->add_option("--count", request.count, "Number of clips")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   command
@@ -131,7 +131,7 @@ void add_study_make_command(CLI::App& study) {
   command->add_option("--seconds", request.duration_s, "Length of every sound")
       ->check(within(0.5, 20.0))
       ->capture_default_str();
-  command->add_option("--seed", request.seed, "Of the draws, and of participants' orders")
+  command->add_option("--seed", request.seed, "Seed of the draws and of participants' orders")
       ->capture_default_str();
   command->add_option("--loudness", arguments->loudness, "matched or kept; see below")
       ->check(CLI::IsMember({"matched", "kept"}))
@@ -139,10 +139,10 @@ void add_study_make_command(CLI::App& study) {
   command->add_option("--title", request.title, "What participants see above the page")
       ->capture_default_str();
   command->add_flag("--webmushra", arguments->webmushra,
-                    "Write webmushra.yaml too; it expects the folder in configs/ of webMUSHRA");
+                    "Write webmushra.yaml for webMUSHRA, which expects the folder in its configs/");
   command->add_option("--jobs", arguments->jobs, "Threads; 0 takes all cores")
       ->capture_default_str();
-  command->add_option("-o,--output", arguments->output, "Folder of the study; must not be there")
+  command->add_option("-o,--output", arguments->output, "Folder of the study; must not exist")
       ->required();
   command->add_flag("--quiet", arguments->quiet, "No progress");
   command->footer(kFooter);

@@ -64,7 +64,7 @@ class Named {
   void finish(std::string_view known) const {
     if (left_.empty()) return;
     throw InputError(flag_, fmt::format("unknown '{}'", left_.begin()->first),
-                     fmt::format("it may have {}", known));
+                     fmt::format("known: {}", known));
   }
 
  private:

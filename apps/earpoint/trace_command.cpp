@@ -32,7 +32,7 @@ void run_still(const TraceSetup& options) {
   earpoint::Vector3& source_m = source.world_from_source.position_m;
   const double distance_m = norm(listener.position_m - source_m);
   if (distance_m < 1e-3) {
-    throw InputError("--listener", "stands where the source is", "move one of them");
+    throw InputError("--listener", "is at the position of the source", "move one of them");
   }
   const std::optional<earpoint::HrtfSet> ears = load_ears(options);
   const NamedScene named = read_scene_with_warnings(options.scene);
@@ -77,13 +77,13 @@ void run(const TraceSetup& options, bool rate_given) {
 
 void add_motion(CLI::App& command, TraceSetup& options) {
   command.add_option("--source-path", options.source_path,
-                     "The source moves, in place of --source: CSV with the header "
+                     "Path of the source, instead of --source: CSV with the header "
                      "time_s,x,y,z,yaw_deg,pitch_deg,roll_deg, in the scene's coordinates");
   command.add_option("--listener-path", options.listener_path,
-                     "The listener moves, in place of --listener: the same");
+                     "Path of the listener, instead of --listener: the same format");
   command.add_option("--sound", options.sound,
-                     "A dry sound to play at the source: what is heard of it is written in place "
-                     "of the response, at its own rate unless --rate is given");
+                     "A dry sound to play at the source: the sound at the listener is written "
+                     "instead of the response, at its own rate unless --rate is given");
   command
       .add_option("--step", options.step_s,
                   "Seconds between the responses along a path; without --sound they are written "
@@ -94,14 +94,16 @@ void add_motion(CLI::App& command, TraceSetup& options) {
 void add_physics(CLI::App& command, TraceSetup& options) {
   earpoint::TraceOptions& trace = options.trace;
   command.add_option("--rays", trace.rays, "Rays that leave the source")->capture_default_str();
-  command.add_option("--bounces", trace.max_bounces, "Most reflections of a ray")
+  command.add_option("--bounces", trace.max_bounces, "Maximum number of reflections of a ray")
       ->capture_default_str();
   command.add_option("--duration", trace.duration_s, "Length of the response, seconds")
       ->capture_default_str();
   command.add_option("--seed", trace.seed, "The same seed gives the same response")
       ->check(whole_number())
       ->capture_default_str();
-  command.add_option("--temperature", trace.air.temperature_celsius, "Of the air, degrees Celsius")
+  command
+      .add_option("--temperature", trace.air.temperature_celsius,
+                  "Temperature of the air, degrees Celsius")
       ->capture_default_str();
   command
       .add_option("--humidity", trace.air.relative_humidity_percent,
@@ -121,16 +123,16 @@ void add_trace_command(CLI::App& app) {
   add_scene_argument(*command, options->scene);
   command->add_option(
       "--source", options->source,
-      "Where the sound starts: X,Y,Z[,yaw=DEG][,pitch=DEG][,roll=DEG], metres, z up; "
-      "its level is that in front");
+      "Pose of the source: X,Y,Z[,yaw=DEG][,pitch=DEG][,roll=DEG], metres, z up; its level is "
+      "that in front");
   command
       ->add_option("--directivity", options->directivity,
-                   "How it spreads: omni, or speech, louder in front")
+                   "Directivity of the source: omni, or speech (louder in front)")
       ->check(CLI::IsMember({"omni", "speech"}))
       ->capture_default_str();
   command->add_option(
       "--listener", options->listener,
-      "Where it is heard: X,Y,Z[,yaw=DEG][,pitch=DEG][,roll=DEG]; yaw 0 looks along x, "
+      "Pose of the listener: X,Y,Z[,yaw=DEG][,pitch=DEG][,roll=DEG]; yaw 0 looks along x, "
       "90 along y");
   command
       ->add_option("-o,--output", options->output,

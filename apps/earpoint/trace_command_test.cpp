@@ -121,8 +121,8 @@ TEST_F(TraceCommand, RefusesBadArgumentsInOneLine) {
   EXPECT_EQ(refusal(arguments({"--rate", "2000000000"})),
             "earpoint: --rate: expected 8000 to 192000, found 2000000000\n");
   EXPECT_EQ(refusal(arguments({"--seed", "-1"})),
-            "earpoint: --seed: expected a whole number of 0 or more, found '-1'; --help tells "
-            "more\n");
+            "earpoint: --seed: expected a whole number of 0 or more, found '-1'; see "
+            "--help\n");
   EXPECT_NE(refusal(arguments({"--temperature", "400"})).find("temperature"), std::string::npos);
   EXPECT_EQ(refusal(arguments({"--mono", "--hrtf", "head.sofa"})),
             "earpoint: --mono: a single microphone has no HRTF; leave out --mono or --hrtf\n");
@@ -304,12 +304,12 @@ TEST_F(TraceCommand, RefusesScenesThatAreNotNamedOnce) {
     scene.insert(scene.end(), places.begin(), places.end());
     return refusal(scene);
   };
-  EXPECT_EQ(with({}), "earpoint: scene: none is named; give one of SCENE, --shoebox and --home\n");
+  EXPECT_EQ(with({}), "earpoint: scene: none is given; give one of SCENE, --shoebox and --home\n");
   EXPECT_EQ(with({"room.glb", "--home", "3"}),
-            "earpoint: scene: several are named; give one of SCENE, --shoebox and --home\n");
-  EXPECT_EQ(
-      with({"--home", "3", "--close-ceiling"}),
-      "earpoint: --close-ceiling: belongs to a scene that is read from a file; leave it out\n");
+            "earpoint: scene: several are given; give one of SCENE, --shoebox and --home\n");
+  EXPECT_EQ(with({"--home", "3", "--close-ceiling"}),
+            "earpoint: --close-ceiling: applies only to a scene that is read from a file; leave it "
+            "out\n");
   EXPECT_NE(with({"--home", "-1"}).find("--home"), std::string::npos);
   EXPECT_NE(with({"room.glb"}).find("room.glb: is not there"), std::string::npos);
   EXPECT_NE(with({"room.fbx"}).find("expected a .glb"), std::string::npos);
@@ -320,15 +320,15 @@ TEST_F(TraceCommand, RefusesPlacesThatMakeNoSense) {
             "earpoint: --source: expected three numbers in metres, found '3,4'\n");
   EXPECT_EQ(refusal("3,4,1.5", "3,4,x"), "earpoint: --source: expected a number, found 'x'\n");
   EXPECT_EQ(refusal("3,2,1.5", "3,2,1.5,jaw=4"),
-            "earpoint: --listener: unknown 'jaw'; it may have yaw, pitch and roll, in degrees\n");
+            "earpoint: --listener: unknown 'jaw'; known: yaw, pitch and roll, in degrees\n");
   EXPECT_EQ(refusal("3,2,1.5", "3,4,1.5"),
-            "earpoint: --listener: stands where the source is; move one of them\n");
+            "earpoint: --listener: is at the position of the source; move one of them\n");
   const std::string room = "6,5,3,absorption=0.3,scattering=0.4";
   EXPECT_EQ(refusal(room, "6,5,0"),
             "earpoint: --shoebox: expected lengths of 0.01 m or more, found 0\n");
   EXPECT_NE(refusal(room, "6,5,3,absorption=2").find("outside [0, 1]"), std::string::npos);
   EXPECT_EQ(refusal("3,4,1.5", "3,9,1.5"),
-            "earpoint: --source: (3, 9, 1.5) is outside of the scene, which spans x 0 to 6, y 0 to "
+            "earpoint: --source: (3, 9, 1.5) is outside the scene, which spans x 0 to 6, y 0 to "
             "5, z 0 to 3 m; place it inside\n");
   EXPECT_NE(refusal("3,2,1.5", "3,2,-1").find("--listener: (3, 2, -1) is outside"),
             std::string::npos);
@@ -381,7 +381,7 @@ TEST_F(TraceMotionCommand, WritesAFolderOfResponsesAlongAPath) {
   // A second time the folder stays as it is.
   const ProgramOutcome again = run_earpoint(all);
   EXPECT_EQ(again.exit_code, 2);
-  EXPECT_NE(again.errors.find("is there already"), std::string::npos) << again.errors;
+  EXPECT_NE(again.errors.find("exists already"), std::string::npos) << again.errors;
 }
 
 TEST_F(TraceMotionCommand, PlaysASoundToAListenerWhoWalks) {
@@ -407,7 +407,7 @@ TEST_F(TraceMotionCommand, RefusesPathsThatLeaveTheSceneOrAreNotAlone) {
             "earpoint: --source: is missing; give it or --source-path\n");
   EXPECT_EQ(
       line({"--source", "3,4,1.5", "--listener", "1,1,1", "--listener-path", path_, "-o", output_}),
-      "earpoint: --listener-path: stands beside --listener; give one of the two\n");
+      "earpoint: --listener-path: cannot be combined with --listener; give one of the two\n");
   earpoint::write_file(path_, std::string_view("time_s,x,y,z,yaw_deg,pitch_deg,roll_deg\n"
                                                "0,5,2.5,1.5,0,0,0\n1,5,6.5,1.5,0,0,0\n"));
   EXPECT_NE(line({"--source", "3,4,1.5", "--listener-path", path_, "-o", output_})

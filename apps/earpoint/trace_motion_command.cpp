@@ -68,7 +68,7 @@ void check_steps(const TraceSetup& setup, const Tracks& tracks, const NamedScene
     const double distance_m = norm(place_of(tracks.source) - place_of(tracks.listener));
     if (distance_m < 1e-3) {
       throw InputError(tracks.listener.flag,
-                       fmt::format("stands where the source is at {:g} s", time_s),
+                       fmt::format("is at the position of the source at {:g} s", time_s),
                        "move one of them");
     }
     farthest_m = std::max(farthest_m, distance_m);
@@ -98,7 +98,7 @@ class ResponseFolder {
   explicit ResponseFolder(const fs::path& path)
       : path_(path), aside_(path.string() + fmt::format(".partial-{}", getpid())) {
     if (fs::exists(path_)) {
-      throw InputError(path_.string(), "is there already", "name a new folder");
+      throw InputError(path_.string(), "exists already", "choose a new folder");
     }
     fs::create_directories(aside_);
   }
@@ -163,7 +163,8 @@ class Watch {
 }  // namespace
 
 void run_trace_motion(TraceSetup setup, bool rate_given) {
-  if (setup.report) throw InputError("--report", "is of a single response", "leave it out");
+  if (setup.report)
+    throw InputError("--report", "works for a single response only", "leave it out");
   const Tracks tracks{
       Track::read("--source", setup.source, "--source-path", setup.source_path),
       Track::read("--listener", setup.listener, "--listener-path", setup.listener_path)};

@@ -1,5 +1,6 @@
 #include "trace_setup.h"
 
+#include "flag_advice.h"
 #include "trace_arguments.h"
 
 #include <algorithm>
@@ -38,7 +39,8 @@ void check_trace_setup(const TraceSetup& options) {
   within("--step", options.step_s, 0.005, 10.0);
   const auto one_of = [](const char* flag, bool place, const char* path_flag, bool path) {
     if (place && path)
-      throw InputError(path_flag, fmt::format("stands beside {}", flag), "give one of the two");
+      throw InputError(path_flag, fmt::format("cannot be combined with {}", flag),
+                       "give one of the two");
     if (!place && !path)
       throw InputError(flag, "is missing", fmt::format("give it or {}", path_flag));
   };
@@ -51,7 +53,7 @@ void check_trace_setup(const TraceSetup& options) {
                        fmt::format("expected an order of 1 to 7, found {}", *options.ambisonics));
     }
     if (options.mono || options.hrtf) {
-      throw InputError("--ambisonics", "is another kind of microphone than --mono and --hrtf",
+      throw InputError("--ambisonics", "cannot be combined with --mono or --hrtf",
                        "give one of the three");
     }
   }
@@ -68,7 +70,7 @@ void check_place(const std::string& flag, const earpoint::Vector3& place, const 
   if (inside) return;
   throw InputError(
       flag,
-      fmt::format("({:.10g}, {:.10g}, {:.10g}) is outside of the scene, which spans x {:.9g} to "
+      fmt::format("({:.10g}, {:.10g}, {:.10g}) is outside the scene, which spans x {:.9g} to "
                   "{:.9g}, y {:.9g} to {:.9g}, z {:.9g} to {:.9g} m",
                   place.x, place.y, place.z, box.low.x, box.high.x, box.low.y, box.high.y,
                   box.low.z, box.high.z),
@@ -130,7 +132,7 @@ earpoint::Source make_source(const TraceSetup& options) {
 NamedScene read_scene_with_warnings(const SceneArgument& argument) {
   NamedScene named = read_scene(argument);
   for (const std::string& warning : named.warnings) {
-    fmt::print(stderr, "earpoint: {}: {}\n", argument.file.string(), warning);
+    fmt::print(stderr, "earpoint: {}: {}\n", argument.file.string(), with_flags(warning));
   }
   return named;
 }

@@ -32,8 +32,8 @@ using earpoint::Learner;
 using earpoint::ProcessGroup;
 
 constexpr const char* kSeveralProcesses = R"(
-Several processes learn together when a launcher starts them, on one machine or many; each takes its share
-of every batch, and only the first writes into --out:
+Several processes can train together on one or several machines; each takes its share of every batch, and
+only the first writes into --out. Start them by a launcher,
   torchrun --no-python --nproc-per-node 2 earpoint train CONFIG --data DIR --out RUN
   mpirun -n 4 earpoint train CONFIG --data DIR --out RUN          # on more machines: -x MASTER_ADDR
   srun --ntasks 4 earpoint train CONFIG --data DIR --out RUN      # on more machines: export MASTER_ADDR
@@ -130,7 +130,7 @@ std::optional<earpoint::SafetensorsFile> run_so_far(const Options& options,
   if (!options.resume) {
     if (fs::exists(options.out / "checkpoint.safetensors")) {
       throw InputError(options.out.string(), "holds a run already",
-                       "go on with it by --resume, or name another folder");
+                       "continue it with --resume, or choose another folder");
     }
     return std::nullopt;
   }
@@ -260,7 +260,8 @@ void run(const Options& options) {
 void add_train_command(CLI::App& app) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("train", kTrainDescription);
-  command->add_option("config", options->config, "What to learn and how, e.g. configs/gtf.json")
+  command
+      ->add_option("config", options->config, "Network and training, e.g. configs/vigas-small.json")
       ->required();
   command
       ->add_option("--set", options->settings,
@@ -279,19 +280,18 @@ void add_train_command(CLI::App& app) {
       ->check(CLI::IsMember({"soundspaces", "replay"}));
   command->add_option("--out", options->out, "Folder of the run")->required();
   command->add_flag("--resume", options->resume,
-                    "Go on with the run in --out, if there is one: also after a kill");
+                    "Continue the run in --out, if there is one, also after a kill");
   command->add_option("--minutes", options->minutes,
-                      "End after that time; the learning rate's schedule then follows the clock");
+                      "Stop after that time; the learning rate's schedule then follows the clock");
   command->add_option("--device", options->device, "cpu, or cuda where LibTorch has it")
       ->capture_default_str();
-  command->add_option("--jobs", options->jobs, "Threads that compute; 0 takes all cores")
-      ->capture_default_str();
+  command->add_option("--jobs", options->jobs, "Threads; 0 takes all cores")->capture_default_str();
   command
       ->add_option("--cache", options->cache_mib, "MiB of speech, responses and pictures to keep")
       ->capture_default_str();
   command->add_flag("--skip-bad", options->skip_bad,
-                    "Leave out what cannot be read, by name, instead of ending");
-  command->add_flag("--json", options->json, "Print how it went as JSON");
+                    "Skip files that cannot be read, naming them, instead of stopping");
+  command->add_flag("--json", options->json, "Print the summary as JSON");
   command->add_flag("--quiet", options->quiet, "No progress, no summary");
   command->footer(kSeveralProcesses);
   command->callback([options] { run(*options); });

@@ -56,7 +56,8 @@ TEST_F(TrainCommandTest, SaysWhatIsMissingWhereTheProgramThatTrainsIs) {
   fs::copy_file(EARPOINT_PROGRAM, alone);
   const ProgramOutcome outcome = run_program(alone, {"train", "--help"});
   EXPECT_EQ(outcome.exit_code, 2);
-  EXPECT_NE(outcome.errors.find("keep earpoint-train in the folder of earpoint"), std::string::npos)
+  EXPECT_NE(outcome.errors.find("keep earpoint-train in the same folder as earpoint"),
+            std::string::npos)
       << outcome.errors;
   EXPECT_EQ(std::ranges::count(outcome.errors, '\n'), 1) << outcome.errors;
 }
@@ -105,7 +106,7 @@ TEST_F(TrainCommandTest, ARunIsNotOverwrittenAndGoesOnByResume) {
   ASSERT_EQ(train({"--quiet"}).exit_code, 0);
   const ProgramOutcome again = train({"--quiet"});
   EXPECT_EQ(again.exit_code, 2);
-  EXPECT_NE(again.errors.find("holds a run already; go on with it by --resume"), std::string::npos)
+  EXPECT_NE(again.errors.find("holds a run already; continue it with --resume"), std::string::npos)
       << again.errors;
   std::string longer = kTiny;
   longer.replace(longer.find("\"steps\": 2"), 10, "\"steps\": 3");
@@ -239,7 +240,7 @@ TEST_F(SharedTrainingTest, AllEndWhenOneCannotGoOn) {
   EXPECT_EQ(both[0].exit_code, 2);
   EXPECT_NE(both[0].errors.find("holds a run already"), std::string::npos) << both[0].errors;
   EXPECT_EQ(both[1].exit_code, 2);
-  EXPECT_NE(both[1].errors.find("another process is lost"), std::string::npos) << both[1].errors;
+  EXPECT_NE(both[1].errors.find("another process was lost"), std::string::npos) << both[1].errors;
   std::string single = kShared;
   single.replace(single.find("\"batch\": 3"), 10, "\"batch\": 1");
   for (const ProgramOutcome& outcome : train_by(2, "single", single)) {

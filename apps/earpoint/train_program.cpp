@@ -22,7 +22,7 @@ void hand_over(char** argv) {
   ::setenv("OMP_WAIT_POLICY", "passive", kKeepTheUsers);
   ::execv(program.c_str(), argv);
   throw earpoint::InputError("train", "cannot start " + program.string(),
-                             "keep earpoint-train in the folder of earpoint");
+                             "keep earpoint-train in the same folder as earpoint");
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "view_command.h"
 
+#include "flag_advice.h"
 #include "flag_checks.h"
 #include "scene_argument.h"
 #include "trace_arguments.h"
@@ -32,8 +33,8 @@ Examples:
   earpoint view --home 7 --camera 1.5,1.5,1.5,yaw=45 --size 384x216 -o view.png --mask mask.png
   earpoint view --shoebox 6,5,3 --camera 0.5,0.5,1.5,yaw=40 --fov 75 -o view.png --depth depth.png
 
-Front is x, left is y, up is z; yaw turns to the left, pitch looks up. The seed of a picture is the
-seed of its noise.
+x points to the front, y to the left, z up; yaw turns to the left, pitch looks up. --seed is the seed of
+the picture's noise.
 )";
 
 struct Options {
@@ -115,7 +116,7 @@ void run(const Options& options) {
   earpoint::Vector3& camera_m = camera.world_from_camera.position_m;
   camera_m = camera_m - named.origin_m;
   for (const std::string& warning : named.warnings) {
-    fmt::print(stderr, "earpoint: {}\n", warning);
+    fmt::print(stderr, "earpoint: {}\n", with_flags(warning));
   }
   earpoint::ThreadPool pool(options.jobs > 0 ? options.jobs : earpoint::available_cores());
   const earpoint::SceneRenderer renderer(named.scene, {}, pool);
@@ -132,14 +133,14 @@ void run(const Options& options) {
 void add_view_command(CLI::App& app) {
   auto options = std::make_shared<Options>();
   CLI::App* command =
-      app.add_subcommand("view", "See a scene: the picture that a camera takes of it.");
+      app.add_subcommand("view", "Render the picture that a camera takes of a scene.");
   command->footer(kExamples);
   add_scene_argument(*command, options->scene);
   command
       ->add_option("--camera", options->camera,
-                   "Where it stands and looks: X,Y,Z[,yaw=DEG][,pitch=DEG][,roll=DEG]")
+                   "Pose of the camera: X,Y,Z[,yaw=DEG][,pitch=DEG][,roll=DEG]")
       ->required();
-  command->add_option("--size", options->size, "Of the picture, WIDTHxHEIGHT in pixels")
+  command->add_option("--size", options->size, "Size of the picture, WIDTHxHEIGHT in pixels")
       ->capture_default_str();
   command->add_option("--fov", options->fov_deg, "Horizontal field of view, degrees")
       ->capture_default_str();
@@ -149,11 +150,11 @@ void add_view_command(CLI::App& app) {
                       "Depth along the optical axis, as a grey picture: white is near");
   command->add_option("--depth-range", options->depth_range_m, "Depth that is black, metres")
       ->capture_default_str();
-  command->add_option("--mask", options->mask, "Things, a colour each");
+  command->add_option("--mask", options->mask, "Picture of the objects, one colour each");
   command->add_option("--samples", options->samples, "Rays per pixel, a square number")
       ->capture_default_str();
-  command->add_flag("--keep-noise", options->keep_noise, "Do not smooth the noise of the light");
-  command->add_option("--exposure", options->exposure, "Times the exposure that is found")
+  command->add_flag("--keep-noise", options->keep_noise, "Do not denoise the light");
+  command->add_option("--exposure", options->exposure, "Factor on the automatic exposure")
       ->capture_default_str();
   command->add_option("--seed", options->seed, "The same seed gives the same picture")
       ->check(whole_number())

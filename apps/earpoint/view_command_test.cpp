@@ -89,7 +89,7 @@ TEST_F(ViewCommand, RefusesInOneLineWhatItCannotDo) {
   EXPECT_NE(refusal(arguments({"--fov", "180"})).find("--fov: expected 1 to 170"),
             std::string::npos);
   EXPECT_NE(refusal(arguments({"--samples", "5"})).find("square number"), std::string::npos);
-  EXPECT_NE(refusal(arguments({"--home", "1"})).find("several are named"), std::string::npos);
+  EXPECT_NE(refusal(arguments({"--home", "1"})).find("several are given"), std::string::npos);
   EXPECT_NE(refusal(arguments({"--up", "z"})).find("--up: belongs to"), std::string::npos);
   EXPECT_NE(refusal(arguments({"--exposure", "0"})).find("--exposure"), std::string::npos);
   EXPECT_NE(refusal(arguments({"--depth-range", "-1"})).find("--depth-range"), std::string::npos);
@@ -104,7 +104,7 @@ TEST_F(ViewCommand, RefusesInOneLineWhatItCannotDo) {
   all = arguments({});
   std::replace(all.begin(), all.end(), std::string("6,5,3"), std::string("20000,5,3"));
   EXPECT_NE(refusal(all).find("is 20000 m long"), std::string::npos);
-  EXPECT_NE(refusal({"view", "--camera", "1,1,1", "-o", path("view.png")}).find("none is named"),
+  EXPECT_NE(refusal({"view", "--camera", "1,1,1", "-o", path("view.png")}).find("none is given"),
             std::string::npos);
   EXPECT_NE(refusal({"view", path("missing.glb"), "--camera", "1,1,1", "-o", path("view.png")})
                 .find("missing.glb"),

@@ -12,9 +12,11 @@
 
 int main(int argc, char** argv) try {
   earpoint::PeoplePictureOptions options;
-  CLI::App app("Draws pictures of people in simulated homes, with boxes. A killed run goes on.");
-  app.add_option("--out", options.out, "Folder to write")->required();
-  app.add_option("--seed", options.seed, "The same seed draws the same")->capture_default_str();
+  CLI::App app(
+      "Renders pictures of people in simulated homes, with boxes. An interrupted run continues.");
+  app.add_option("--out", options.out, "Output folder")->required();
+  app.add_option("--seed", options.seed, "The same seed gives the same pictures")
+      ->capture_default_str();
   app.add_option("--train-homes", options.train_homes)
       ->check(CLI::Range(1, 9999))
       ->capture_default_str();
@@ -30,9 +32,9 @@ int main(int argc, char** argv) try {
   app.add_option("--views", options.views, "Pictures of each group")
       ->check(CLI::Range(1, 10))
       ->capture_default_str();
-  app.add_option("--split", options.split, "Draw the homes of this split alone")
+  app.add_option("--split", options.split, "Render only the homes of this split")
       ->check(CLI::IsMember({"train", "val", "test"}));
-  app.add_option("--jobs", options.jobs, "Homes at a time")
+  app.add_option("--jobs", options.jobs, "Homes in parallel")
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
   CLI11_PARSE(app, argc, argv);
@@ -41,7 +43,7 @@ int main(int argc, char** argv) try {
   if (pack.figures.empty()) {
     fmt::print(stderr,
                "earpoint-people-pictures: no figures are installed (./dev assets); "
-               "mannequins stand in\n");
+               "mannequins replace them\n");
   }
   const earpoint::FurnitureLibrary furniture(std::move(pack.furniture));
   const earpoint::FigureLibrary figures(std::move(pack.figures));

@@ -4,7 +4,7 @@
 usage: experiments/publish/change_of_results.py EARLIER.md evaluate-single.json METHODS evaluate-novel.json METHODS
          >out/bench/change_of_results.md
 
-EARLIER.md is docs/results.md of an earlier commit (git show COMMIT:docs/results.md). METHODS, separated by
+EARLIER.md is docs/results/methods.md of an earlier commit (git show COMMIT:docs/results/methods.md). METHODS, separated by
 commas, are those that are the same in both: a network, only if it is the same file.
 """
 import json

@@ -78,7 +78,7 @@ def evaluation_table(text):
              "As ratio to `input`:", "",
              table(rows, METRICS,
                    lambda row, key, d: with_range(row.get(key, {}).get("ratio"), "value", 2)), "",
-             "With what the published evaluation does with the target's help:", "",
+             "With the published evaluation's use of the target (it corrects signs, and delays on Replay-NVAS):", "",
              table(rows, RELEASED,
                    lambda row, key, d: f"{row['released'][key]['mean']:.{d}f}"
                    if row["released"].get(key) else "–")]

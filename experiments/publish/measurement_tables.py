@@ -40,7 +40,7 @@ def network_table(text):
             f"| ViGAS as released | {vigas['threads']} | {vigas['million_multiply_adds']:.0f} | "
             f"{1000 * vigas['window_s']:.1f} ms | {vigas['times_real_time']:.1f} |", "",
             f"gtf takes 1/{vigas['million_multiply_adds'] / gtf['million_multiply_adds']:.0f} of the "
-            f"multiply-adds (aim 1/20)."]
+            f"multiply-adds (goal 1/20)."]
     return "\n".join(rows)
 
 
@@ -68,7 +68,7 @@ def rt60_table(text):
     rows = ["| true time | responses | mean absolute error |", "|---|---|---|"]
     for step in run["by_time"]:
         rows.append(f"| from {step['from_s']:.1f} s | {step['responses']} | {step['error_s']:.3f} s |")
-    rows += [f"| **all** | {run['responses']} | **{run['error_s']:.3f} s** (aim 0.08) |", "",
+    rows += [f"| **all** | {run['responses']} | **{run['error_s']:.3f} s** (goal 0.08) |", "",
              f"On average {run['bias_s']:+.3f} s off; always saying the median would be "
              f"{run['error_of_saying_the_median_s']:.3f} s off."]
     return "\n".join(rows)
@@ -86,10 +86,10 @@ def speaker_table(text):
         upto = f"{step['from_deg']:.0f} to {step['to_deg']:.0f} degrees apart" if step["to_deg"] <= 180 else \
             f"{step['from_deg']:.0f} degrees and more apart"
         rows.append(row(upto, step))
-    rows += [row("**15 degrees and more apart** (aim 90 %)", run["well_apart"]),
+    rows += [row("**15 degrees and more apart** (goal 90 %)", run["well_apart"]),
              row("one is out of the picture, the other speaks", run["one_in_sight"]),
              row("the speaker is out of the picture (right: saying so)", run["speaker_outside"]),
-             row("**all** (aim 80 %)", run["all"]), "",
+             row("**all** (goal 80 %)", run["all"]), "",
              "How sure it says to be, and how often it is right:", "", "| certainty | cases | right |", "|---|---|---|"]
     for step in run["by_certainty"]:
         if step["cases"]:
@@ -102,7 +102,7 @@ def speaker_table(text):
             rows.append(f"| {name} | {errors['mag']:.3f} | {errors['lre_db']:.3f} | {errors['itd_us']:.3f} |")
     if run.get("mono_given"):
         rows += ["", "The source made mono, its voice put at a person and rendered by gtf: clips whose level between "
-                 "the ears is within 2 dB of the truth (aim 80 %).", "", "| source | clips | within 2 dB | median error |",
+                 "the ears is within 2 dB of the truth (goal 80 %).", "", "| source | clips | within 2 dB | median error |",
                  "|---|---|---|---|"]
         for name, key in (("mono, at the true speaker", "mono_given"), ("mono, at the one who was found", "mono_found"),
                           ("binaural", "binaural")):
@@ -186,7 +186,7 @@ def generalisation_table(text):
 def trace_table(text):
     run = json.loads(text)
     home = run["home"]
-    rows = ["| | measured | aim |", "|---|---|---|",
+    rows = ["| | measured | goal |", "|---|---|---|",
             f"| rays per second on one core, synthesis of the responses included | "
             f"{run['rays_per_s'] / 1e6:.2f} M | |",
             f"| a bare Embree loop, the same mesh and run | {run['bare_rays_per_s'] / 1e6:.2f} M | |",
@@ -195,7 +195,7 @@ def trace_table(text):
             f"one of {home['pairs']} pairs | {home['core_s_per_pair']:.3f} core-s | 0.25 core-s |",
             f"| of that, tracing | {home['trace_s'] / home['pairs']:.3f} core-s | |",
             f"| a home's tree and edges, once | {home['build_s']:.3f} core-s | |",
-            "", "![Core-seconds per pair over triangles, rays and pairs](images/trace-cost.png)"]
+            "", "![Core-seconds per pair over triangles, rays and pairs](../images/trace-cost.png)"]
     return "\n".join(rows)
 
 
@@ -231,7 +231,7 @@ def camera_table(text):
         rows.append(f"| {run['homes']} | {run['triangles']} | {run['home_light_s']:.2f} s | "
                     f"{run['people_light_s']:.3f} s | {run['views_per_s']:.1f} | "
                     f"{run['views_per_s_with_light']:.1f} |")
-    rows += ["", "![Views of conversations in homes](images/homes.jpg)", "",
+    rows += ["", "![Views of conversations in homes](../images/homes.jpg)", "",
              "Drawn by `./dev pictures`: the homes of the seeds from 100 on, one view each."]
     return "\n".join(rows)
 

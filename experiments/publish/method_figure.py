@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Draws docs/images/method.svg: from what is seen and heard at the source to the sound at the target.
+"""Draws docs/images/method.svg: from picture and sound at the source to the sound at the target.
 
 usage: experiments/publish/method_figure.py > docs/images/method.svg
 """
@@ -15,17 +15,17 @@ BOXES = {
     "sound": (15, 190, 130, GIVEN, ["source sound", "two ears, 1 s"]),
     "pose": (205, 20, 130, GIVEN, ["target pose", "every 10 ms"]),
     "spectra": (15, 335, 130, COMPUTED, ["spectra", "magnitude, phase"]),
-    "ear": (205, 190, 130, COMPUTED, ["summary", "levels, lags"]),
-    "place": (205, 105, 130, LEARNED, ["find: place", "where, facing, room"]),
-    "geometry": (395, 20, 150, COMPUTED, ["move: geometry", "angles, levels, delays"]),
-    "conditions": (395, 105, 150, LEARNED, ["conditions", "of everything below"]),
+    "summary": (205, 190, 130, COMPUTED, ["summary", "levels, lags"]),
+    "speaker": (205, 105, 130, LEARNED, ["speaker", "position, heading"]),
+    "geometry": (395, 20, 150, COMPUTED, ["geometry", "angles, levels, delays"]),
+    "conditions": (395, 105, 150, LEARNED, ["conditions", "of all that follows"]),
     "trunk": (395, 190, 150, LEARNED, ["trunk", "6 dilated convolutions"]),
     "kernels": (605, 190, 150, LEARNED, ["kernels, gains", "per band, per bin"]),
     "phase": (605, 20, 150, COMPUTED, ["delays per ear", "ears to voice to ears"]),
     "share": (605, 105, 150, LEARNED, ["share of the voice", "per band and ear"]),
     "filter": (605, 335, 150, COMPUTED, ["filter", "magnitudes x phases"]),
     "texture": (205, 262, 130, GIVEN, ["texture", "natural or mean"]),
-    "rounds": (800, 335, 125, COMPUTED, ["phase rounds", "frames agree"]),
+    "rounds": (800, 335, 125, COMPUTED, ["phase rounds", "consistent frames"]),
     "output": (800, 245, 125, GIVEN, ["target sound", "two ears"]),
 }
 H = 52
@@ -63,12 +63,12 @@ def bent(a, from_side, b, to_side, x):
 
 
 def arrows():
-    yield bent("picture", "right", "place", "left", 175)
+    yield bent("picture", "right", "speaker", "left", 175)
     yield straight("sound", "bottom", "spectra", "top")
-    yield arrow([side("spectra", "right"), (175, 361), (175, 216), side("ear", "left")])
-    yield straight("ear", "top", "place", "bottom")
+    yield arrow([side("spectra", "right"), (175, 361), (175, 216), side("summary", "left")])
+    yield straight("summary", "top", "speaker", "bottom")
     yield straight("pose", "right", "geometry", "left")
-    yield arrow([side("place", "right"), (365, 131), (365, 58), (395, 58)])
+    yield arrow([side("speaker", "right"), (365, 131), (365, 58), (395, 58)])
     yield straight("geometry", "bottom", "conditions", "top")
     yield arrow([(335, 208), (380, 208), (380, 131), (395, 131)])
     yield straight("conditions", "bottom", "trunk", "top")

@@ -1,229 +1,84 @@
 #!/usr/bin/env python3
-"""Puts together docs/results.md from what ./dev results has measured. Writes numbers, no judgement.
+"""Writes docs/results.md and the pages behind it from what ./dev results has measured. Writes numbers, no judgement.
 
-usage: experiments/publish/write_results.py MEASURED RESULTS.md [--measured-only]
+usage: experiments/publish/write_results.py MEASURED RESULTS.md [--measured-only] [--readme README.md]
 
-MEASURED holds vigas.md, gtf_bench.json, training.json, training_gtf.json, oracle_errors.md, render_speed.jsonl,
-render_memory.jsonl, demo.json, trace_gates.md, learning_curves-single.md, learning_curves-novel.md,
-rt60_error.json, active_speaker.json, people_detection.jsonl, home_reverberation.jsonl, compare_tracers.json, kills.json,
-change_of_results.md,
-camera_bench.jsonl, simulate_cost.jsonl, session_cost.jsonl, session_sync.jsonl, evaluate-single.json, evaluate-novel.json, evaluate-recorded.json,
-ablations-single.json, ablations-novel.json, generalisation.json,
-generalisation_heads.json, ambient-single.json, ambient-novel.json, context-novel.json, separation-novel.md and enhance-novel.json; a section
-whose file is missing stays as it is in RESULTS.md, or says so where it is new; with --measured-only it
-is left out. Each section says on which day and after which commit its file was written.
+MEASURED is a folder with the files that experiments/publish/result_sections.py names. RESULTS.md gets the headline
+numbers; a page for each topic goes into results/ beside it, plots into images/. A section whose file is missing
+keeps its numbers, and is marked as older where others are of a later day. Earlier versions had all sections in
+RESULTS.md: they are taken over. --measured-only leaves out what was never measured and starts from nothing that
+was written before. --readme renews the lines of README.md between <!-- results --> and <!-- /results -->.
 """
-import datetime
+import argparse
 import os
 import platform
-import shutil
-import subprocess
-import sys
+import re
 
-from evaluation_tables import enhancement_table, evaluation_table
-from measurement_tables import (camera_table, demo_table, detection_table, generalisation_table,
-                                gtf_training_table, kill_table, memory_table, network_table,
-                                reverberation_table, rt60_table, session_table, simulation_table,
-                                speaker_table, speed_table, sync_table, trace_table, tracer_comparison,
-                                training_table)
+from headlines import headline_table, link, readme_lines
+from result_pages import earlier_sections, is_older, measured_sections, newest_day, write_page
+from result_sections import PAGES
 
 
 def machine():
-    with open("/proc/cpuinfo") as file:
+    with open("/proc/cpuinfo", encoding="utf-8") as file:
         model = next(line.split(":")[1].strip() for line in file if line.startswith("model name"))
     return f"{model}, {os.cpu_count()} cores, {platform.system()} {platform.machine()}"
 
 
-def read(folder, name):
-    path = os.path.join(folder, name)
-    if not os.path.exists(path) or os.path.getsize(path) == 0:
-        return None
-    with open(path) as file:
-        return file.read().strip()
+def contents(page, measured, measured_only):
+    """One line for each section of a page: when it was measured."""
+    newest = newest_day(measured)
+    lines = [f"**[{page.title}](results/{page.name}.md)**: {page.words}", ""]
+    for section in page.sections:
+        state = measured.get(section.title)
+        if state is None and measured_only:
+            continue
+        when = "not measured yet" if state is None else \
+            state.brief() + (" (older)" if is_older(state, newest) else "")
+        lines.append(f"- [{section.title}]({link(section.title)}): {when}")
+    return [*lines, ""]
 
 
-EVALUATION_WORDS = (
-    "`earpoint evaluate --oracles --json` on the frozen pairs of the test split. Intervals are drawn by home "
-    "where there are several, else by conversation, since the clips of one share room, places and voices. "
-    "`gtf` is the natural texture, `gtf:mean` the other one of the same network (docs/method.md). "
-    "Oracles are shown part of the answer: they tell how much of the way to zero is to be had. ")
-
-SECTIONS = [
-    ("Methods in one home", "evaluate-single.json", evaluation_table,
-     EVALUATION_WORDS + "One home; its conversations are split."),
-    ("Methods in unseen homes", "evaluate-novel.json", evaluation_table,
-     EVALUATION_WORDS + "Homes and speakers of the test split are in no other split."),
-    ("What the corrected tracer changed", "change_of_results.md", None,
-     "`experiments/publish/change_of_results.py`: means before and after the tracer was corrected: sound is diffracted at both "
-     "edges of a wall's end ([ADR 0008](adr/0008-diffraction.md)), level between the ears grows near the head, "
-     "transmission and uneven absorption are as *The path tracer against physics* has them. The data sets were "
-     "simulated anew from the same seeds; networks are the same files, trained on what was simulated before."),
-    ("Methods in unseen homes, with sound before", "context-novel.json", evaluation_table,
-     "`earpoint evaluate --context 4 --json`: the same pairs, but `dsp` and networks hear the four seconds before "
-     "the second that is compared too, in overlapping windows that are cross-faded, as in a long recording."),
-    ("Methods in recorded sessions", "evaluate-recorded.json", evaluation_table,
-     "`earpoint evaluate --layout replay` on the test sessions of twelve that `earpoint record simulate` made in one "
-     "flat and `earpoint record prepare` cut into clips; no session is in two splits. The gtf that ships, which "
-     "learned nothing of them."),
-    ("Learning curves in one home", "learning_curves-single.md", None,
-     "`experiments/publish/learning_curves.py`: Mag on 256 validation pairs while `earpoint train` runs on one core "
-     "beside others, so minutes are upper bounds. Of gtf the natural texture is validated, whose losses Mag does "
-     "not see. vigas and vigas-blind first learn "
-     "where the speaker is, with no sound made; those clips do not count. "
-     "![Error over clips seen](images/learning-curves-single.svg)"),
-    ("Learning curves in unseen homes", "learning_curves-novel.md", None,
-     "`experiments/publish/learning_curves.py`, as above. ![Error over clips seen](images/learning-curves-novel.svg)"),
-    ("Reverberation time from sound", "rt60_error.json", rt60_table,
-     "`rt60_error DATA test`: the estimator that RTE is computed with, on simulated speech of homes and "
-     "voices it has not heard, against the reverberation time of the response."),
-    ("People in pictures", "people_detection.jsonl", detection_table,
-     "`people_detection DATA test`: a person is found where a box overlaps by half (intersection over union). "
-     "*Drawn* are pictures of `earpoint-people-pictures`: homes and people of its test split, of whom nothing "
-     "but the picture's edge hides more than a tenth; others need not be found. *Views of conversations* are those "
-     "of `earpoint simulate`'s test split, of everybody with a box, hidden or not. *Photographs*: four of people "
-     "and six of things out of Debian packages, boxes drawn by hand (`experiments/publish/photographs.json`): a smoke test, no "
-     "measurement. NanoDet is what `./dev assets --people` installs."),
-    ("Who speaks, in unseen homes", "active_speaker.json", speaker_table,
-     "`active_speaker DATA test shipped`: people are found in the picture and the speaker among them by the time "
-     "between the ears, in single seconds of the test split; four for every speaker and viewpoint."),
-    ("Ablations in one home", "ablations-single.json", evaluation_table,
-     "`earpoint evaluate --ablations --json`: the network without one of its parts."),
-    ("Ablations in unseen homes", "ablations-novel.json", evaluation_table,
-     "`earpoint evaluate --ablations --json`, as above."),
-    ("Generalisation", "generalisation.json", generalisation_table,
-     "`experiments/measure/generalisation.py --every 2`: gtf's mean errors over those of the unchanged input, in "
-     "unseen homes, where something is not as in training; below 1 it helps. `dsp` is told where the speaker truly "
-     "is. Voices of the test split are in no other; Greek is a language that training never has."),
-    ("Generalisation: other heads, another building", "generalisation_heads.json", generalisation_table,
-     "`experiments/measure/generalisation_heads.py`, as above: homes of other seeds, heard by the head of training and by "
-     "FABIAN, measured in the horizontal plane; and a house that no generator drew, with an octagonal hall, a "
-     "bare corridor and an attic, read from an OBJ file. `dsp` takes every head for KEMAR."),
-    ("Ambient sound in one home", "ambient-single.json", evaluation_table,
-     "`earpoint evaluate --ambient -40 --json`: room noise in what every source hears, separated by the "
-     "high-pass at 80 Hz; the target is clean. `no-separation` was trained with the noise in both "
-     "sounds, hears all of it, and its answer is separated; `with-ambient` was trained on separated sounds."),
-    ("Ambient sound in unseen homes", "ambient-novel.json", evaluation_table,
-     "`earpoint evaluate --ambient -40 --json`, as above."),
-    ("Ways to separate ambient sound in unseen homes", "separation-novel.md", None,
-     "`experiments/measure/ambient_separation.py --context 4 --limit 240`: room noise of three levels in what every source "
-     "hears, separated by the band-pass, by spectral subtraction and by log-MMSE; the shipped models, which "
-     "learned sound separated by the band-pass; four seconds of sound before the second that is compared."),
-    ("Speech enhancement in unseen homes", "enhance-novel.json", enhancement_table,
-     "`earpoint evaluate --enhance --json`: the target is the speaker's near microphone, the dry speech "
-     "as loud as 1 m before the mouth in free field. `oracle-gain` is the source at the true level: what "
-     "a change of loudness alone would bring."),
-    ("Exactness: our engine against the authors' code", "oracle_errors.md", None,
-     "The same weights and inputs through `earpoint model run` and through the released code. "
-     "Tests hold every oracle to 1e-4, on every instruction set that the machine has."),
-    ("Speed: one second of sound through the released network", "vigas.md", None,
-     "`experiments/peers/compare_vigas.py`: Earpoint and PyTorch take turns in one run; medians. GFLOP are "
-     "counted by the direct form of the convolutions, whatever was really multiplied."),
-    ("Speed: gtf and ViGAS", "gtf_bench.json", network_table,
-     "`gtf_bench`: one second of sound in turns, medians; multiply-adds by the direct form."),
-    ("Speed: rendering a clip", "render_speed.jsonl", speed_table,
-     "`experiments/measure/render_speed.py`: the whole of `earpoint render`, starting, reading and writing included, "
-     "with the shipped models. The aim for gtf is 100 on two cores."),
-    ("Speed: training steps", "training.json", training_table,
-     "`experiments/peers/compare_training.py`: forward, backward and Adam on batches of one-second clips, in turns "
-     "with Debian's python3-torch, which computes only the head that is heard and keeps freed memory; "
-     "medians on two threads."),
-    ("Speed: training gtf", "training_gtf.json", gtf_training_table,
-     "`experiments/measure/gtf_training.py`: the whole of `earpoint train` with `configs/gtf.json`, its examples made "
-     "on the way, medians of runs in turns. *before* is the build before the passes of [ADR "
-     "0015](adr/0015-training-speed.md). Wall time suffers from whatever else the machine does, processor "
-     "time hardly."),
-    ("Memory: a ten-minute clip", "render_memory.jsonl", memory_table,
-     "`experiments/stress/render_memory.py`: the bundled clip looped, rendered to an mp4 for one earpoint. "
-     "The limit is 600 MB."),
-    ("The bundled clip: four earpoints", "demo.json", demo_table,
-     "`earpoint evaluate --earpoints examples/earpoints.json`: against the true sound, at 16 kHz. dsp is told "
-     "where the speaker is, gtf nothing. Level is relative to the clip's. One clip in one home: an example, no "
-     "comparison of methods."),
-    ("The path tracer against physics", "trace_gates.md", None,
-     "`trace_gates`: measured on the final impulse responses."),
-    ("Speed: tracing a furnished home", "trace_bench.json", trace_table,
-     "`trace_bench`: medians on one core. Both the tracer's rays and Embree's own end at the nearest "
-     "surface; the tracer's include those that ask whether a listener is in sight."),
-    ("The path tracer beside pyroomacoustics", "compare_tracers.json", tracer_comparison,
-     "`experiments/peers/compare_tracers.py`: a room of 6 x 5 x 3 m, absorption 0.2, scattering 0.5, as a box and as "
-     "meshes of the same walls; a mono response of 1 s in the octave of 1 kHz, both programs on one core in "
-     "one run. What is right comes from neither: 400,000 particles that bounce between the walls, counted in a "
-     "sphere at the microphone. The time of Earpoint is that of the whole process, that of pyroomacoustics "
-     "(hybrid: image sources to order 3 in the box, rays) without starting Python. It has no tree over the "
-     "walls, so that it gets fewer rays where there are many triangles."),
-    ("Pictures per second on one core", "camera_bench.jsonl", camera_table,
-     "`camera_bench`: 256 x 256 pixels, 4 rays per pixel, smoothed; seconds of processor time of one "
-     "thread. The light of a home is solved once for its 10 conversations, that of two people once "
-     "for the 4 views of a conversation; the last column counts both."),
-    ("Killed at random moments", "kills.json", kill_table,
-     "`experiments/stress/kill_anywhere.py`: each command is killed (SIGKILL) after a random part of its time and started "
-     "again until it ends by itself. All files must then equal those of an undisturbed run, byte for byte (of weight "
-     "files the tensors), with no file beside them."),
-    ("Cost of simulated data", "simulate_cost.jsonl", simulation_table,
-     "`experiments/measure/simulate_cost.py`: processor time of `earpoint simulate` in two homes, six conversations "
-     "each; two speakers and four viewpoints a conversation, 5000 rays from each mouth, 256 x 256 "
-     "pixels. The plan of a conversation, its acoustics (bodies put into the scene), trace, responses "
-     "and light serve all of its viewpoints."),
-    ("Cost of simulated sessions", "session_cost.jsonl", session_table,
-     "`experiments/measure/session_cost.py`: processor time of `earpoint record simulate`, half a minute with three people "
-     "and eight cameras of 480 x 270 pixels at 5 pictures a second. The flat, drawn once for all sessions, is "
-     "in it; sound is what is left with next to no pictures."),
-    ("Clocks of simulated sessions", "session_sync.jsonl", sync_table,
-     "`experiments/measure/session_sync.py`: `earpoint record sync --truth` on sessions of `earpoint record simulate`, each in a "
-     "flat of its own, with speech 10 dB above the ambient noise and clocks that drift by up to 50 ppm. 95th "
-     "percentiles over devices, of offsets over every second of the session too."),
-    ("Reverberation of homes", "home_reverberation.jsonl", reverberation_table,
-     "`home_reverberation`: homes of the seeds 0 to 119, 500 and 1000 Hz. By Eyring's formula, the "
-     "mean over a home's rooms by volume; and T30 of a traced response between two places 1 m or "
-     "more apart in the largest room, every third home. Tracing says more: bare walls that face "
-     "each other ring on, open doors couple rooms, and the formula counts the insides of "
-     "furniture."),
-]
+def write_index(results, pages, measured, measured_only):
+    plot = next((section for page in pages for section in page.sections
+                 if section.plot and section.title in measured), None)
+    text = ["# Results", "",
+            f"Written by `./dev results` on {machine()}. *of input*: the error as a share of that of the "
+            "unchanged input; below 1 the method improves on it. *Older* numbers were not measured again when the newest ones were; the simulator or "
+            "a network may have changed since. Each number links to the section that it stands in, with the command that "
+            "measures it.", "", *headline_table(measured), ""]
+    if plot:
+        text += [f"![{plot.title}: errors as ratios to the input's](images/{plot.plot.name}.svg)", "",
+                 f"*[{plot.title}]({link(plot.title)}). Oracles, in grey, are given part of the answer.*", ""]
+    text += ["## Pages", ""]
+    for page in pages:
+        text += contents(page, measured, measured_only)
+    with open(results, "w", encoding="utf-8") as file:
+        file.write("\n".join(text))
 
 
-def stamp(path):
-    """When a file was measured, and the last commit before that where this is a checkout."""
-    seconds = os.path.getmtime(path)
-    commit = ""
-    if shutil.which("git"):
-        commit = subprocess.run(["git", "log", "-1", f"--before={int(seconds)}", "--format=%h"],
-                                capture_output=True, text=True, check=False,
-                                cwd=os.path.dirname(os.path.abspath(__file__))).stdout.strip()
-    day = datetime.datetime.fromtimestamp(seconds, datetime.timezone.utc).date()
-    return f"*Measured on {day}{' at ' + commit if commit else ''}.*"
-
-
-def sections_of(path):
-    """The sections that a page has, by title."""
-    if not os.path.exists(path):
-        return {}
-    with open(path) as file:
-        parts = file.read().split("\n## ")[1:]
-    return {part.split("\n", 1)[0]: part.split("\n", 1)[1].strip() for part in parts}
+def renew_readme(path, measured):
+    with open(path, encoding="utf-8") as file:
+        text = file.read()
+    lines = "\n".join(readme_lines(measured))
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(re.sub(r"(<!-- results -->\n).*?(<!-- /results -->)", lambda m: f"{m[1]}{lines}\n{m[2]}", text,
+                          flags=re.S))
 
 
 def main():
-    if len(sys.argv) not in (3, 4) or sys.argv[3:] not in ([], ["--measured-only"]):
-        sys.exit(__doc__)
-    folder, output = sys.argv[1:3]
-    earlier = sections_of(output)
-    text = ["# Results", "",
-            f"Written by `./dev results` on {machine()}. Timings on another machine differ; ratios "
-            "are measured in one run.", ""]
-    for title, name, table, words in SECTIONS:
-        content = read(folder, name)
-        if content is None and sys.argv[3:]:
-            continue
-        if content is None and title in earlier:
-            text += [f"## {title}", "", earlier[title], ""]
-            continue
-        if content is None:
-            text += [f"## {title}", "", words, "", "*Not measured yet.*", ""]
-            continue
-        text += [f"## {title}", "", words, "", stamp(os.path.join(folder, name)), "",
-                 table(content) if table else content, ""]
-    with open(output, "w") as file:
-        file.write("\n".join(text))
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("measured")
+    parser.add_argument("results")
+    parser.add_argument("--measured-only", action="store_true")
+    parser.add_argument("--readme")
+    arguments = parser.parse_args()
+    earlier = {} if arguments.measured_only else earlier_sections(arguments.results)
+    measured = measured_sections(arguments.measured, earlier)
+    pages = [page for page in PAGES if write_page(page, measured, arguments.results, arguments.measured_only)]
+    write_index(arguments.results, pages, measured, arguments.measured_only)
+    if arguments.readme:
+        renew_readme(arguments.readme, measured)
 
 
 if __name__ == "__main__":

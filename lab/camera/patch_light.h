@@ -36,7 +36,7 @@ std::vector<Rgb> solve_patch_light(const LitScene& scene, ThreadPool& pool);
 
 /// The irradiance of the patches that a scene has beyond one whose light is known, and is taken to
 /// stay as it is: the shadow of what came in shows in pictures, whose direct light and first bounce
-/// are traced anew, but not in the second bounce.
+/// are traced again, but not in the second bounce.
 /// @param known        light of the first triangles
 /// @param first_patch  the first that is not known
 /// @return  [patches from first_patch on]

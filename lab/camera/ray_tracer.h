@@ -62,7 +62,7 @@ class RayTracer {
   /// How alike the rays of a packet are: a hint for speed.
   enum class Rays { alike, mixed };
 
-  /// After this, hit() tells what each ray of the packet meets.
+  /// After this, hit() gives what each ray of the packet hits.
   /// @param per_pixel  for `by_turns`: so many rays whose numbers follow each other, beginning with
   ///                   a multiple of it, belong to one pixel; > 0
   void trace(RayPacket& packet, Rays rays, SeeThrough see_through, std::uint32_t seed,

@@ -65,7 +65,7 @@ SoundSpacesDataset::Options recorded_options(const fs::path& folder, const std::
   }
   if (fs::weakly_canonical(options.root / prefix) != here) {
     throw InputError(folder.string(),
-                     fmt::format("its paths begin with {}, where it does not lie", prefix.string()),
+                     fmt::format("its paths begin with {}, but it is elsewhere", prefix.string()),
                      "move it there");
   }
   options.folder = prefix;
@@ -81,7 +81,7 @@ SoundSpacesDataset::Options recorded_options(const fs::path& folder, const std::
 DatasetLayout layout_named(std::string_view name) {
   if (name == "soundspaces") return DatasetLayout::soundspaces;
   if (name == "replay") return DatasetLayout::replay;
-  throw InputError("--layout", fmt::format("expected soundspaces or replay, found {}", name));
+  throw InputError("layout", fmt::format("expected soundspaces or replay, found {}", name));
 }
 
 DatasetLayout dataset_layout(const fs::path& folder, std::optional<DatasetLayout> asked) {
@@ -91,23 +91,24 @@ DatasetLayout dataset_layout(const fs::path& folder, std::optional<DatasetLayout
   const std::string published = SoundSpacesDataset::Options{}.folder.string();
   const std::string recorded =
       (ReplayDataset::Options{}.folder / ReplayDataset::Options{}.metadata_file).string();
-  const char* mend = "docs/datasets.md says how folders are named; `earpoint simulate` makes one";
+  const char* hint =
+      "docs/datasets.md lists the folder names; `earpoint simulate` makes a data set";
   if (asked == DatasetLayout::soundspaces && !soundspaces) {
     throw InputError(folder.string(), fmt::format("holds neither a dataset.json nor {}", published),
-                     mend);
+                     hint);
   }
   if (asked == DatasetLayout::replay && !replay) {
-    throw InputError(folder.string(), "holds no " + recorded, mend);
+    throw InputError(folder.string(), "holds no " + recorded, hint);
   }
   if (asked) return *asked;
   if (soundspaces && replay) {
     throw InputError(folder.string(), "holds SoundSpaces-NVAS and Replay-NVAS",
-                     "say which by --layout soundspaces or --layout replay");
+                     "choose the layout, soundspaces or replay");
   }
   if (!soundspaces && !replay) {
     throw InputError(folder.string(),
                      fmt::format("holds neither a dataset.json nor {} nor {}", published, recorded),
-                     mend);
+                     hint);
   }
   return soundspaces ? DatasetLayout::soundspaces : DatasetLayout::replay;
 }

@@ -71,7 +71,7 @@ TEST_F(DatasetFolder, BothUnderOneRootMustBeToldApart) {
   add_replay();
   EXPECT_NE(error_of([&] {
               static_cast<void>(dataset_layout(root_, {}));
-            }).find("say which by --layout soundspaces or --layout replay"),
+            }).find("choose the layout, soundspaces or replay"),
             std::string::npos);
   EXPECT_EQ(dataset_layout(root_, DatasetLayout::replay), DatasetLayout::replay);
   EXPECT_EQ(dataset_layout(root_, DatasetLayout::soundspaces), DatasetLayout::soundspaces);

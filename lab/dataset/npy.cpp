@@ -37,13 +37,13 @@ NumberTable read_npy(const std::filesystem::path& path) {
   constexpr std::size_t kMagicSize = 6;
   constexpr std::uint32_t kLongestHeader = 1024;
   if (bytes.size() < 12 || std::memcmp(bytes.data(), kMagic, kMagicSize) != 0) {
-    throw InputError(name, "is no .npy file");
+    throw InputError(name, "is not a .npy file");
   }
   const bool short_header = static_cast<int>(bytes[6]) == 1;
   const std::size_t start = short_header ? 10 : 12;
   std::uint32_t header_size = 0;
   std::memcpy(&header_size, bytes.data() + 8, short_header ? 2 : 4);
-  if (bytes.size() - start < header_size) throw InputError(name, "its header is cut short");
+  if (bytes.size() - start < header_size) throw InputError(name, "its header is truncated");
   // NumPy pads it to 64 or 128 bytes; matching costs stack in proportion.
   if (header_size > kLongestHeader) throw InputError(name, "its header is too long");
   const std::string header(reinterpret_cast<const char*>(bytes.data()) + start, header_size);

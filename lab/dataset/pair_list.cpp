@@ -76,7 +76,7 @@ PairList draw_pair_list(const std::string& split, std::span<const SoundSpacesCli
 PairDraw draw_named(std::string_view name) {
   if (name == "every-target") return PairDraw::every_target;
   if (name == "released") return PairDraw::released;
-  throw InputError("--draw", fmt::format("expected every-target or released, found {}", name));
+  throw InputError("draw", fmt::format("expected every-target or released, found {}", name));
 }
 
 PairList draw_pair_list(const SoundSpacesDataset& dataset, PairDraw draw, std::uint64_t seed) {

@@ -226,7 +226,7 @@ ReplayCamera ReplayDataset::camera(const std::string& scene, const std::string& 
   const std::string name = "DSLR-" + fs::path(image).stem().string();
   const auto found = cameras_.find(scene);
   if (found == cameras_.end() || !found->second.contains(name)) {
-    throw InputError(options_.camera_file, "does not place " + name + " in " + scene);
+    throw InputError(options_.camera_file, "has no position of " + name + " in " + scene);
   }
   return found->second.at(name);
 }

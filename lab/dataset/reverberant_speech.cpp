@@ -127,7 +127,7 @@ ReverberantSpeech::ReverberantSpeech(const SoundSpacesDataset& dataset,
     throw InputError(dataset.path_of(".").string(),
                      fmt::format("has {} recordings of speech and {} responses that decay by 35 dB",
                                  state->voices.size(), state->ears.size()),
-                     "simulate with a longer --duration");
+                     "simulate longer responses");
   }
   state_ = std::move(state);
 }

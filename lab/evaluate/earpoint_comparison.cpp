@@ -50,7 +50,7 @@ void tell_speaker(const EarpointClip& clip, const AcousticSynthesizer& synthesiz
   if (dynamic_cast<const GtfSynthesizer*>(&synthesizer) != nullptr) return;
   const bool is_dsp = dynamic_cast<const DspSynthesizer*>(&synthesizer) != nullptr;
   if (is_dsp && !clip.speaker_m && !clip.speaker_box) {
-    throw InputError(clip.description.string(), "lacks 'speaker', which dsp must be told",
+    throw InputError(clip.description.string(), "lacks 'speaker', which dsp needs",
                      "add it, or leave out dsp");
   }
   if (is_dsp && clip.speaker_m) {

@@ -131,7 +131,7 @@ Image overview(const EarpointComparison& comparison) {
   const Image picture = clip_picture(comparison.clip);
   const int width = picture.empty() ? kWidthWithoutPicture : std::max(kNarrowest, picture.width());
   std::vector<WaveformPanel> panels{
-      {"as the camera heard it", WaveformOutline(read_sound(comparison.source))}};
+      {"at the camera", WaveformOutline(read_sound(comparison.source))}};
   for (std::size_t i = 0; i < comparison.earpoints.size(); ++i) {
     const Waveform sound = read_sound(comparison.earpoints[i].renderings.back().sound);
     panels.push_back(

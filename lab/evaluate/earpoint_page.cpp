@@ -35,9 +35,9 @@ std::string dot(std::string_view color) {
 
 /// What people call a method.
 std::string told(const std::string& method) {
-  if (method == "input") return "input: a copy of the camera's sound";
-  if (method == "gtf") return "gtf: told nothing of the speaker";
-  if (method == "dsp") return "dsp: head filters, told where the speaker is";
+  if (method == "input") return "input: the unchanged sound of the camera";
+  if (method == "gtf") return "gtf: without the speaker's position";
+  if (method == "dsp") return "dsp: head filters, with the speaker's position";
   return method;
 }
 
@@ -59,8 +59,7 @@ std::string number_cell(const EarpointResult& result, std::size_t method, Metric
 
 std::string table(const EarpointComparison& comparison) {
   const std::size_t count = comparison.methods.size();
-  std::string html =
-      "<table>\n<tr><th></th><th colspan=\"2\" class=\"group\">what is truly heard, dB</th>";
+  std::string html = "<table>\n<tr><th></th><th colspan=\"2\" class=\"group\">true sound, dB</th>";
   for (const char* title : {"error of level, dB", "error of left&minus;right, dB", "Mag"}) {
     html += fmt::format("<th colspan=\"{}\" class=\"group\">{}</th>", count, title);
   }
@@ -102,7 +101,7 @@ std::string player_row(std::string_view color, const std::string& name, const fs
 std::string players(const EarpointComparison& comparison, std::size_t earpoint,
                     const fs::path& truth) {
   const EarpointResult& result = comparison.earpoints[earpoint];
-  std::string html = player_row(kTruthColor, "truth: what is heard there", truth, result.truth);
+  std::string html = player_row(kTruthColor, "truth: the true sound there", truth, result.truth);
   for (std::size_t m = comparison.methods.size(); m-- > 0;) {
     const std::string& name = comparison.methods[m].name;
     html += player_row(color_of(m, name), told(name), result.renderings[m].sound,
@@ -154,15 +153,15 @@ std::string what_the_camera_has(const EarpointComparison& comparison) {
   const Image picture = clip_picture(clip);
   std::string html = "<div class=\"card\">\n<div class=\"scene\">\n<div>";
   if (!picture.empty()) {
-    html += img_tag(picture, "what the camera sees", "wide");
-    html += fmt::format("<div class=\"caption\">what the camera sees{}</div>",
+    html += img_tag(picture, "picture of the camera", "wide");
+    html += fmt::format("<div class=\"caption\">picture of the camera{}</div>",
                         clip.speaker_box ? "; the box is the speaker" : "");
   }
-  html += fmt::format("<h3>What the camera hears</h3>{}</div>\n",
+  html += fmt::format("<h3>Sound at the camera</h3>{}</div>\n",
                       audio_tag(comparison.source.filename().string()));
   if (clip.map) {
     html += fmt::format(
-        "<div>{}<div class=\"caption\">from above; the camera looks up the page, "
+        "<div>{}<div class=\"caption\">from above; the camera points up, "
         "the earpoints are numbered</div></div>\n",
         img_tag(drawn_map(clip), "map from above", "wide"));
   }
@@ -175,12 +174,12 @@ void write_earpoint_page(const EarpointComparison& comparison, const fs::path& f
   write_image(folder / "overview.jpg", overview(comparison));
   std::string body = fmt::format(
       "<h1>One moment, heard from elsewhere</h1>\n<p>From one camera's picture and its two ears, "
-      "Earpoint renders what was heard in other places. Listen with headphones.</p>\n{}",
+      "Earpoint renders the sound at other positions. Listen with headphones.</p>\n{}",
       what_the_camera_has(comparison));
   body +=
-      "<h2>How near it comes</h2>\n<p>Level is relative to what the camera hears; left&minus;right "
+      "<h2>Errors</h2>\n<p>Level is relative to the sound at the camera; left&minus;right "
       "is the level of the left ear less that of the right. Errors and Mag, a distance of "
-      "spectrograms, are best at 0; the nearest method is blue.</p>\n<div class=\"card\">\n" +
+      "spectrograms, are best at 0; the best method is blue.</p>\n<div class=\"card\">\n" +
       table(comparison) + "</div>\n<h2>Listen</h2>\n";
   for (std::size_t i = 0; i < comparison.earpoints.size(); ++i) {
     body += card(comparison, i, folder);

@@ -85,7 +85,7 @@ class Evaluation {
       for (Clip& clip : batch) result_.clips.push_back(std::move(clip.result));
     }
     progress.finish();
-    if (result_.clips.empty()) throw InputError("the pair list", "not one pair could be read");
+    if (result_.clips.empty()) throw InputError("the pair list", "no pair could be read");
     return std::move(result_);
   }
 
@@ -149,8 +149,7 @@ class Evaluation {
     for (const Clip& clip : batch) {
       if (!clip.problem) continue;
       if (!options_.skip_bad) {
-        throw InputError(clip.result.name, *clip.problem,
-                         "mend the data, or leave such pairs out with --skip-bad");
+        throw InputError(clip.result.name, *clip.problem, "repair the data, or skip bad pairs");
       }
       result_.skipped.push_back({clip.result.name, *clip.problem});
     }
@@ -202,8 +201,8 @@ EvaluationResult evaluate(const EvaluationSet& set, std::span<const MethodEntry>
   for (const MethodEntry& entry : methods) {
     if (entry.needs_speaker && !set.knows_speaker()) {
       throw InputError("method " + entry.name,
-                       "must know where the speaker stands, which these "
-                       "data do not tell",
+                       "needs the speaker's position, which these "
+                       "data do not have",
                        "leave it out");
     }
   }

@@ -247,7 +247,7 @@ std::string text_of(const EvaluationTable& table, std::span<const Metric> told) 
           });
   if (table.primary_si_sdr_db) {
     text +=
-        fmt::format("\nSI-SDR of the source's primary sound: {} dB; of all that it hears: {} dB.\n",
+        fmt::format("\nSI-SDR of the source's primary sound: {} dB; of its whole sound: {} dB.\n",
                     with_range(table.primary_si_sdr_db, 1), with_range(table.heard_si_sdr_db, 1));
   }
   const bool has_gains =
@@ -255,8 +255,7 @@ std::string text_of(const EvaluationTable& table, std::span<const Metric> told) 
   return text + '\n' + stars_of(table, metrics) +
          fmt::format(
              "{}; 0 is best{}. [95 % interval], drawn by {}.\n"
-             "\"released\": with what the published evaluation does to renderings with the "
-             "target's help.\n",
+             "\"released\": with the published evaluation's use of the target.\n",
              extent_of(table), has_gains ? "; of SI-SDR and ESTOI more is better" : "",
              table.interval_unit());
 }

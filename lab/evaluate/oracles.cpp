@@ -69,8 +69,8 @@ class BandOracle : public Method {
 
 const PairTruth& truth_of(const Question& question) {
   if (question.truth == nullptr) {
-    throw InputError("the dry speech", "is not known of recordings",
-                     "leave this oracle out, or take simulated data");
+    throw InputError("the dry speech", "is unknown for recordings",
+                     "leave this oracle out, or use simulated data");
   }
   return *question.truth;
 }
@@ -241,7 +241,7 @@ std::vector<MethodEntry> oracle_methods() {
       entry<DryDirectOracle>("oracle-dry-direct",
                              "true dry speech and direct path, tail of matched noise", true),
       entry<ExpectedOracle>("oracle-expected",
-                            "what many such tails have in common: their median magnitudes", true),
+                            "the same, with median magnitudes over many such tails", true),
       entry<AllOracle>("oracle-all", "true dry speech and response", true)};
 }
 

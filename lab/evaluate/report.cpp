@@ -178,11 +178,11 @@ std::string players(std::span<const NamedSound> sounds, std::span<const SoundRow
 
 std::string picture(const PairSample& sample) {
   if (!sample.picture) return "<div class=\"caption\">no picture</div>";
-  return img_tag(boxed(*sample.picture, sample.speaker_box), "what the source view sees",
+  return img_tag(boxed(*sample.picture, sample.speaker_box), "picture of the source view",
                  "picture") +
          (sample.speaker_box
-              ? "<div class=\"caption\">what the source view sees; the box is the speaker</div>"
-              : "<div class=\"caption\">what the source view sees; the speaker is out of "
+              ? "<div class=\"caption\">picture of the source view; the box is the speaker</div>"
+              : "<div class=\"caption\">picture of the source view; the speaker is out of "
                 "sight</div>");
 }
 
@@ -220,19 +220,21 @@ std::string clip_card(const ChosenClip& chosen, const EvaluationSet& set,
 
 std::string head_of(const EvaluationTable& table, const ReportOptions& options) {
   std::string html = fmt::format(
-      "<h1>How near to the truth</h1>\n<p class=\"soft\">{}, split {}: {}. Pairs: {}.</p>\n",
+      "<h1>Methods compared with the true sound</h1>\n<p class=\"soft\">{}, split {}: {}. Pairs: "
+      "{}.</p>\n",
       escaped(options.data), escaped(options.split), extent_of(table), escaped(options.pairs));
   html += fmt::format(
-      "<h2>Methods</h2>\n<p>Every number is an error, and 0 is best. Below each mean stand its "
+      "<h2>Methods</h2>\n<p>Every number is an error, and 0 is best. Below each mean are its "
       "95&nbsp;% interval, drawn by {}, and its ratio to <em>input</em>, the source's "
-      "sound as it is. The best method is blue. Oracles are shown part of the answer: they tell "
-      "how much is to be had.</p>\n",
+      "unchanged sound. The best method is blue. Oracles are given part of the answer: they show "
+      "how much error could be removed.</p>\n",
       table.interval_unit());
   html += "<div class=\"card\">\n" + main_table(table) + "</div>\n";
   html +=
-      "<details><summary>With what the published evaluation does</summary>\n<p>It negates one ear "
-      "of a batch of 32 renderings where that brings them nearer to the target. Magnitudes do not "
-      "see that; what looks at samples does.</p>\n<div class=\"card\">\n" +
+      "<details><summary>With the published evaluation's use of the target</summary>\n<p>It "
+      "negates one ear "
+      "of a batch of 32 renderings if that reduces the difference to the target. Metrics of "
+      "magnitudes do not change; those of samples do.</p>\n<div class=\"card\">\n" +
       released_table(table) + "</div></details>\n";
   if (!table.skipped.empty()) {
     html += fmt::format("<details><summary>{} pairs could not be read</summary>\n<ul>\n",
@@ -252,7 +254,7 @@ void write_report(const std::filesystem::path& folder, const EvaluationSet& set,
                   const ReportOptions& options, ProgressSink& progress) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
-  if (error) throw InputError(folder.string(), "cannot be made: " + error.message());
+  if (error) throw InputError(folder.string(), "cannot be created: " + error.message());
   std::string body = head_of(make_table(result), options);
   body +=
       "<h2>Error over distance and angle</h2>\n<p>Five bins of equally many clips; bars are "
@@ -260,8 +262,8 @@ void write_report(const std::filesystem::path& folder, const EvaluationSet& set,
       "intervals.</p>\n<div class=\"card\">\n" +
       curves(result) + "</div>\n";
   body +=
-      "<h2>Clips</h2>\n<p>Listen with headphones. The sounds of a clip share one gain, so that "
-      "they may be compared by loudness.</p>\n";
+      "<h2>Clips</h2>\n<p>Listen with headphones. The sounds of a clip share one gain, so "
+      "their loudness can be compared.</p>\n";
   const std::vector<ChosenClip> chosen = choose(result, options);
   progress.begin("drawing the report", static_cast<double>(chosen.size()), "clips");
   for (const ChosenClip& clip : chosen) {
@@ -269,7 +271,7 @@ void write_report(const std::filesystem::path& folder, const EvaluationSet& set,
     progress.advance(1.0);
   }
   progress.finish();
-  write_file(folder / "index.html", page("Earpoint: how near to the truth", body));
+  write_file(folder / "index.html", page("Earpoint: methods compared with the true sound", body));
 }
 
 }  // namespace earpoint

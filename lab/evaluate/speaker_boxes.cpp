@@ -49,7 +49,7 @@ SpeakerBoxes boxes_named(std::string_view name) {
   if (name == "true") return SpeakerBoxes::truth;
   if (name == "detected") return SpeakerBoxes::detected;
   if (name == "none") return SpeakerBoxes::none;
-  throw InputError("--boxes " + std::string(name), "expected true, detected or none");
+  throw InputError("boxes " + std::string(name), "expected true, detected or none");
 }
 
 std::function<SpeakerTelling()> telling_maker(

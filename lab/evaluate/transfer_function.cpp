@@ -112,7 +112,7 @@ const TrainingPair<Clip, Choice>& nearest_of(const std::vector<TrainingPair<Clip
   }
   if (best == nullptr) {
     throw InputError("scene " + std::string(question.scene), "is not in the training split",
-                     "look up by relative pose (--tf-index relative)");
+                     "look up by relative pose");
   }
   return *best;
 }
@@ -194,7 +194,7 @@ class RecordedTrainingPairs : public TrainingPairs {
     for (const ReplayClip& clip : dataset_.clips()) add(clip);
     if (entries_.empty()) {
       throw InputError(folder.string(),
-                       "its training clips do not tell where speakers are, which tf looks up by");
+                       "its training clips have no positions of speakers, which tf needs");
     }
   }
 

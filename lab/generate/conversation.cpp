@@ -35,7 +35,8 @@ TraceResult trace_scene(const std::string& name, const AcousticScene& scene,
   try {
     return trace(scene, sources, listeners, options, pool);
   } catch (const InputError& error) {
-    throw InputError("scene '" + name + "'", error.what(), "--close-ceiling mends an open top");
+    throw InputError("scene '" + name + "'", error.what(),
+                     "if its ceiling is missing, close the ceiling");
   }
 }
 

@@ -196,7 +196,7 @@ ConversationPlan plan_conversation(const FloorMap& floor, const RayCaster& caste
   }
   throw InputError(
       scene,
-      fmt::format("no place for two people and {} viewpoints on {:.1f} m2 of free floor",
+      fmt::format("no space for two people and {} viewpoints on {:.1f} m2 of free floor",
                   options.viewpoints, floor.area_m2()),
       "check its unit and up axis, or give a larger scene");
 }

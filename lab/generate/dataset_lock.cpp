@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 const fs::path& made(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
-  if (error) throw InputError(folder.string(), "cannot be made: " + error.message());
+  if (error) throw InputError(folder.string(), "cannot be created: " + error.message());
   return folder;
 }
 
@@ -38,7 +38,7 @@ void DatasetLock::take(const std::vector<WorkItem>& items) {
     if (!ranges_.try_lock(numbers[i], static_cast<std::int64_t>(end - i))) {
       throw InputError(folder_.string(),
                        "another process is simulating the same part of this data set",
-                       "wait for it, or give each its own --shard i/n");
+                       "wait for it, or give each process its own shard i/n");
     }
     i = end;
   }

@@ -161,8 +161,8 @@ void begin_dataset(const GenerationOptions& options, const SceneSource& scenes,
   if (found.is_discarded()) throw InputError(path.string(), "is not valid JSON");
   if (found == wanted) return;
   throw InputError(path.string(),
-                   "this data set was begun with other options: " + difference(found, wanted),
-                   "use the same, or another folder");
+                   "this data set was started with other options: " + difference(found, wanted),
+                   "use the same options, or another folder");
 }
 
 void complete_dataset(const GenerationOptions& options, const SceneSource& scenes,

@@ -73,7 +73,7 @@ SpeechCorpus SpeechCorpus::load(const fs::path& folder) {
     index = read_librispeech(folder);
   } else {
     throw InputError(folder.string(), "holds neither speech.csv nor SPEAKERS.TXT",
-                     "run ./dev speech, or give a folder of speech with --speech");
+                     "run ./dev speech, or give another folder of speech");
   }
   corpus.speakers_ = std::move(index.speakers);
   if (corpus.speakers_.empty()) throw InputError(folder.string(), "holds no speech");
@@ -104,7 +104,7 @@ const SpeechRecording& SpeechCorpus::recording(const std::string& id) const {
     if (found != speaker.recordings.end() && found->id == id) return *found;
   }
   throw InputError(folder_.string(), "has no recording '" + id + "'",
-                   "give the corpus that the data set was begun with");
+                   "use the corpus that the data set was started with");
 }
 
 fs::path default_speech_folder() { return data_folder().value_or(".") / "speech"; }

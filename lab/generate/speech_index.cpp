@@ -93,10 +93,10 @@ class SpeakerTable {
       speaker.split = split;
       const auto [taken, is_free] = by_part_.try_emplace(id_part(name), name);
       if (!is_free) {
-        throw InputError(
-            where(line),
-            fmt::format("the speakers '{}' and '{}' differ only in signs", taken->second, name),
-            "rename one of them");
+        throw InputError(where(line),
+                         fmt::format("the speakers '{}' and '{}' differ only in punctuation",
+                                     taken->second, name),
+                         "rename one of them");
       }
     }
     if (speaker.gender != gender || speaker.split != split) {

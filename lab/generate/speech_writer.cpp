@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 void write_speech(const fs::path& path, const Waveform& speech, SpeechForm form) {
   std::error_code error;
   fs::create_directories(path.parent_path(), error);
-  if (error) throw InputError(path.parent_path().string(), "cannot be made: " + error.message());
+  if (error) throw InputError(path.parent_path().string(), "cannot be created: " + error.message());
   if (form == SpeechForm::flac) {
     write_sound(path, speech, SampleFormat::pcm24);
     return;

@@ -48,7 +48,7 @@ Shard parse_shard(std::string_view text) {
       return shard;
     }
   }
-  throw InputError("--shard",
+  throw InputError("shard",
                    fmt::format("expected i/n with i from 0 to n - 1, like 0/8, found '{}'", text));
 }
 

@@ -35,14 +35,14 @@ Quaternion up_turned_to_z(const JsonField& up) {
 double metres_per_unit(const JsonField& units) {
   if (!units.is_text()) {
     const double metres = units.number();
-    if (metres <= 0.0) units.fail("m, cm, mm, or how many metres a unit has");
+    if (metres <= 0.0) units.fail("m, cm, mm, or the metres of one unit");
     return metres;
   }
   const std::string name = units.text();
   if (name == "m") return 1.0;
   if (name == "cm") return 0.01;
   if (name == "mm") return 0.001;
-  units.fail("m, cm, mm, or how many metres a unit has");
+  units.fail("m, cm, mm, or the metres of one unit");
 }
 
 /// The orientation whose x, y and z axes are these, in the world.
@@ -151,7 +151,7 @@ std::map<std::string, Lens> read_colmap_lenses(const fs::path& path) {
     const auto model = colmap_models().find(words[1]);
     if (model == colmap_models().end()) {
       throw InputError(where, "the camera model " + words[1] + " is not known",
-                       "let COLMAP use PINHOLE, RADIAL or OPENCV");
+                       "use COLMAP with PINHOLE, RADIAL or OPENCV");
     }
     std::vector<double> numbers;
     for (std::size_t i = 2; i < words.size(); ++i) numbers.push_back(number_of(words[i], where));
@@ -189,7 +189,7 @@ void apply_colmap(const fs::path& folder, const CalibrationFrame& frame, Session
     std::array<double, 7> n{};
     for (std::size_t k = 0; k < n.size(); ++k) n[k] = number_of(words[k + 1], where);
     if (std::hypot(n[0], n[1], std::hypot(n[2], n[3])) < 0.5) {
-      throw InputError(where, "its rotation is no unit quaternion");
+      throw InputError(where, "its rotation is not a unit quaternion");
     }
     const auto lens = lenses.find(words[8]);
     if (lens == lenses.end()) {

@@ -37,7 +37,7 @@ struct SoundEvent {
 
 /// A device of the fit.
 struct FitDevice {
-  DeviceClock clock;                    ///< to begin with, good to some ten milliseconds
+  DeviceClock clock;                    ///< to begin with, good to about ten milliseconds
   std::optional<Pose> world_from_head;  ///< of calibrated cameras
   double near_distance_m = 0.0;         ///< of near microphones
   double middle_s = 0.0;                ///< of its recording, on its clock

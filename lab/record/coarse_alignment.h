@@ -14,7 +14,7 @@ namespace earpoint {
 inline constexpr double kOnsetHop_s = 0.002;
 [[nodiscard]] std::vector<float> onset_strength(const Waveform& sound);
 
-/// A clock to some ten milliseconds, from onsets alone: travel times are not known yet.
+/// A clock to about ten milliseconds, from onsets alone: travel times are not known yet.
 struct CoarseClock {
   DeviceClock clock;          ///< against the reference's clock, without a name
   double significance = 0.0;  ///< of the match: the correlation's peak in standard deviations

@@ -169,7 +169,7 @@ class Preparation {
   void claim_folder() {
     std::error_code error;
     fs::create_directories(folder_ / "aligned", error);
-    if (error) throw InputError(folder_.string(), "cannot be made: " + error.message());
+    if (error) throw InputError(folder_.string(), "cannot be created: " + error.message());
     const std::string text =
         fmt::format("{}\nhop_s {}\n", read_text_file(session_.file), options_.hop_s);
     const fs::path record = folder_ / "session.txt";
@@ -177,7 +177,7 @@ class Preparation {
       write_file(record, std::string_view(text));
     } else if (read_text_file(record) != text) {
       throw InputError(folder_.string(), "was prepared from another session description",
-                       "remove it, or name another folder or scene");
+                       "remove it, or choose another folder or scene");
     }
   }
 
@@ -218,7 +218,7 @@ class Preparation {
     }
     if (microphones_.empty()) {
       throw InputError(session_.file.string() + ".people", "no near microphone can be used",
-                       "who speaks when is told by them");
+                       "they show who speaks when");
     }
     begin_s_ = cameras_.front().begin_s;
     end_s_ = cameras_.front().end_s;
@@ -315,7 +315,7 @@ class Preparation {
     }
     progress_.finish();
     if (clips_.empty()) {
-      throw InputError(session_.file.string(), "no second of it holds speech in two cameras");
+      throw InputError(session_.file.string(), "it has no second with speech in two cameras");
     }
   }
 

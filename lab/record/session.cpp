@@ -55,7 +55,7 @@ SessionPerson person_of(const JsonField& json, const Session& session,
   SessionPerson person;
   person.name = name_of(json, names);
   if (microphone && json.has("near")) {
-    json.field("near").fail("no file where the session lists its microphones apart");
+    json.field("near").fail("no file if the session lists its microphones separately");
   }
   person.near = microphone ? *microphone : media_path(json.field("near"), session.file);
   if (!json.has("near_distance_m")) return person;
@@ -76,7 +76,7 @@ void read_people(const JsonField& root, std::set<std::string>& names, Session& s
     }
     if (microphones.size() != people.size()) field.fail("as many files as there are people");
     if (!root.has("boxes")) {
-      field.fail("boxes beside it, which tell who wears which; or give every person's near");
+      field.fail("boxes too, which show who wears which; or give every person's near");
     }
   }
   for (std::size_t p = 0; p < people.size(); ++p) {
@@ -138,7 +138,7 @@ Session read_session(const fs::path& path) {
   session.scene = root.has("scene") ? root.field("scene").text()
                                     : fs::absolute(path).parent_path().filename().string();
   if (session.scene.empty() || session.scene.find('/') != std::string::npos) {
-    root.field("scene").fail("a name that can be a folder's");
+    root.field("scene").fail("a valid folder name");
   }
   if (root.has("split")) {
     session.split = root.field("split").text();

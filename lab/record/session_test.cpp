@@ -142,7 +142,7 @@ TEST(Session, EveryErrorNamesTheField) {
       {session_with(R"("people": [{"name": "a", "near": "a.wav", "near_distance_m": -1}], )"),
        ".people[0].near_distance_m:"},
       {session_with(R"("people": [{"name": "a"}], "microphones": ["x.wav"], )"),
-       "boxes beside it, which tell who wears which"},
+       "boxes too, which show who wears which"},
       {session_with(R"("people": [], "boxes": "b.csv", "microphones": ["x.wav"], )"),
        ".microphones:"},
       {session_with(R"("people": [{"name": "a", "near": "a.wav"}], "boxes": "b.csv",

@@ -66,9 +66,9 @@ class Synchronizer {
       if (device.method != SyncMethod::onsets) continue;
       const bool placed = !device.is_camera || matched_[d].world_from_head;
       result_.notes.push_back(
-          fmt::format("{} {} is synchronised by onsets alone, to some ten milliseconds: {}",
+          fmt::format("{} {} is synchronised by onsets alone, to about ten milliseconds: {}",
                       device.is_camera ? "camera" : "near microphone of", device.clock.name,
-                      placed ? "voices are heard alone too rarely" : "it is not calibrated"));
+                      placed ? "too few voices speak alone" : "it is not calibrated"));
     }
     return std::move(result_);
   }
@@ -160,7 +160,7 @@ class Synchronizer {
         std::ranges::count_if(usable, [&](std::size_t d) { return matched_[d].is_camera; });
     if (cameras < kLeastCameras) {
       result_.notes.push_back(
-          fmt::format("{} cameras are calibrated: at least {} are needed to remove the times that "
+          fmt::format("{} cameras are calibrated: at least {} are needed to correct for the travel "
                       "sound travels",
                       cameras, kLeastCameras));
       return;

@@ -70,7 +70,7 @@ bool SessionFiles::has_sound() const { return all_there(camera_sounds) && all_th
 void begin_simulation(const SessionSimulationOptions& options, const std::string& scene) {
   std::error_code error;
   fs::create_directories(options.folder, error);
-  if (error) throw InputError(options.folder.string(), "cannot be made: " + error.message());
+  if (error) throw InputError(options.folder.string(), "cannot be created: " + error.message());
   const fs::path path = options.folder / "simulation.json";
   const Json wanted = record_of(options, scene);
   if (!fs::exists(path)) {
@@ -87,8 +87,8 @@ void begin_simulation(const SessionSimulationOptions& options, const std::string
     what = fmt::format("{} is {} there, {} here", key, there, value.dump());
     break;
   }
-  throw InputError(path.string(), "was begun with other options: " + what,
-                   "use the same options, or another --out");
+  throw InputError(path.string(), "was started with other options: " + what,
+                   "use the same options, or another output folder");
 }
 
 Session describe_session(const SessionFiles& files, const SessionPlan& plan,

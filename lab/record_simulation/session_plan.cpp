@@ -42,8 +42,8 @@ class SessionPlanner {
     const auto ring = place_cameras(scene_, options_.cameras, random_);
     if (!ring) {
       throw InputError(scene_.name,
-                       fmt::format("has no place for a ring of {} cameras", options_.cameras),
-                       "give a larger scene, another seed or fewer --cameras");
+                       fmt::format("has no space for a ring of {} cameras", options_.cameras),
+                       "give a larger scene, another seed or fewer cameras");
     }
     ring_ = *ring;
     plan_.duration_s = options_.duration_s;
@@ -100,7 +100,7 @@ class SessionPlanner {
     throw InputError(
         "the speech",
         fmt::format("has too few {} speakers for the split {}", name_of(gender), name_of(split_)),
-        "add speakers, or simulate fewer --people");
+        "add speakers, or simulate fewer people");
   }
 
   // On a collar or a headset: 10 to 20 cm from the mouth, below it and to a side.
@@ -154,8 +154,8 @@ class SessionPlanner {
     }
     throw InputError(
         scene_.name,
-        fmt::format("has no place for {} people between the cameras", plan_.people.size()),
-        "give a larger scene, another seed or fewer --people");
+        fmt::format("has no space for {} people between the cameras", plan_.people.size()),
+        "give a larger scene, another seed or fewer people");
   }
 
   double yaw_towards(const std::vector<FloorPoint>& others, const FloorPoint& at) {

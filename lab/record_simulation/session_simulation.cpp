@@ -32,7 +32,7 @@ constexpr int kSpeechRate_hz = 16000;  // what read_speech gives
 void make_folder(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
-  if (error) throw InputError(folder.string(), "cannot be made: " + error.message());
+  if (error) throw InputError(folder.string(), "cannot be created: " + error.message());
 }
 
 /// Makes one session.

@@ -267,7 +267,7 @@ FloorPlan draw_floor_plan(const PlanOptions& options, RandomStream& random) {
   throw InputError("home",
                    fmt::format("{} rooms do not fit {} m2", options.rooms.value_or(kMostRooms),
                                options.area_m2.value_or(0.0)),
-                   "ask for fewer rooms or another area");
+                   "use fewer rooms or another area");
 }
 
 }  // namespace earpoint

@@ -165,7 +165,7 @@ TEST(FloorPlan, RefusesWhatNoHomeCanBe) {
   EXPECT_EQ(refusal({.area_m2 = 10.0}), "home: area_m2: expected 20 to 150, found 10");
   EXPECT_EQ(refusal({.ceiling_m = 4.0}), "home: ceiling_m: expected 2.3 to 3.2, found 4");
   EXPECT_EQ(refusal({.rooms = 6, .area_m2 = 20.0}),
-            "home: 6 rooms do not fit 20 m2; ask for fewer rooms or another area");
+            "home: 6 rooms do not fit 20 m2; use fewer rooms or another area");
 }
 
 }  // namespace

@@ -84,7 +84,7 @@ class Quantised {
     const bool fits = view.at("buffer") == 0 && first_ <= data.size() && stride_ >= packed &&
                       (count_ == 0 || (data.size() - first_ >= packed &&
                                        (data.size() - first_ - packed) / stride_ >= count_ - 1));
-    if (!fits) throw InputError(where, "points outside of the file's data", "export it again");
+    if (!fits) throw InputError(where, "points outside the file's data", "export it again");
   }
 
   [[nodiscard]] std::vector<float> floats() const {
@@ -147,11 +147,11 @@ std::vector<std::byte> binary_chunk(const std::filesystem::path& path) {
   const std::vector<std::byte> file = read_file(path);
   const bool is_binary = file.size() >= kHeader + kChunkHeader && word_at(file, 0) == 0x46546C67;
   if (!is_binary) {
-    throw InputError(path.string(), "has small integers as coordinates in a file of its own",
+    throw InputError(path.string(), "has small integers as coordinates in a separate file",
                      "save it as .glb");
   }
   const std::size_t start = kHeader + 2 * kChunkHeader + word_at(file, kHeader);
-  if (start > file.size()) throw InputError(path.string(), "is cut short", "export it again");
+  if (start > file.size()) throw InputError(path.string(), "is truncated", "export it again");
   std::vector<std::byte> data(file.begin() + static_cast<std::ptrdiff_t>(start), file.end());
   data.resize((data.size() + 3) / 4 * 4);
   return data;
@@ -163,7 +163,7 @@ std::optional<std::vector<std::byte>> gltf_with_floats(const std::filesystem::pa
                                                        nlohmann::json json) try {
   for (const Json& extension : json.value("extensionsRequired", Json::array())) {
     if (extension != "EXT_meshopt_compression") continue;
-    throw InputError(path.string(), "is packed by meshopt, which is not read here",
+    throw InputError(path.string(), "is compressed by meshopt, which is not supported",
                      "export it without compression");
   }
   if (!json.contains("meshes") || !json.contains("accessors")) return std::nullopt;

@@ -62,14 +62,14 @@ Vector3 check_size(const Scene& scene, const std::filesystem::path& path) {
   const Vector3 extent = box.high - box.low;
   const double largest_m = std::max({extent.x, extent.y, extent.z});
   if (largest_m < 0.5) {
-    throw InputError(path.string(), fmt::format("is only {:.3g} m large", largest_m),
-                     "give the length of its unit: --unit 1000 if it is in kilometres");
+    throw InputError(path.string(), fmt::format("is only {:.3g} m in size", largest_m),
+                     "give the length of its unit in metres: 1000 if it is in kilometres");
   }
   if (largest_m > kLargest_m) {
     throw InputError(
         path.string(),
-        fmt::format("is {:.6g} m large, expected at most {:g} m", largest_m, kLargest_m),
-        "give the length of its unit: --unit 0.01 if it is in centimetres");
+        fmt::format("is {:.6g} m in size, expected at most {:g} m", largest_m, kLargest_m),
+        "give the length of its unit in metres: 0.01 if it is in centimetres");
   }
   return extent;
 }
@@ -92,43 +92,41 @@ std::vector<std::string> ImportReport::warnings() const {
   }
   for (const auto& [name, faces] : unknown_surfaces) {
     lines.push_back(
-        fmt::format("no pattern knows the surface '{}' ({} faces), it sounds like {}; "
-                    "name it in --materials",
+        fmt::format("surface '{}' ({} faces) matches no pattern and gets the material {}; "
+                    "name it in the materials",
                     name, faces, sounds.at(name)));
   }
   if (coordinate_step_m > kCoarse_m) {
     lines.push_back(
-        fmt::format("its coordinates are so large that they are only good to {:.2g} m; move the "
-                    "model to its origin before it is exported",
+        fmt::format("coordinates are so large that their precision is only {:.2g} m; move the "
+                    "model to the origin before exporting it",
                     coordinate_step_m));
   }
   if (size_m.z < kUsualHeight_m[0] || size_m.z > kUsualHeight_m[1]) {
     lines.push_back(fmt::format(
-        "the model is {:.4g} m high; if its unit is not the metre, give --unit, if another axis "
-        "points up, --up",
+        "the model is {:.4g} m high; check the length of its unit and which axis points up",
         size_m.z));
   }
   if (closure.rays == 0) {
-    lines.push_back("no place has a floor and walls around it; is this a room?");
+    lines.push_back("no position has a floor and walls around it; is this a room?");
   } else if (closure.escaping_share > kLeaky) {
     const bool upwards = closure.escaping_up_share > 0.5 * closure.escaping_share;
     lines.push_back(fmt::format(
         "{:.1f} % of rays escape through holes ({} open edges, {:.1f} m); {}",
         100.0 * closure.escaping_share, closure.open_edges, closure.open_edges_m,
-        upwards ? "most go up: use --close-ceiling" : "close the walls in a modelling program"));
+        upwards ? "most go up: close the ceiling" : "close the walls in a modelling program"));
   }
   return lines;
 }
 
 ImportedScene import_scene(const std::filesystem::path& path, const ImportOptions& options) {
   if (!(options.unit_m > 0.0) || !std::isfinite(options.unit_m)) {
-    throw InputError("--unit",
-                     fmt::format("expected a length above 0 m, found {}", options.unit_m));
+    throw InputError("unit", fmt::format("expected a length above 0 m, found {}", options.unit_m));
   }
   const UpAxis up_axis = options.up_axis.value_or(default_up_axis(path));
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) {
-    throw InputError(path.string(), "is not there, or not a file");
+    throw InputError(path.string(), "does not exist, or is not a file");
   }
   ImportedScene imported = lower_extension(path) == ".ply"
                                ? read_ply_scene(path, options, up_axis)

@@ -98,10 +98,10 @@ AcousticMaterial read_material(const std::string& name, const JsonField& field) 
     for (std::size_t band = 0; band < kOctaveBands; ++band) {
       material.transmission[band] = std::pow(10.0F, -0.1F * loss_db[band]);
       if (material.transmission[band] <= material.absorption[band]) continue;
-      loss.refuse(fmt::format("lets {:.3f} through at {} Hz, but only {} is absorbed",
-                              material.transmission[band], kOctaveBandCentresHz[band],
-                              material.absorption[band]),
-                  "what goes through counts as absorbed");
+      loss.refuse(
+          fmt::format("transmits {:.3f} at {} Hz, but absorbs only {}", material.transmission[band],
+                      kOctaveBandCentresHz[band], material.absorption[band]),
+          "absorption includes transmission");
     }
   }
   for (const char* key : {"absorption_source", "scattering_source", "transmission_source"}) {
@@ -177,7 +177,7 @@ class MaterialTableReader {
       for (const std::string& part : parts) {
         const std::size_t star = part.find('*');
         if (star == std::string::npos || (star > 0 && star + 1 == part.size())) continue;
-        words.refuse(fmt::format("'{}' has a * that does not end a word", text));
+        words.refuse(fmt::format("'{}' has a * that is not at the end of a word", text));
       }
       table_.patterns_.push_back({.words = std::move(parts), .material = material, .rank = 0});
     }

@@ -93,7 +93,7 @@ TEST(MaterialTable, RefusesWhatItWouldHaveToGuessNamingTheField) {
       {edited("0.1, 0.2, ", ""),
        "mine.json: materials.hard.absorption: expected 6, 7 or 8 numbers, found 4"},
       {edited("[10, 10, 20", "[1, 10, 20"),
-       "mine.json: materials.soft.transmission_loss_db: lets 0.794 through at 62.5 Hz"},
+       "mine.json: materials.soft.transmission_loss_db: transmits 0.794 at 62.5 Hz"},
       {edited("\"rug\"", "\"*\""), "mine.json: patterns[0].words[0]: '*' has a *"},
       {edited("\"rug\"", "\"7\""), "mine.json: patterns[0].words[0]: '7' has no letters"},
       {edited("\"material\": \"soft\"", "\"material\": \"silk\""),

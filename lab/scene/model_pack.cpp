@@ -96,7 +96,7 @@ class PackReader {
         Json::parse(std::string_view(reinterpret_cast<const char*>(bytes_.data()), length));
     if (header.at("format") != kFormat) fail("it is of another version");
     blob_ = std::span(bytes_).subspan(length + 1);
-    if (header.at("bytes").get<std::size_t>() != blob_.size()) fail("it is cut short");
+    if (header.at("bytes").get<std::size_t>() != blob_.size()) fail("it is truncated");
     ModelPack pack;
     for (const Json& json : header.at("furniture")) pack.furniture.push_back(read_furniture(json));
     for (const Json& json : header.at("figures")) pack.figures.push_back(read_figure(json));
@@ -143,7 +143,7 @@ class PackReader {
     const auto offset = place.at(0).get<std::size_t>();
     const auto count = place.at(1).get<std::size_t>();
     if (offset > blob_.size() || count > (blob_.size() - offset) / sizeof(T)) {
-      fail("an array ends behind the file");
+      fail("an array ends after the end of the file");
     }
     std::vector<T> values(count);
     if (count > 0) std::memcpy(values.data(), blob_.data() + offset, count * sizeof(T));
@@ -173,7 +173,7 @@ class PackReader {
     Material material;
     const auto sound = json.at("sound").get<std::string>();
     const AcousticMaterial* acoustic = standard_materials().find(sound);
-    if (acoustic == nullptr) fail(fmt::format("'{}' is no standard material", sound));
+    if (acoustic == nullptr) fail(fmt::format("'{}' is not a standard material", sound));
     material.acoustic = *acoustic;
     material.look.base_colour = json.at("base_colour").get<std::array<float, 3>>();
     material.look.texture = json.at("texture").get<int>();

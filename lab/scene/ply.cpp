@@ -98,7 +98,7 @@ class PlyReader {
 
   std::string next_line() {
     const std::size_t end = text_.find('\n', at_);
-    if (end == std::string::npos) fail("is cut short in its header");
+    if (end == std::string::npos) fail("is truncated in its header");
     std::string line = text_.substr(at_, end - at_);
     if (!line.empty() && line.back() == '\r') line.pop_back();
     at_ = end + 1;
@@ -174,7 +174,7 @@ class PlyReader {
 
   double ascii_number() {
     while (at_ < text_.size() && std::isspace(static_cast<unsigned char>(text_[at_])) != 0) ++at_;
-    if (at_ >= text_.size()) fail("is cut short");
+    if (at_ >= text_.size()) fail("is truncated");
     double value = 0.0;
     const char* begin = text_.data() + at_;
     const auto [end, error] = std::from_chars(begin, text_.data() + text_.size(), value);
@@ -184,7 +184,7 @@ class PlyReader {
   }
 
   double binary_number(const NumberType& type) {
-    if (text_.size() - at_ < type.bytes) fail("is cut short");
+    if (text_.size() - at_ < type.bytes) fail("is truncated");
     std::array<unsigned char, 8> bytes{};
     std::memcpy(bytes.data(), text_.data() + at_, type.bytes);
     at_ += type.bytes;

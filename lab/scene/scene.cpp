@@ -80,7 +80,7 @@ void check_materials(const Scene& scene, std::string_view where) {
           where,
           fmt::format("material '{}': transmission {} is above absorption {}", acoustic.name,
                       acoustic.transmission[band], acoustic.absorption[band]),
-          "what goes through counts as absorbed");
+          "absorption includes transmission");
     }
     const int texture = material.look.texture;
     if (texture != Look::kNoTexture &&

@@ -101,8 +101,8 @@ TEST(Scene, CheckNamesWhatIsWrongInOneLine) {
   room = small_room();
   room.materials[0].acoustic.transmission[2] = 0.5F;
   EXPECT_EQ(refusal(room),
-            "room.glb: material 'wall': transmission 0.5 is above absorption 0.2; what goes "
-            "through counts as absorbed");
+            "room.glb: material 'wall': transmission 0.5 is above absorption 0.2; absorption "
+            "includes transmission");
 
   room = small_room();
   room.materials[0].look.texture = 0;

@@ -109,7 +109,7 @@ AnswerStore& AnswerStore::operator=(AnswerStore&&) noexcept = default;
 
 AnswerStore AnswerStore::open_to_read(const fs::path& file, const std::string& study) {
   if (!fs::is_regular_file(file)) {
-    throw InputError(file.string(), "is not there: nobody has taken part yet",
+    throw InputError(file.string(), "does not exist: nobody has taken part yet",
                      "start the study with earpoint study serve");
   }
   auto state = std::make_unique<State>(file, true);

@@ -74,7 +74,7 @@ int LocalServer::bind(int port) {
   }
   if (port_ < 0) {
     throw InputError(fmt::format("{}:{}", kHost, port), "cannot be served",
-                     "choose another --port; 0 takes any that is free");
+                     "choose another port; 0 takes any that is free");
   }
   return port_;
 }

@@ -105,7 +105,7 @@ class Draw {
     throw InputError(material_.pairs(),
                      fmt::format("has too few pairs of {:g} s for {} clips, controls and training",
                                  request_.duration_s, request_.count),
-                     "take a smaller --count, fewer --controls, or shorter --seconds");
+                     "use fewer clips, fewer controls or shorter clips");
   }
 
   const StudyMaterial& material_;
@@ -253,19 +253,19 @@ class StudyMaker {
 
 void check_methods(const StudyMaterial& material, std::span<const MethodEntry> methods) {
   if (methods.size() < 2) {
-    throw InputError("--methods", "a study compares two or more", "name more");
+    throw InputError("methods", "a study compares two or more", "name more");
   }
   for (const MethodEntry& method : methods) {
-    const std::string flag = "--methods " + method.name;
+    const std::string where = "methods " + method.name;
     if (method.is_oracle) {
-      throw InputError(flag, "is an oracle, which has heard the target", "leave it out");
+      throw InputError(where, "is an oracle, which is given the target", "leave it out");
     }
     if (method.needs_speaker && !material.knows_speaker()) {
-      throw InputError(flag, "must know where the speaker stands, which these data do not tell",
+      throw InputError(where, "needs the speaker's position, which these data do not have",
                        "leave it out");
     }
     for (const std::string_view taken : {kTruthCondition, kMonoCondition, kSwappedCondition}) {
-      if (method.name == taken) throw InputError(flag, "is a name that studies use themselves");
+      if (method.name == taken) throw InputError(where, "is a reserved name in studies");
     }
   }
 }
@@ -278,8 +278,8 @@ Study make_study(const StudyMaterial& material, std::span<const MethodEntry> met
   check_methods(material, methods);
   std::error_code ignored;
   if (fs::exists(folder) && !fs::is_empty(folder, ignored)) {
-    throw InputError(folder.string(), "is there and not empty",
-                     "name another folder: a study that has answers must not change");
+    throw InputError(folder.string(), "exists and is not empty",
+                     "choose another folder: a study with answers must not change");
   }
   std::vector<DrawnClip> drawn = Draw(material, request).clips();
 

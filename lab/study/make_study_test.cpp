@@ -160,7 +160,7 @@ TEST(MakeStudy, RefusesAFolderInUseOraclesAndTooFewPairs) {
     make_test_study(folder.path(), request);
     ADD_FAILURE() << "8 conversations of 3 viewpoints gave 50 clips";
   } catch (const InputError& error) {
-    EXPECT_NE(std::string(error.what()).find("--count"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("fewer clips"), std::string::npos) << error.what();
   }
   EXPECT_FALSE(fs::exists(folder.path() / "study"));
   const auto material =

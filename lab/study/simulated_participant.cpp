@@ -161,7 +161,7 @@ SimulatedRule simulated_rule_named(std::string_view name) {
   for (const SimulatedRule rule : kRules) {
     if (name == name_of(rule)) return rule;
   }
-  throw InputError("--rule", fmt::format("expected mag, level or random, found '{}'", name));
+  throw InputError("rule", fmt::format("expected mag, level or random, found '{}'", name));
 }
 
 SimulatedOutcome take_part(int port, const SimulatedOptions& options) {

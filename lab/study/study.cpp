@@ -94,7 +94,7 @@ StudyDesign study_design_named(std::string_view name) {
   for (const StudyDesign design : {StudyDesign::choice, StudyDesign::mushra}) {
     if (name == name_of(design)) return design;
   }
-  throw InputError("--design", fmt::format("expected choice or mushra, found '{}'", name));
+  throw InputError("design", fmt::format("expected choice or mushra, found '{}'", name));
 }
 
 const StudyClip* Study::find_clip(std::string_view id) const {

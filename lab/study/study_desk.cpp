@@ -35,7 +35,7 @@ DeskReply unknown_participant() {
 /// @throws InputError if it is no object
 json parse_object(const std::string& body) {
   json document = body.empty() ? json::object() : json::parse(body, nullptr, false);
-  if (!document.is_object()) throw InputError("request", "is no JSON object");
+  if (!document.is_object()) throw InputError("request", "is not a JSON object");
   return document;
 }
 
@@ -43,7 +43,7 @@ json parse_object(const std::string& body) {
 std::string text_of(const json& document, const char* key, std::size_t most) {
   const auto found = document.find(key);
   if (found == document.end()) return {};
-  if (!found->is_string()) throw InputError(key, "is no text");
+  if (!found->is_string()) throw InputError(key, "is not a text");
   std::string text = found->get<std::string>();
   if (text.size() > most) throw InputError(key, fmt::format("is longer than {} bytes", most));
   return text;

@@ -153,11 +153,10 @@ std::unique_ptr<StudyMaterial> study_material(const fs::path& folder, DatasetLay
     return std::make_unique<SoundSpacesMaterial>(folder, split, list, duration_s);
   }
   if (list) {
-    throw InputError("--pairs", "Replay-NVAS has no pair lists; its pairs are drawn",
-                     "leave it out");
+    throw InputError("pairs", "Replay-NVAS has no pair lists; its pairs are drawn", "leave it out");
   }
   if (duration_s > 1.0) {
-    throw InputError("--seconds", "clips of Replay-NVAS have one second", "take 1");
+    throw InputError("seconds", "clips of Replay-NVAS last one second", "use 1");
   }
   return std::make_unique<ReplayMaterial>(folder, split, duration_s);
 }

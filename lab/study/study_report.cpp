@@ -203,7 +203,7 @@ void write_study_report(const std::filesystem::path& folder, const Study& study,
                         std::span<const StudyGroup> groups) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
-  if (error) throw InputError(folder.string(), "cannot be made: " + error.message());
+  if (error) throw InputError(folder.string(), "cannot be created: " + error.message());
   write_file(folder / "index.html", study_page(study, groups));
   write_file(folder / "answers.csv", answers_csv(study, groups));
   write_file(folder / "results.json", json_of(study, groups));

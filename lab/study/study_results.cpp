@@ -31,7 +31,7 @@ using Values = std::vector<std::optional<double>>;
 StudyTrial trial_of(const Study& study, const Participant& participant, const StudyStep& step,
                     Answer answer) {
   const auto clip = std::ranges::find(study.clips, step.item, &StudyClip::id);
-  if (clip == study.clips.end()) throw InputError("answers", "are to clips that are not there");
+  if (clip == study.clips.end()) throw InputError("answers", "are for clips that do not exist");
   StudyTrial trial{.participant = participant.number,
                    .clip = static_cast<std::size_t>(clip - study.clips.begin()),
                    .scale = step.scale,

@@ -30,7 +30,7 @@ void send(const DeskReply& reply, httplib::Response& response) {
 
 void send_file(const std::optional<std::filesystem::path>& file, const char* type,
                httplib::Response& response) {
-  if (!file) return refuse(response, 404, "there is no such thing");
+  if (!file) return refuse(response, 404, "there is no such resource");
   const std::vector<std::byte> bytes = read_file(*file);
   response.set_content(reinterpret_cast<const char*>(bytes.data()), bytes.size(), type);
 }

@@ -14,8 +14,8 @@ namespace earpoint {
 
 /// Adds arrivals, each through the HRTF of its own direction at its own time: the gain curve of its
 /// bands times both ears' responses, shifted by the fraction of a sample. The first 256 get the
-/// interpolated response, later ones that of the nearest measured direction: the ear does not tell
-/// them apart.
+/// interpolated response, later ones that of the nearest measured direction: hearing does not
+/// resolve them apart.
 /// @param bank      of `shape.fft_size`
 /// @param arrivals  by delay, directions in the world's frame
 /// @param ears      [ear][samples]

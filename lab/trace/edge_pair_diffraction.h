@@ -38,7 +38,7 @@ struct FacePlace {
 /// Sound on the face is a sum of plane waves of complex angle, and each edge turns one such sum
 /// into another by the exact wedge solution (Macdonald; Sommerfeld's integral); the orders are
 /// added up until they do not matter. Exact for a line source and endless edges; for a point source
-/// the spreading of its unfolded way is put in place of the line's, and for edges that end the
+/// the spreading of its unfolded path replaces the line's, and for edges that end the
 /// share that their parts in sight have in the first-order sound. Faces that absorb weigh their
 /// terms as in `diffract`.
 /// @param reference_m  the spectrum's phase is that of a way of this length

@@ -56,21 +56,21 @@ void check_escape(const SceneGeometry& scene, const Vector3& source_m, double fr
   if (lies_on_surface(scene, source_m)) {
     throw InputError(
         "the source",
-        fmt::format("lies on a surface: {:.0f} % of its sound is lost behind it", 100.0 * fraction),
+        fmt::format("is on a surface: {:.0f} % of its rays are lost behind it", 100.0 * fraction),
         "move it 1 cm or more into the room");
   }
   constexpr double kOutside = 0.4;
   if (open_level_share(scene, source_m) > kOutside) {
-    throw InputError("the source",
-                     fmt::format("is outside of the walls: {:.0f} % of its sound meets nothing",
-                                 100.0 * fraction),
-                     "place it in a closed room");
+    throw InputError(
+        "the source",
+        fmt::format("is outside the walls: {:.0f} % of its rays hit no surface", 100.0 * fraction),
+        "place it in a closed room");
   }
   throw InputError("the mesh",
                    fmt::format("leaks: {:.1f} % of the sound escapes through holes, expected at "
                                "most {:.1f} %",
                                100.0 * fraction, 100.0 * limit),
-                   "close the holes; --close-ceiling puts a missing ceiling on");
+                   "close the holes; a missing ceiling can be added (close the ceiling)");
 }
 
 }  // namespace earpoint

@@ -5,7 +5,7 @@
 namespace earpoint {
 
 /// Refuses a scene out of which too much of a source's sound escapes, and says why as far as rays
-/// can tell: the source lies on a surface, stands outside, or the mesh has holes.
+/// can detect: the source is on a surface or outside, or the mesh has holes.
 /// @param fraction  of the energy that escaped
 /// @param limit     the most that may
 /// @throws InputError

@@ -34,19 +34,19 @@ class LateField {
   /// The bank of octave bands, of the shape's size.
   [[nodiscard]] const OctaveBank& bank() const { return bank_; }
 
-  /// Adds what an omnidirectional microphone hears.
+  /// Adds the sound at an omnidirectional microphone.
   /// @param arrivals  pulses at their exact times
   /// @param signal    shape [samples]
   void add_mono(const EnergyHistogram& late, std::span<const Arrival> arrivals,
                 std::uint64_t stream, std::span<float> signal) const;
 
-  /// Adds what two ears hear of the noise: each sector's through the HRTF of its middle.
+  /// Adds the noise at two ears: each sector's through the HRTF of its middle.
   /// @param ears  [ear][samples]
   void add_binaural(const EnergyHistogram& late, const Quaternion& world_from_listener,
                     const HrtfSet& hrtf, std::uint64_t stream,
                     std::span<std::vector<float>> ears) const;
 
-  /// Adds what an ambisonic microphone hears.
+  /// Adds the sound at an ambisonic microphone.
   /// @param channels  [ambisonic_channels(order)][samples]
   void add_ambisonic(const EnergyHistogram& late, std::span<const Arrival> arrivals,
                      const Quaternion& world_from_listener, int order, std::uint64_t stream,

@@ -33,7 +33,7 @@ class BandOverlap {
 /// Brings the energy of shaped noise to what it should be. Noise that is shaped by an envelope has
 /// the right energy on average over many draws; one draw of it fluctuates, in a low band by several
 /// dB over the few periods of a decay. This takes out the slow part of the fluctuation: stretch by
-/// stretch of about 4 dB of the band's decay, and no shorter than the band can tell apart.
+/// stretch of about 4 dB of the band's decay, and not shorter than the band can resolve.
 /// @param expected   power per band over time, points `hop_samples` apart; of all channels together
 /// @param channels   the noise; all get the same gain, so that their differences stay
 void level_noise(std::span<const BandArray> expected, double hop_samples, const OctaveBank& bank,

@@ -17,7 +17,7 @@ struct Way {
   Vector3 comes_from;
 };
 
-/// The way of sound that meets both sides of a passage.
+/// The path of sound that meets both sides of a passage.
 struct PassageWay {
   Passage passage;
   PassagePlace before;

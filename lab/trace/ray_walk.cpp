@@ -295,8 +295,8 @@ void Walk::note_alive(const Lane& lane, float distance_m) {
   }
 }
 
-// What a ray carries over what the survey expects: the mean over bands. What
-// has decayed by 60 dB is expected no weaker: there the rays get fewer.
+// What a ray carries over what the survey expects: the mean over bands. Expectations do not fall
+// below -60 dB: rays there become fewer.
 float Walk::weight(const Lane& lane) const {
   const EnergyAlive& expected = *task_.expected;
   const auto place = static_cast<std::size_t>(lane.travelled_m / static_cast<float>(kAliveStep_m));

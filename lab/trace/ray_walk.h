@@ -32,7 +32,7 @@ struct WalkTask {
   std::uint64_t stream = 0;  ///< the source's random stream
   int first_ray = 0;
   int last_ray = 0;  ///< one past the end
-  /// What a survey has found, which tells how much energy a ray should carry: rays with much more
+  /// The result of a survey, which gives the energy that a ray should carry: rays with much more
   /// are split, of those with less a few go on with more. Null where nothing is known yet.
   const EnergyAlive* expected = nullptr;
 };

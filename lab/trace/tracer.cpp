@@ -34,7 +34,7 @@ void check_apart(std::span<const Source> sources, std::span<const Vector3> liste
   for (const Source& source : sources) {
     for (const Vector3& listener : listeners) {
       if (norm(listener - source.world_from_source.position_m) >= kLeast_m) continue;
-      throw InputError("listener", "stands where the source is",
+      throw InputError("listener", "is at the position of the source",
                        "move one of them by 1 mm or more");
     }
   }

@@ -43,7 +43,7 @@ std::int64_t steps_in(const SafetensorsFile& file, std::string_view where, const
     if (error != std::errc() || end != text.data() + text.size()) steps = -1;
   }
   if (steps < 0) {
-    throw InputError(where, fmt::format("has no '{}' that counts steps", key),
+    throw InputError(where, fmt::format("has no '{}' with the count of steps", key),
                      "was it written by training?");
   }
   return steps;

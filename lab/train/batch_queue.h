@@ -13,7 +13,7 @@
 
 namespace earpoint {
 
-/// Makes batches on threads of its own, a few ahead of whoever takes them, in ascending order.
+/// Makes batches on its own threads, a few ahead of the consumer, in ascending order.
 class BatchQueue {
  public:
   /// @param first   number of the first batch that will be taken

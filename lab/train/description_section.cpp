@@ -16,7 +16,7 @@ std::string description_with(std::string_view section, std::string_view usual,
   nlohmann::json whole = nlohmann::json::parse(usual);
   for (const auto& [key, value] : changes.items()) {
     if (key == "format" || key == "network") {
-      throw InputError(where, fmt::format("'{}' is not for a configuration to set", key));
+      throw InputError(where, fmt::format("'{}' cannot be set by a configuration", key));
     }
     whole[key] = value;
   }

@@ -28,12 +28,12 @@ std::string first_line(const std::exception& error) {
 }
 
 template <typename Action>
-auto explained(const std::string& what, const std::string& mend, const Action& action) {
+auto explained(const std::string& what, const std::string& hint, const Action& action) {
   try {
     return action();
   } catch (const std::exception& error) {
     throw InputError("training in several processes",
-                     fmt::format("{}: {}", what, first_line(error)), mend);
+                     fmt::format("{}: {}", what, first_line(error)), hint);
   }
 }
 
@@ -95,7 +95,7 @@ struct ProcessGroup::State {
 
   template <typename Start>
   static void wait_for(const Start& start) {
-    explained("another process is lost", "see what it says; then go on by --resume",
+    explained("another process was lost", "see its output; then resume the training",
               [&] { start()->wait(); });
   }
 

@@ -127,7 +127,7 @@ TEST_F(ReplayExamplesTest, WhatRecordingsDoNotTellIsRefused) {
           .find("'place'"),
       std::string::npos);
   EXPECT_NE(refusal(with(R"({"kind": "gtf"})", R"({"align": "none"})"), replay)
-                .find("which recordings do not tell"),
+                .find("which recordings do not have"),
             std::string::npos);
 }
 

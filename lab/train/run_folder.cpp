@@ -43,7 +43,7 @@ Json without_limits(const std::string& config) {
 const fs::path& made(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
-  if (error) throw InputError(folder.string(), "cannot be made: " + error.message());
+  if (error) throw InputError(folder.string(), "cannot be created: " + error.message());
   return folder;
 }
 
@@ -52,7 +52,7 @@ const fs::path& made(const fs::path& folder) {
 RunLock::RunLock(const fs::path& folder) : lock_(made(folder) / ".lock") {
   if (lock_.try_lock(0, 1)) return;
   throw InputError(folder.string(), "another process is training there",
-                   "wait for it, or name another folder with --out");
+                   "wait for it, or choose another output folder");
 }
 
 RunState run_state_in(const SafetensorsFile& checkpoint) {
@@ -133,7 +133,7 @@ std::optional<SafetensorsFile> read_checkpoint(const fs::path& folder, const std
   const auto found = checkpoint.metadata.find(kConfigKey);
   if (found == checkpoint.metadata.end() ||
       without_limits(found->second) != without_limits(config)) {
-    throw InputError(path.string(), "is of a run with another configuration",
+    throw InputError(path.string(), "belongs to a run with another configuration",
                      fmt::format("see {}", (folder / "config.json").string()));
   }
   return checkpoint;

@@ -248,9 +248,9 @@ TEST_F(TaskKinds, DoesNotGoOnWithAnotherNetwork) {
     return task.learner->checkpoint();
   }();
   EXPECT_EQ(refusal(config_of(kRt60), &checkpoint), "accepted");
-  EXPECT_NE(
-      refusal(config_of(R"({"kind": "rt60", "channels": 3})"), &checkpoint).find("another network"),
-      std::string::npos);
+  EXPECT_NE(refusal(config_of(R"({"kind": "rt60", "channels": 3})"), &checkpoint)
+                .find("different network"),
+            std::string::npos);
 }
 
 }  // namespace

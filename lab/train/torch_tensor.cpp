@@ -18,7 +18,7 @@ at::Device device_named(const std::string& name) {
     static_cast<void>(at::zeros({1}, at::TensorOptions().device(device)));
     return device;
   } catch (const c10::Error&) {
-    throw InputError("--device " + name, "LibTorch has no such device here", "use --device cpu");
+    throw InputError("device " + name, "LibTorch has no such device here", "use cpu");
   }
 }
 

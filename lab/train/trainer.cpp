@@ -201,7 +201,7 @@ class Run {
     }
     std::array<double, 2> all{sum, static_cast<double>(count)};
     exchange_.sum(all);
-    if (all[1] == 0.0) throw InputError("validation", "not one example can be made");
+    if (all[1] == 0.0) throw InputError("validation", "no example can be made");
     return all[0] / all[1];
   }
 

@@ -35,7 +35,7 @@ ViGasWeights starting_weights(const ViGasConfig& config, std::uint64_t seed,
     case ViGasStart::file:
       weights = read_vigas_weights(config.start_file);
       if (to_json(weights.description) != to_json(config.description)) {
-        throw InputError(where, fmt::format("'init': {} is of another network than this one",
+        throw InputError(where, fmt::format("'init': {} belongs to a different network",
                                             config.start_file.string()));
       }
       break;
@@ -56,7 +56,7 @@ std::unique_ptr<Learner> vigas_learner(const ViGasConfig& config, std::uint64_t 
   auto learner = std::make_unique<ViGasLearner>(
       ViGasLearner::from_checkpoint(*options.checkpoint, "the checkpoint", learner_options));
   if (to_json(learner->description()) != to_json(config.description)) {
-    throw InputError(where, "describes another network than the checkpoint is of");
+    throw InputError(where, "describes a different network from the checkpoint");
   }
   return learner;
 }
@@ -69,7 +69,7 @@ TrainingTask vigas_task(const TrainConfig& config, std::string_view where,
   if (pairs.layout == DatasetLayout::replay) {
     network.description.highpass_cutoff_hz = kReplayCutoffHz;
     if (network.place > 0.0) {
-      throw InputError(where, "'network': 'place': recordings do not tell where the speaker is",
+      throw InputError(where, "'network': 'place': recordings do not have the speaker's position",
                        "leave it out");
     }
   }

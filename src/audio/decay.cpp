@@ -109,8 +109,7 @@ Cut find_cut(std::span<const double> energies, double sample_rate_hz) {
   auto block = static_cast<std::size_t>(std::max(1.0, std::round(first_block)));
   if (total < 3) return {total, 0.0};
   if (!fit_levels(energies, block, HUGE_VAL, noise_db + 10.0, line)) {
-    throw InputError(kWhere,
-                     "does not decay: its last tenth is not 10 dB weaker than its beginning",
+    throw InputError(kWhere, "does not decay: its last tenth is not 10 dB below its beginning",
                      "is it an impulse response?");
   }
 
@@ -161,7 +160,7 @@ double decay_time_s(std::span<const float> response, double sample_rate_hz, cons
                      fmt::format("{} needs a decay to {:.0f} dB; it reaches {:.1f} dB before its "
                                  "noise or its end",
                                  name, to_db, curve.back()),
-                     "record it longer or with less noise");
+                     "use a longer recording or one with less noise");
   }
   if (first == last) {
     throw InputError(kWhere, fmt::format("falls from {:.0f} to {:.0f} dB within one sample, so {} "

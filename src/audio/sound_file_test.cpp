@@ -206,7 +206,7 @@ TEST_F(SoundFile, BadFilesAreNamedInOneLine) {
   for (const auto& [name, problem] : {std::pair{"missing.wav", "no such file"},
                                       {".", "is not a file"},
                                       {"empty.wav", "is empty (0 bytes)"},
-                                      {"text.wav", "is not a sound file that can be read"},
+                                      {"text.wav", "is not a readable sound file"},
                                       {"nothing.wav", "holds no samples"}}) {
     const std::string message = message_of([&, name = name] { (void)read_sound(folder_ / name); });
     EXPECT_NE(message.find(problem), std::string::npos) << message;

@@ -47,8 +47,7 @@ SoundHandle open_sound(const fs::path& path, SF_INFO& info) {
   SoundHandle file(sf_open(path.c_str(), SFM_READ, &info));
   if (!file) {
     const std::string reason = sf_strerror(nullptr);
-    throw InputError(path.string(), "is not a sound file that can be read (" + reason + ")",
-                     kMendFormat);
+    throw InputError(path.string(), "is not a readable sound file (" + reason + ")", kMendFormat);
   }
   return file;
 }
@@ -129,7 +128,7 @@ Waveform SoundReader::read(std::ptrdiff_t frames) {
           throw InputError(s.path.string(),
                            fmt::format("sample {} of channel {} is not a finite number ({})",
                                        s.position + i, c, sample),
-                           "export it again without such samples");
+                           "export it again without them");
         }
         channel[done + i] = sample;
       }

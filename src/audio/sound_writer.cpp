@@ -139,7 +139,7 @@ struct SoundWriter::State {
     const int error = sink.error != 0 ? sink.error : EIO;
     throw InputError(path.string(),
                      fmt::format("cannot be written ({})", std::generic_category().message(error)),
-                     error == ENOSPC ? "free some space or write elsewhere" : "");
+                     error == ENOSPC ? "free some space, or choose another disk" : "");
   }
 
   void write_some(const Waveform& block, std::ptrdiff_t start, std::ptrdiff_t frames) {

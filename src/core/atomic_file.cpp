@@ -160,7 +160,7 @@ void AtomicFile::open_beside() {
     if (!take(descriptor_, temporary_path_)) ::close(std::exchange(descriptor_, -1));
   }
   if (descriptor_ < 0) {
-    throw InputError(path_.string(), "is being written by very many processes", "wait for them");
+    throw InputError(path_.string(), "is being written by many processes", "wait for them");
   }
   if (::ftruncate(descriptor_, 0) != 0) throw_errno(path_, "cannot be written", errno);
   // Where several wrote at once and were killed, more is left.

@@ -15,7 +15,7 @@ AtomicFolder::AtomicFolder(fs::path path) : path_(std::move(path)) {
   std::error_code error;
   fs::remove_all(aside_, error);  // of a run that was killed
   fs::create_directories(aside_, error);
-  if (error) throw InputError(path_.string(), "cannot be made: " + error.message());
+  if (error) throw InputError(path_.string(), "cannot be created: " + error.message());
 }
 
 AtomicFolder::~AtomicFolder() {
@@ -28,7 +28,7 @@ void AtomicFolder::commit() {
   std::error_code error;
   fs::remove_all(path_, error);  // it lacked a file
   fs::rename(aside_, path_, error);
-  if (error) throw InputError(path_.string(), "cannot be made: " + error.message());
+  if (error) throw InputError(path_.string(), "cannot be created: " + error.message());
   committed_ = true;
 }
 

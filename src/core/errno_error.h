@@ -14,7 +14,7 @@ namespace earpoint {
 /// @throws InputError that says what failed and how the system explains it
 [[noreturn]] inline void throw_errno(const std::filesystem::path& path, const std::string& what,
                                      int error) {
-  const char* hint = error == ENOSPC   ? "free some space or write elsewhere"
+  const char* hint = error == ENOSPC   ? "free some space, or choose another disk"
                      : error == EACCES ? "check its permissions"
                                        : "";
   throw InputError(path.string(), what + " (" + std::generic_category().message(error) + ")", hint);

@@ -27,7 +27,7 @@ Buffer read_whole(const fs::path& path) {
   buffer.resize(fs::file_size(path));
   stream.read(reinterpret_cast<char*>(buffer.data()), static_cast<std::streamsize>(buffer.size()));
   if (stream.gcount() != static_cast<std::streamsize>(buffer.size())) {
-    throw InputError(path.string(), "could not be read to its end");
+    throw InputError(path.string(), "could not be read completely");
   }
   return buffer;
 }

@@ -23,7 +23,7 @@ Json parse_strict_json(std::string_view text, std::string_view where, int max_de
     if (event == Json::parse_event_t::key) {
       const auto& key = parsed.get_ref<const std::string&>();
       if (!keys.back().insert(key).second) {
-        throw InputError(where, fmt::format("key {} stands twice", in_quotes(key)));
+        throw InputError(where, fmt::format("key {} occurs twice", in_quotes(key)));
       }
     }
     return true;

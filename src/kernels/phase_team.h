@@ -10,7 +10,7 @@
 namespace earpoint::kernels {
 
 /// Work in phases for a team of threads: a phase starts when every task of the one before is done.
-/// Each thread of the team walks through all phases. In each it takes the tasks of its own share in
+/// Each thread of the team walks through all phases. In each it takes the tasks of its share in
 /// turn, the same share in every phase of as many tasks, so that it finds in its caches what it
 /// wrote there; then it takes from the far end of the others' shares. Threads wait spinning, as
 /// phases are much shorter than a sleep; after a while they yield.

@@ -9,7 +9,7 @@
 
 namespace earpoint::kernels {
 
-/// A gated stack with weights of its own, for tests.
+/// A gated stack with its weights, for tests.
 struct StackExample {
   StackExample(int audio_channels, int channels, int conditioning_width,
                const std::vector<DilatedConvolution>& convolutions, std::uint64_t seed);
@@ -25,7 +25,8 @@ struct StackExample {
   std::uint64_t seed_;
 };
 
-/// The gated stack as the notes define it, sample by sample, in double. Slow; for tests.
+/// The gated stack as docs/released-code.md defines it, sample by sample, in double. Slow; for
+/// tests.
 std::vector<double> reference_stack(const GatedStackWeights& weights, std::span<const float> source,
                                     std::span<const float> conditioning);
 

@@ -31,7 +31,7 @@ std::unique_ptr<PeopleDetector> own_network(const fs::path& path, int threads) {
   const std::string where = path.string();
   SafetensorsFile file = read_safetensors(path);
   if (network_kind(file, where) != NetworkKind::people) {
-    throw InputError(where, "is no network that finds people",
+    throw InputError(where, "is not a network that detects people",
                      fmt::format("give one like {}, or an .onnx file", kShipped));
   }
   return std::make_unique<NetworkDetector>(people_weights(std::move(file), where),
@@ -47,7 +47,7 @@ std::unique_ptr<PeopleDetector> make_people_detector(const std::optional<fs::pat
     const auto shipped = shipped_model_path(kShipped);
     if (!shipped) {
       throw InputError(std::string(kShipped), "was not found among the shipped models",
-                       "give --detector nanodet (./dev assets --people) or --detector FILE");
+                       "choose another people detector: nanodet (./dev assets --people) or a file");
     }
     return own_network(*shipped, threads);
   }
@@ -59,7 +59,7 @@ std::unique_ptr<PeopleDetector> make_people_detector(const std::optional<fs::pat
 #if EARPOINT_HAS_OPENCV
   return make_onnx_detector(*file, threads);
 #else
-  throw InputError(file->string(), "needs OpenCV, and this earpoint was built without",
+  throw InputError(file->string(), "needs OpenCV, and this build has none",
                    "build with -DEARPOINT_OPENCV=ON, or give a .safetensors file");
 #endif
 }

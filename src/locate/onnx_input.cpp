@@ -131,7 +131,7 @@ std::optional<OnnxInput> onnx_input(Bytes bytes, std::string_view where) {
     }
     return OnnxInput{static_cast<int>(shape[2]), static_cast<int>(shape[3])};
   }
-  throw InputError(std::string(where), "is no ONNX network that takes pictures of three channels",
+  throw InputError(std::string(where), "is not an ONNX network for pictures of three channels",
                    "give a YOLOX or YOLOv8 detector");
 }
 

@@ -93,8 +93,8 @@ int choose_stream(ffmpeg::InputContainer& container, const std::string& path,
     known += fmt::format("{}{}", known.empty() ? "" : ", ", stream.index);
   }
   if (known.empty()) throw InputError(path, "has no audio stream");
-  throw InputError(path, fmt::format("stream {} is no audio stream", *wanted),
-                   fmt::format("choose --audio-stream from {}", known));
+  throw InputError(path, fmt::format("stream {} is not an audio stream", *wanted),
+                   fmt::format("choose an audio stream from {}", known));
 }
 
 std::array<int, 2> choose_channels(const std::string& where, const StreamInfo& info,
@@ -106,18 +106,17 @@ std::array<int, 2> choose_channels(const std::string& where, const StreamInfo& i
     throw InputError(where,
                      fmt::format("has no channel {}; it has {}", smallest < 0 ? smallest : largest,
                                  info.channels),
-                     fmt::format("choose --binaural-channels from 0 to {}", info.channels - 1));
+                     fmt::format("choose the channel of each ear from 0 to {}", info.channels - 1));
   }
   if (info.channels == 2) return {0, 1};
   if (info.channels == 1) {
     throw InputError(where, "is mono; a binaural recording has two channels, left and right",
-                     "name the channel of each ear, --binaural-channels 0,0 to use it for both, "
-                     "or 0,1 with a stereo recording");
+                     "name the channel of each ear, 0,0 to use the one channel for both");
   }
   throw InputError(where,
                    fmt::format("has {} channels ({}), not the two of a binaural recording",
                                info.channels, info.channel_layout),
-                   "name the left and the right ear's, e.g. --binaural-channels 0,1");
+                   "name the channel of each ear, left and right, e.g. 0,1");
 }
 
 }  // namespace
@@ -226,8 +225,8 @@ struct AudioReader::State {
     // `queued` holds the silence already; what comes before the first sample is no gap.
     const double from_s = queued_s() - late_s;
     if (late_s < kWorthTelling_s || from_s <= 0.0) return;
-    container.warn(fmt::format("has no sound from {:.3f} to {:.3f} s; silence is there instead",
-                               from_s, queued_s()));
+    container.warn(fmt::format("has no sound from {:.3f} to {:.3f} s; replaced by silence", from_s,
+                               queued_s()));
   }
 
   ffmpeg::InputContainer container;

@@ -87,10 +87,10 @@ const char* name_of(StreamKind kind) {
 const AVInputFormat* container_kind(AVIOContext& io, const fs::path& path) {
   const AVInputFormat* kind = nullptr;
   if (av_probe_input_buffer2(&io, &kind, path.c_str(), nullptr, 0, 0) < 0) {
-    throw InputError(path.string(), "is no movie or sound file of a known kind");
+    throw InputError(path.string(), "is not a movie or sound file of a known kind");
   }
   if (av_match_list(kind->name, kContainers, ',') == 0) {
-    throw InputError(path.string(), fmt::format("is no movie or sound file but {}",
+    throw InputError(path.string(), fmt::format("is not a movie or sound file but {}",
                                                 kind->long_name ? kind->long_name : kind->name));
   }
   return kind;
@@ -318,7 +318,7 @@ void InputContainer::join_clocks(AVPacket& packet) {
   if (kind != StreamKind::video && kind != StreamKind::audio) return;
   const std::optional<double> joint_s = clocks_.join(packet, av_q2d(source.time_base));
   if (!joint_s) return;
-  warn(fmt::format("its clock is set anew after {:.3f} s; what follows is joined there",
+  warn(fmt::format("its clock jumps after {:.3f} s; the parts are joined there",
                    *joint_s - origin_s_));
 }
 

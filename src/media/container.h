@@ -45,7 +45,7 @@ class InputContainer {
   [[nodiscard]] int preferred_stream(StreamKind kind) const;
   [[nodiscard]] MediaInfo describe() const;
   [[nodiscard]] StreamInfo describe(int index) const;
-  /// What the display matrix asks for.
+  /// Rotation by the display matrix.
   [[nodiscard]] Orientation orientation(int index) const;
 
   /// The container's start: what t = 0 means, in the container's own time.

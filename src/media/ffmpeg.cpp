@@ -65,9 +65,9 @@ std::string reason(int error) {
   return text.data();
 }
 
-void check(int error, std::string_view where, std::string_view problem, std::string_view mend) {
+void check(int error, std::string_view where, std::string_view problem, std::string_view hint) {
   if (error >= 0) return;
-  throw InputError(where, std::string(problem) + " (" + reason(error) + ")", mend);
+  throw InputError(where, std::string(problem) + " (" + reason(error) + ")", hint);
 }
 
 void check_memory(int error) {

@@ -50,10 +50,10 @@ std::string first_complaint();
 /// The complaint if there is one, else the meaning of the error number.
 std::string reason(int error);
 
-/// @throws InputError(where, "<problem> (<reason>)", mend) if error is negative
-void check(int error, std::string_view where, std::string_view problem, std::string_view mend = {});
+/// @throws InputError(where, "<problem> (<reason>)", hint) if error is negative
+void check(int error, std::string_view where, std::string_view problem, std::string_view hint = {});
 
-/// @throws std::bad_alloc if error is negative: for calls that fail only for want of memory
+/// @throws std::bad_alloc if error is negative: for calls that fail only if memory runs out
 void check_memory(int error);
 
 /// Pictures larger than this are refused, so that a damaged header cannot ask for all memory.

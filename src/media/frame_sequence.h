@@ -38,14 +38,14 @@ class FrameSequence {
   bool seek(double time_s);
   /// Goes back to the first frame.
   void rewind();
-  /// The time of the last key frame not after the given time, as far as the container tells.
+  /// The time of the last key frame not after the given time, if the container knows it.
   [[nodiscard]] std::optional<double> key_frame_before(double time_s) const;
 
   [[nodiscard]] const StreamInfo& info() const { return info_; }
   [[nodiscard]] std::string where() const { return container_->where(info_.index); }
   /// From t = 0 to the end of the last frame: stated by the container, else found by reading it.
   [[nodiscard]] double duration_s();
-  /// Whether every frame so far came with a time; without, seeking tells no time.
+  /// Whether every frame so far came with a time; without, seeking gives no time.
   [[nodiscard]] bool has_timestamps() const { return has_timestamps_; }
   [[nodiscard]] std::int64_t frames_decoded() const { return frames_decoded_; }
 

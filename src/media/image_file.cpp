@@ -164,7 +164,7 @@ Image decode_image(std::span<const std::byte> bytes, std::string_view name) {
 
   const bool is_jpeg = *format == PictureFormat::jpeg;
   if (is_jpeg && !ends_properly(bytes)) {
-    throw InputError(where, "is cut short (no end marker)", kDamagedMend);
+    throw InputError(where, "is truncated (no end marker)", kDamagedMend);
   }
   const FramePtr frame =
       decode_picture(bytes, is_jpeg ? AV_CODEC_ID_MJPEG : AV_CODEC_ID_PNG, where);

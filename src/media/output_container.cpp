@@ -24,9 +24,9 @@ namespace {
 constexpr int kIoBufferBytes = 1 << 18;
 
 [[noreturn]] void throw_unwritable(const fs::path& path, int error) {
-  throw InputError(path.string(),
-                   fmt::format("cannot be written ({})", std::generic_category().message(error)),
-                   error == ENOSPC || error == EDQUOT ? "free some space or write elsewhere" : "");
+  throw InputError(
+      path.string(), fmt::format("cannot be written ({})", std::generic_category().message(error)),
+      error == ENOSPC || error == EDQUOT ? "free some space, or choose another disk" : "");
 }
 
 /// FFmpeg's name of the container that the extension asks for.

@@ -20,7 +20,7 @@ class PictureSource {
   virtual void finish() = 0;
 };
 
-/// The picture of another movie: copied where an mp4 file may hold it, else encoded anew.
+/// The picture of another movie: copied where an mp4 file may hold it, else encoded again.
 /// @param output  must outlive the result
 /// @throws InputError if there is no picture
 std::unique_ptr<PictureSource> picture_of_movie(const std::filesystem::path& source,

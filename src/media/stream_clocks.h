@@ -1,6 +1,6 @@
 #pragma once
 
-// Times of containers whose clock is set anew in mid-file. Private to the module.
+// Times of containers whose clock jumps within the file. Private to the module.
 
 #include "ffmpeg.h"
 

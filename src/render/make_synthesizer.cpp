@@ -18,7 +18,7 @@ namespace earpoint {
 namespace {
 
 [[noreturn]] void refuse_texture(const std::string& model) {
-  throw InputError(model, "has one texture only", "leave out the choice of a texture");
+  throw InputError(model, "has one texture only", "do not choose a texture");
 }
 
 }  // namespace
@@ -31,7 +31,7 @@ std::unique_ptr<AcousticSynthesizer> make_synthesizer(const std::string& model,
     return std::make_unique<DspSynthesizer>(options.hrtf, options.horizontal_fov_rad);
   }
   if (!std::filesystem::exists(model)) {
-    throw InputError("--model " + model, "is neither a known name nor a file",
+    throw InputError("model " + model, "is neither a known name nor a file",
                      "use input, dsp or the path of a weight file");
   }
   SafetensorsFile file = read_safetensors(model);
@@ -49,11 +49,11 @@ std::unique_ptr<AcousticSynthesizer> make_synthesizer(const std::string& model,
       return std::make_unique<VamSynthesizer>(vam_weights(std::move(file), model), model,
                                               options.threads);
     case NetworkKind::rt60_estimator:
-      throw InputError(model, "is an estimator of reverberation time, which makes no sound",
-                       "use it with `earpoint metrics --rt60-model`");
+      throw InputError(model, "estimates reverberation time and cannot render sound",
+                       "use it for metrics");
     case NetworkKind::people:
-      throw InputError(model, "finds people in pictures, and makes no sound",
-                       "use it with `earpoint locate --detector`");
+      throw InputError(model, "detects people in pictures and cannot render sound",
+                       "use it as a people detector");
     case NetworkKind::vigas:
       break;
   }

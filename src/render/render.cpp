@@ -30,8 +30,7 @@ PictureStream pictures_for(const RenderSource& source, const AcousticSynthesizer
   if (use == PictureUse::never || (use == PictureUse::with_box && !by_box)) return {};
   PictureStream pictures = open_pictures(source.picture, source.sound.path);
   if (use == PictureUse::always && pictures.empty()) {
-    throw InputError(source.sound.path.string(),
-                     "this model looks at the scene, and here is no picture",
+    throw InputError(source.sound.path.string(), "this model needs a picture, and there is none",
                      "give a picture before the sound: earpoint render frame.png sound.flac");
   }
   return pictures;

@@ -319,7 +319,8 @@ TEST_F(RenderTest, BadRecordingsGetOneLineAndLeaveNothing) {
             (folder_ / "in.wav").string() +
                 ": is silent from end to end; check the recording's level and channels");
 
-  EXPECT_NE(error_of(write(noise(1.0, 8000))).find("is sampled at 8000 Hz"), std::string::npos);
+  EXPECT_NE(error_of(write(noise(1.0, 8000))).find("has a sample rate of 8000 Hz"),
+            std::string::npos);
   EXPECT_NE(error_of(write(noise(0.05, 16000))).find("lasts 0.050 s"), std::string::npos);
 
   std::ofstream(folder_ / "empty.wav").flush();

@@ -60,7 +60,7 @@ std::unique_ptr<SoundSink> open_sound_sink(const std::filesystem::path& output, 
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   if (extension == ".mp4" || extension == ".m4v" || extension == ".mov" || extension == ".mkv") {
     if (movie.empty()) {
-      throw InputError(output.string(), "the source has no moving picture to go into a movie",
+      throw InputError(output.string(), "the source has no moving picture for a movie",
                        "write .wav or .flac");
     }
     return std::make_unique<MovieSink>(output, sample_rate_hz, movie);

@@ -32,7 +32,7 @@ void check_finite(const Waveform& block, const SoundSource& source, double time_
     const double at_s =
         time_s + static_cast<double>(bad - samples.begin()) / block.sample_rate_hz();
     throw InputError(source.path.string(),
-                     fmt::format("the sound holds a sample that is no number at {:.3f} s", at_s),
+                     fmt::format("the sound has a NaN or infinite sample at {:.3f} s", at_s),
                      "write the file again");
   }
 }
@@ -65,9 +65,9 @@ SoundSurvey survey_sound(const SoundSource& source) {
   survey.sample_rate_hz = reader.sample_rate_hz();
   if (survey.sample_rate_hz < kLowestRate_hz) {
     throw InputError(source.path.string(),
-                     fmt::format("is sampled at {} Hz, at least {} Hz are needed",
+                     fmt::format("has a sample rate of {} Hz, expected at least {} Hz",
                                  survey.sample_rate_hz, kLowestRate_hz),
-                     "record at 48000 Hz; resampling cannot bring the lost band back");
+                     "record at 48000 Hz; resampling cannot restore the missing band");
   }
 
   std::array<double, 2> energy{};

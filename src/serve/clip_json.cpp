@@ -20,10 +20,10 @@ double yaw_deg_of(const Quaternion& orientation) {
 /// Why a method cannot be listened to; empty: it can.
 std::string missing_for(const ListenMethod& method, const ServedClip& clip) {
   if (method.needs_box && (!clip.picture || !clip.speaker_box)) {
-    return "it must be told where in the picture the speaker is: --speaker-box";
+    return "it needs the speaker's box in the picture";
   }
   if (method.needs_speaker && !clip.speaker_m && !clip.speaker_box) {
-    return "it must be told where the speaker is: --speaker or --speaker-box";
+    return "it needs the speaker's position, or the speaker's box in the picture";
   }
   return {};
 }
@@ -45,7 +45,7 @@ json plan_of(const ServedPlan& plan) { return {{"rooms", plan.rooms}, {"doors", 
 double number_of(const json& document, const char* key, double fallback) {
   const auto found = document.find(key);
   if (found == document.end()) return fallback;
-  if (!found->is_number()) throw InputError(key, "is no number");
+  if (!found->is_number()) throw InputError(key, "is not a number");
   return found->get<double>();
 }
 
@@ -54,7 +54,8 @@ Pose parse_pose(const json& document) {
   const json place = document.value("position_m", json::array({0, 0, 0}));
   if (!place.is_array() || place.size() != 3) throw InputError("position_m", "is not [x, y, z]");
   for (const json& coordinate : place) {
-    if (!coordinate.is_number()) throw InputError("position_m", "holds what is no number");
+    if (!coordinate.is_number())
+      throw InputError("position_m", "has an element that is not a number");
   }
   pose.position_m = {place[0].get<double>(), place[1].get<double>(), place[2].get<double>()};
   check_place(pose.position_m, "position_m");
@@ -109,12 +110,12 @@ std::string text_of(const json& document) {
 
 SoundRequest parse_sound_request(const std::string& body, const ServedClip& clip) {
   const json document = json::parse(body, nullptr, false);
-  if (!document.is_object()) throw InputError("request", "is no JSON object");
+  if (!document.is_object()) throw InputError("request", "is not a JSON object");
   SoundRequest request;
   const double start = number_of(document, "start", 0.0);
   const double samples = number_of(document, "samples", 0.0);
   if (!(start >= 0.0 && start < static_cast<double>(clip.sound.samples()))) {
-    throw InputError("start", "lies outside of the clip");
+    throw InputError("start", "is outside the clip");
   }
   if (!(samples >= 1.0 && samples <= clip.sound.sample_rate_hz())) {
     throw InputError("samples", "is not between 1 and a second's worth");
@@ -123,7 +124,7 @@ SoundRequest parse_sound_request(const std::string& body, const ServedClip& clip
   request.samples = static_cast<std::ptrdiff_t>(samples);
   request.wish.source_from_target = parse_pose(document);
   if (const auto method = document.find("method"); method != document.end()) {
-    if (!method->is_string()) throw InputError("method", "is no text");
+    if (!method->is_string()) throw InputError("method", "is not a text");
     request.wish.method = method->get<std::string>();
   }
   const auto matches = document.find("matches_level");

@@ -120,7 +120,7 @@ struct ClipServer::State {
                                       : httplib::Server::HandlerResponse::Handled;
     });
     server.set_exception_handler([](const Request&, Response& response, const std::exception_ptr&) {
-      refuse(response, 500, "the server failed at this: a fault of the program");
+      refuse(response, 500, "the server failed: an internal error");
     });
     route_pages();
     route_clips();
@@ -268,7 +268,7 @@ struct ClipServer::State {
     const auto method = std::ranges::find(methods, name, &ListenMethod::name);
     if (method == methods.end()) {
       return refuse(response, 400,
-                    name == kTruthName ? "what was truly heard is known at single places only"
+                    name == kTruthName ? "the true sound is known only at some positions"
                                        : "there is no method of that name");
     }
     const bool is_movie = request.get_param_value("format") == "mp4";
@@ -284,7 +284,7 @@ struct ClipServer::State {
   }
 
   void take_upload(const Request& request, Response& response, const httplib::ContentReader& read) {
-    if (!options.open_upload) return refuse(response, 403, "this server takes no files");
+    if (!options.open_upload) return refuse(response, 403, "this server does not accept files");
     const std::unique_lock alone(uploading, std::try_to_lock);
     if (!alone.owns_lock()) return refuse(response, 503, "another file is being read; try again");
     const TemporaryFolder folder;
@@ -298,7 +298,7 @@ struct ClipServer::State {
     file.close();
     if (!whole || !file) {
       return refuse(response, 413,
-                    fmt::format("the file did not come whole; at most {} MB are taken",
+                    fmt::format("the file is incomplete; at most {} MB are accepted",
                                 options.most_upload_bytes >> 20U));
     }
     try {
@@ -322,7 +322,7 @@ struct ClipServer::State {
 ClipServer::ClipServer(ClipLibrary& library, std::span<const ListenMethod> methods,
                        ServeOptions options) {
   if (!is_loopback(options.host) && options.token.empty()) {
-    throw InputError("--host " + options.host, "others can reach it, and there is no token");
+    throw InputError("host " + options.host, "the address is public, and there is no token");
   }
   state_ = std::make_unique<State>(library, methods, std::move(options));
 }
@@ -332,7 +332,7 @@ int ClipServer::bind() {
   State& s = *state_;
   const auto fail = [&] {
     throw InputError(fmt::format("{}:{}", s.options.host, s.options.port), "cannot be served",
-                     "choose another --port; 0 takes any that is free");
+                     "choose another port; 0 takes any that is free");
   };
   int port = s.options.port;
   if (port == 0) {

@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 ListenMethod network(std::string name, const std::string& file) {
   ListenMethod method{.name = std::move(name), .model = file};
-  if (!fs::exists(file)) throw InputError("--methods " + file, "there is no such file");
+  if (!fs::exists(file)) throw InputError("methods " + file, "there is no such file");
   SafetensorsFile weights = read_safetensors(file);
   if (network_kind(weights, file) == NetworkKind::gtf) {
     method.gtf = std::make_shared<const GtfWeights>(gtf_weights(std::move(weights), file));
@@ -39,14 +39,14 @@ ListenMethod method_of(const std::string& word) {
   }
   if (const auto equals = word.find('='); equals != std::string::npos) {
     if (equals == 0 || equals + 1 == word.size() || word.substr(0, equals) == kTruthName) {
-      throw InputError("--methods " + word, "expected NAME=FILE");
+      throw InputError("methods " + word, "expected NAME=FILE");
     }
     return network(word.substr(0, equals), word.substr(equals + 1));
   }
   if (const auto shipped = shipped_model_path(word + ".safetensors")) {
     return network(word, shipped->string());
   }
-  throw InputError("--methods " + word, "is neither a known method nor a shipped model",
+  throw InputError("methods " + word, "is neither a known method nor a shipped model",
                    "name a weight file: NAME=FILE.safetensors");
 }
 
@@ -66,11 +66,11 @@ std::vector<ListenMethod> listen_methods(std::span<const std::string> words) {
   for (const std::string& word : words) {
     ListenMethod method = method_of(word);
     if (std::ranges::find(methods, method.name, &ListenMethod::name) != methods.end()) {
-      throw InputError("--methods", "names " + method.name + " twice", "give one NAME=FILE");
+      throw InputError("methods", "names " + method.name + " twice", "give one NAME=FILE");
     }
     methods.push_back(std::move(method));
   }
-  if (methods.empty()) throw InputError("--methods", "names nothing to listen to");
+  if (methods.empty()) throw InputError("methods", "names nothing to listen to");
   return methods;
 }
 

@@ -37,7 +37,7 @@ LiveSound& Listener::sound_of(const std::string& method) {
     sound = make_live_truth(*clip_);
   } else {
     const auto found = std::ranges::find(methods_, method, &ListenMethod::name);
-    if (found == methods_.end()) throw InputError("method", "is none that this clip has");
+    if (found == methods_.end()) throw InputError("method", "is not available for this clip");
     sound = make_live_sound(*clip_, *found);
   }
   return *sounds_.emplace(method, std::move(sound)).first->second;

@@ -17,7 +17,7 @@ constexpr std::ptrdiff_t kBlock = 65536;  // samples read at once
 Waveform read_whole(const SoundSource& source, const SoundSurvey& survey) {
   if (survey.duration_s() > kLongestServed_s) {
     throw InputError(source.path.string(),
-                     fmt::format("lasts {:.0f} minutes, at most {:.0f} can be listened to live",
+                     fmt::format("lasts {:.0f} minutes, at most {:.0f} can be played live",
                                  survey.duration_s() / 60.0, kLongestServed_s / 60.0),
                      "cut it, or use earpoint render");
   }
@@ -52,7 +52,7 @@ ServedClip open_served_clip(const RenderSource& source, const GtfWeights* finder
   if (clip.picture) {
     clip.picture_png = encode_png(*clip.picture);
   } else {
-    clip.warnings.emplace_back("no picture: the speaker is found by sound alone");
+    clip.warnings.emplace_back("no picture: the speaker is located by the sound alone");
   }
   if (source.speaker_track) clip.speaker_box = source.speaker_track->at(middle_s);
   if (clip.speaker_box) clip.people = {{*clip.speaker_box, true}};

@@ -187,7 +187,7 @@ TEST(ServerSafety, RefusesOtherMethodsFormsAndLargeBodies) {
 TEST(ServerSafety, TakesUploadsAsTheOpenerDoes) {
   ServeOptions options{.most_upload_bytes = 1U << 20U};
   options.open_upload = [](const std::filesystem::path& file, const std::string& name) {
-    if (std::filesystem::file_size(file) != 5) throw InputError(name, "is no movie");
+    if (std::filesystem::file_size(file) != 5) throw InputError(name, "is not a movie");
     ServedClip clip;
     clip.name = name;
     clip.sound = Waveform(2, 16000, 16000);
@@ -201,7 +201,7 @@ TEST(ServerSafety, TakesUploadsAsTheOpenerDoes) {
   EXPECT_EQ(json::parse(client.Get("/api/clips/" + id)->body)["name"], "m\u00fcll.mp4");
   const auto refused = client.Post("/api/clips?name=a.exe", "MZ", "video/mp4");
   EXPECT_EQ(refused->status, 400);
-  EXPECT_EQ(json::parse(refused->body)["error"], "a.exe: is no movie");
+  EXPECT_EQ(json::parse(refused->body)["error"], "a.exe: is not a movie");
   // One clip alone is listed: the other's id is known to its sender.
   EXPECT_EQ(json::parse(client.Get("/api/clips")->body)["clips"].size(), 1U);
 }

@@ -147,7 +147,7 @@ HrtfResponses prepared(const SofaFile& file, int sample_rate_hz, HrtfEqualizatio
 DirectionMesh make_mesh(const std::vector<Vector3>& directions) {
   if (!DirectionMesh::spans_space(directions)) {
     throw InputError("head-related impulse responses",
-                     "expected directions around the head, found them all in one place");
+                     "expected directions around the head, found them all in one direction");
   }
   return DirectionMesh(directions);
 }

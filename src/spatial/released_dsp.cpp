@@ -102,7 +102,7 @@ std::size_t ReleasedDsp::measurement(const Position& position) const {
     throw InputError(
         "released DSP baseline",
         fmt::format("no response at azimuth {} and elevation {} degrees", wanted[0], wanted[1]),
-        "its lookup of one angle at a time needs a full grid; ask at elevation 0");
+        "it looks up one angle at a time, which needs a full grid; use elevation 0");
   }
   return static_cast<std::size_t>(found - positions_deg_.begin());
 }

@@ -27,7 +27,7 @@ void check_inside(const char* what, const Vector3& position_m, const Vector3& le
   if (!inside) {
     throw InputError(
         fmt::format("room: {}", what),
-        fmt::format("expected it inside of {} x {} x {} m, found ({}, {}, {})", lengths_m.x,
+        fmt::format("expected it inside {} x {} x {} m, found ({}, {}, {})", lengths_m.x,
                     lengths_m.y, lengths_m.z, position_m.x, position_m.y, position_m.z));
   }
 }

@@ -183,8 +183,8 @@ SofaContents load_sofa_contents(std::span<const std::byte> bytes, std::string_vi
   while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
-    throw InputError(where, "the SOFA file is damaged, or of a kind that libmysofa cannot read",
-                     "give another set of head-related impulse responses");
+    throw InputError(where, "the SOFA file is damaged, or not readable by libmysofa",
+                     "use another set of head-related impulse responses");
   }
   return parse_sofa_message(received, where);
 }

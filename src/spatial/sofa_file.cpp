@@ -22,7 +22,7 @@ namespace {
 constexpr std::string_view kConvention = "SimpleFreeFieldHRIR";
 constexpr std::string_view kDefaultSet = "libmysofa/MIT_KEMAR_normal_pinna.sofa";
 constexpr std::uint64_t kMostTaps = 65536;
-constexpr std::string_view kMend = "give another set of head-related impulse responses";
+constexpr std::string_view kMend = "use another set of head-related impulse responses";
 
 // One file being read; every refusal names it.
 class Reader {
@@ -204,8 +204,8 @@ void Reader::read_responses(SofaFile& file) const {
       }
       file.delays_samples[m][ear] = delay;
       if (std::ranges::all_of(file.response(m, ear), [](float tap) { return tap == 0.0F; })) {
-        refuse("Data.IR", fmt::format("measurement {} holds nothing but zeros for the {} ear",
-                                      m + 1, ear == 0 ? "left" : "right"));
+        refuse("Data.IR", fmt::format("measurement {} has only zeros for the {} ear", m + 1,
+                                      ear == 0 ? "left" : "right"));
       }
     }
   }

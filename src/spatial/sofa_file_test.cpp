@@ -130,9 +130,9 @@ TEST(SofaFile, RefusesResponsesOfZeros) {
     return refusal(path);
   };
   EXPECT_EQ(with_zeros(0, 0), "accepted");
-  EXPECT_NE(with_zeros(0, 16).find("Data.IR: measurement 1 holds nothing but zeros for the left"),
+  EXPECT_NE(with_zeros(0, 16).find("Data.IR: measurement 1 has only zeros for the left"),
             std::string::npos);
-  EXPECT_NE(with_zeros(5, 1).find("measurement 3 holds nothing but zeros for the right ear"),
+  EXPECT_NE(with_zeros(5, 1).find("measurement 3 has only zeros for the right ear"),
             std::string::npos);
   std::filesystem::remove(path);
 }

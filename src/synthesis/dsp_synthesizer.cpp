@@ -55,12 +55,12 @@ WindowShape DspSynthesizer::window_shape(int source_rate_hz) const {
 Vector3 DspSynthesizer::locate_speaker(const Observation& observation) const {
   if (observation.speaker_m) return *observation.speaker_m;
   if (!observation.speaker_box) {
-    throw InputError("dsp", "does not know where the speaker is",
-                     "give --speaker x,y,z in metres, or --speaker-box with a picture");
+    throw InputError("dsp", "needs the direction of the speaker",
+                     "give the speaker's position, or a picture and the speaker's box");
   }
   if (observation.picture == nullptr) {
-    throw InputError("--speaker-box", "means nothing without a picture",
-                     "give the picture too, or --speaker x,y,z in metres");
+    throw InputError("the speaker's box", "cannot be used without a picture",
+                     "give the picture too, or the speaker's position");
   }
   return cartesian_from_spherical(
       speaker_direction_from_box(*observation.speaker_box, horizontal_fov_rad_,

@@ -95,7 +95,7 @@ TEST(DspSynthesizer, SaysWhatItNeeds) {
     }
     return std::string("no error");
   };
-  EXPECT_NE(error().find("--speaker x,y,z"), std::string::npos);
+  EXPECT_NE(error().find("speaker's position"), std::string::npos);
   observation.speaker_box = Box{0.4, 0.2, 0.6, 0.9};
   EXPECT_NE(error().find("without a picture"), std::string::npos);
   const Image picture(256, 256, 3);

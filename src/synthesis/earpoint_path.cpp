@@ -82,10 +82,10 @@ Pose parse_pose(const nlohmann::json& value, const std::string& where) {
 void check_place(const Vector3& place_m, const std::string& where) {
   for (const double coordinate_m : {place_m.x, place_m.y, place_m.z}) {
     if (std::abs(coordinate_m) <= kFarthestPlace_m) continue;
-    throw InputError(where,
-                     fmt::format("{:g} m is farther than anybody hears ({:g} m)", coordinate_m,
-                                 kFarthestPlace_m),
-                     "places are in metres from the camera");
+    throw InputError(
+        where,
+        fmt::format("{:g} m is farther than the limit of {:g} m", coordinate_m, kFarthestPlace_m),
+        "positions are in metres from the camera");
   }
 }
 

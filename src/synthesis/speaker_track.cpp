@@ -23,7 +23,7 @@ void check_box(const Box& box, const std::string& where) {
     return fmt::format("{:g},{:g},{:g},{:g}", box.x_min, box.y_min, box.x_max, box.y_max);
   };
   if (!(box.x_min >= 0.0 && box.y_min >= 0.0 && box.x_max <= 1.0 && box.y_max <= 1.0)) {
-    throw InputError(where, "the box " + text() + " leaves the picture",
+    throw InputError(where, "the box " + text() + " extends beyond the picture",
                      "x0,y0,x1,y1 are fractions of its width and height, or pixels of it");
   }
   if (!(box.x_min < box.x_max && box.y_min < box.y_max)) {
@@ -38,7 +38,7 @@ bool is_in_pixels(const Box& box) {
 
 Box normalised(const Box& box, const SpeakerTrack::PictureSize& picture, const std::string& where) {
   if (!picture) {
-    throw InputError(where, "the box is in pixels, and there is no picture that tells their number",
+    throw InputError(where, "the box is in pixels, and there is no picture with a size",
                      "give fractions of its width and height, 0 to 1, or the picture");
   }
   const auto [width, height] = *picture;

@@ -104,7 +104,7 @@ std::map<std::string, HyperParameter> read_options(const PickleValue& value,
         continue;
     }
     if (!options.emplace(key.text, std::move(kept)).second) {
-      throw InputError(where, fmt::format("hparams: {} stands twice", in_quotes(key.text)));
+      throw InputError(where, fmt::format("hparams: {} occurs twice", in_quotes(key.text)));
     }
   }
   return options;
@@ -118,7 +118,7 @@ std::map<std::string, StoredTensor> read_state_dict(std::span<const PickleValue*
     if (name.kind != Kind::string) throw InputError(where, "a tensor's name is not a string");
     const std::string here = fmt::format("{}: tensor {}", where, in_quotes(name.text));
     if (!tensors.emplace(name.text, stored_tensor_from(*items[i + 1], here)).second) {
-      throw InputError(here, "stands twice");
+      throw InputError(here, "occurs twice");
     }
   }
   return tensors;
@@ -128,7 +128,7 @@ std::map<std::string, StoredTensor> read_state_dict(std::span<const PickleValue*
 std::span<const PickleValue* const> find_state_dict(const PickleValue& top,
                                                     std::string_view where) {
   const auto items = dictionary_items(top);
-  if (!items) throw InputError(where, "its pickle is not of a dictionary");
+  if (!items) throw InputError(where, "its pickle is not a dictionary");
   for (const char* key : {"state_dict", "predictor"}) {
     const PickleValue* found = find(*items, key);
     if (found == nullptr) continue;

@@ -106,7 +106,7 @@ class Unpickler {
 
   /// The values above the last mark, which goes too.
   std::vector<const PickleValue*> pop_to_mark() {
-    if (marks_.empty()) fail("needs a mark that is not there");
+    if (marks_.empty()) fail("needs a missing mark");
     const auto from = stack_.begin() + static_cast<std::ptrdiff_t>(marks_.back());
     std::vector<const PickleValue*> values(from, stack_.end());
     stack_.erase(from, stack_.end());
@@ -159,7 +159,7 @@ class Unpickler {
 
   void push_global(const PickleValue* module, const PickleValue* name) {
     if (module->kind != Kind::string || name->kind != Kind::string) {
-      fail("names a class by something else than strings");
+      fail("names a class by something other than strings");
     }
     push_sequence(Kind::global, {module, name});
   }
@@ -175,7 +175,7 @@ class Unpickler {
   void push_object() {
     const PickleValue* arguments = pop();
     const PickleValue* callable = pop();
-    if (arguments->kind != Kind::tuple) fail("calls something with arguments that are no tuple");
+    if (arguments->kind != Kind::tuple) fail("calls something with arguments that are not a tuple");
     push_sequence(Kind::object, {callable, arguments, none_});
   }
 
@@ -192,7 +192,7 @@ class Unpickler {
   void append(const std::vector<const PickleValue*>& items) {
     PickleValue* target = top();
     if (target->kind != Kind::list && target->kind != Kind::set && target->kind != Kind::object) {
-      fail("appends to a value that is no list");
+      fail("appends to a value that is not a list");
     }
     target->items.insert(target->items.end(), items.begin(), items.end());
   }
@@ -200,7 +200,7 @@ class Unpickler {
   void set_items(const std::vector<const PickleValue*>& items) {
     PickleValue* target = top();
     if (target->kind != Kind::dict && target->kind != Kind::object) {
-      fail("sets an item of a value that is no dictionary");
+      fail("sets an item of a value that is not a dictionary");
     }
     if (items.size() % 2 != 0) fail("sets an item without a value");
     target->items.insert(target->items.end(), items.begin(), items.end());

@@ -119,16 +119,16 @@ TEST(Pickle, MalformedOnesAreRefusedWithTheByte) {
       {pickled("\x8b\xFF\xFF\xFF\xFF"), "truncated"},
       {pickled("cos\nsystem"), "truncated"},
       {pickled("X\x01" + std::string(3, '\0') + "\xFF"), "is not UTF-8"},
-      {pickled("t"), "needs a mark"},
+      {pickled("t"), "needs a missing mark"},
       {pickled("NN(0"), "empty stack"},  // a mark guards what is below it
       {pickled("h\x03"), "recalls value 3"},
       {pickled("NNs"), "empty stack"},
-      {pickled("NNNs"), "no dictionary"},
+      {pickled("NNNs"), "not a dictionary"},
       {pickled("}(Nu"), "without a value"},
-      {pickled("NNa"), "no list"},
-      {pickled("NNR"), "arguments that are no tuple"},
+      {pickled("NNa"), "not a list"},
+      {pickled("NNR"), "arguments that are not a tuple"},
       {pickled("NNb"), "state of a value that has none"},
-      {pickled("NN\x93"), "names a class by something else"},
+      {pickled("NN\x93"), "names a class by something other"},
   };
   for (const Case& c : cases) {
     EXPECT_NE(refusal(c.bytes).find(c.message), std::string::npos)

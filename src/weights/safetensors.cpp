@@ -29,7 +29,7 @@ std::int64_t checked_header_length(std::span<const std::byte> first, std::int64_
   if (file_size < kLengthSize) {
     throw InputError(where,
                      fmt::format("has {} bytes, too short for a safetensors file", file_size),
-                     "is it copied whole?");
+                     "was it copied completely?");
   }
   std::uint64_t length = 0;
   std::memcpy(&length, first.data(), sizeof(length));
@@ -42,7 +42,7 @@ std::int64_t checked_header_length(std::span<const std::byte> first, std::int64_
     throw InputError(where,
                      fmt::format("claims a header of {} bytes, but only {} follow", length,
                                  file_size - kLengthSize),
-                     "is it copied whole?");
+                     "was it copied completely?");
   }
   return static_cast<std::int64_t>(length);
 }
@@ -78,7 +78,7 @@ SafetensorsFile fill_tensors(SafetensorsHeader header, std::string_view where, c
 void read_exactly(std::ifstream& stream, std::span<std::byte> bytes, const fs::path& path) {
   stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   if (stream.gcount() != static_cast<std::streamsize>(bytes.size())) {
-    throw InputError(path.string(), "could not be read to its end");
+    throw InputError(path.string(), "could not be read completely");
   }
 }
 

@@ -48,7 +48,7 @@ class HeaderReader : public nlohmann::json_sax<Json> {
   bool string(string_t& value) override {
     if (place_ == Place::metadata) {
       if (!header_.metadata.try_emplace(field_, std::move(value)).second) {
-        fail(fmt::format("key {} stands twice", in_quotes(field_)));
+        fail(fmt::format("key {} occurs twice", in_quotes(field_)));
       }
       return true;
     }
@@ -76,7 +76,7 @@ class HeaderReader : public nlohmann::json_sax<Json> {
     if (place_ == Place::top) {
       name_ = std::move(value);
       const bool seen_metadata = name_ == kMetadataKey && std::exchange(metadata_seen_, true);
-      if (seen_metadata || header_.entries.contains(name_)) fail("stands twice in the header");
+      if (seen_metadata || header_.entries.contains(name_)) fail("occurs twice in the header");
       return true;
     }
     field_ = std::move(value);
@@ -91,7 +91,7 @@ class HeaderReader : public nlohmann::json_sax<Json> {
     } else {
       fail("unknown key " + in_quotes(field_));
     }
-    if (seen) fail(fmt::format("key {} stands twice", in_quotes(field_)));
+    if (seen) fail(fmt::format("key {} occurs twice", in_quotes(field_)));
     return true;
   }
   bool end_object() override {
@@ -112,7 +112,7 @@ class HeaderReader : public nlohmann::json_sax<Json> {
   bool parse_error(std::size_t position, const std::string& /*last_token*/,
                    const nlohmann::detail::exception& /*error*/) override {
     throw InputError(where_, fmt::format("the header is not valid JSON at byte {}", position),
-                     "is this a safetensors file, copied whole?");
+                     "is this a safetensors file, copied completely?");
   }
 
  private:

@@ -123,11 +123,11 @@ TEST(Safetensors, HeadersThatAreNotTheFormatAreRefused) {
        "the number 18446744073709551615"},
       {R"({"a":{"dtype":"U8","shape":[2],"data_offsets":[0,1,2]}})", "expected 2 numbers, found 3"},
       {"{\"a\":{" + good + R"(,"x":1}})", "unknown key 'x'"},
-      {"{\"a\":{" + good + R"(,"shape":[2]}})", "key 'shape' stands twice"},
-      {"{\"a\":{" + good + "},\"a\":{" + good + "}}", "tensor 'a': stands twice"},
+      {"{\"a\":{" + good + R"(,"shape":[2]}})", "key 'shape' occurs twice"},
+      {"{\"a\":{" + good + "},\"a\":{" + good + "}}", "tensor 'a': occurs twice"},
       {R"({"__metadata__":{"k":1}})", "expected a string, found the number 1"},
-      {R"({"__metadata__":{"k":"1","k":"2"}})", "key 'k' stands twice"},
-      {R"({"__metadata__":{},"__metadata__":{}})", "stands twice"},
+      {R"({"__metadata__":{"k":"1","k":"2"}})", "key 'k' occurs twice"},
+      {R"({"__metadata__":{},"__metadata__":{}})", "occurs twice"},
   };
   for (const Case& c : cases) {
     const std::string message = refusal(c.header, 2);

@@ -100,13 +100,13 @@ void read_storage(const PickleValue& value, StoredTensor& tensor, std::string_vi
   if (!is_id) fail(where, fmt::format("expected a storage, found {}", kind_of(value)));
   const auto& id = value.items[0]->items;
   if (id[0]->kind != Kind::string || id[0]->text != "storage" || id[2]->kind != Kind::string) {
-    fail(where, "its storage is not named as PyTorch names storages");
+    fail(where, "its storage is not named like PyTorch's");
   }
   const auto type =
       std::find_if(kStorageTypes.begin(), kStorageTypes.end(),
                    [&](const StorageType& t) { return id[1]->is_global("torch", t.name); });
   if (type == kStorageTypes.end()) {
-    fail(where, fmt::format("its storage is of a type that is not known: {}", kind_of(*id[1])));
+    fail(where, fmt::format("its storage has an unknown type: {}", kind_of(*id[1])));
   }
   tensor.dtype = type->dtype;
   tensor.storage_key = id[2]->text;

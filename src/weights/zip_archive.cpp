@@ -18,8 +18,8 @@ namespace {
 [[noreturn]] void throw_zip_error(std::string_view where, zip_error_t& error) {
   const std::string text = zip_error_strerror(&error);
   zip_error_fini(&error);
-  throw InputError(where, fmt::format("is not a whole zip archive ({})", text),
-                   "is it a checkpoint of PyTorch 1.6 or newer, copied whole?");
+  throw InputError(where, fmt::format("is not a complete zip archive ({})", text),
+                   "is it a checkpoint of PyTorch 1.6 or newer, copied completely?");
 }
 
 zip_t* open_source(zip_source_t* source, zip_error_t& error, std::string_view where) {
@@ -80,12 +80,12 @@ void ZipArchive::list_members() {
     if (stat.comp_method != ZIP_CM_STORE || stat.encryption_method != ZIP_EM_NONE ||
         stat.comp_size != stat.size) {
       throw InputError(where, "is compressed or encrypted",
-                       "PyTorch stores its members as they are; was the archive packed anew?");
+                       "PyTorch stores its members uncompressed; was the archive repacked?");
     }
     if (__builtin_add_overflow(total, stat.size, &total) || total > file_size_) {
       throw InputError(where, "overlaps others or is larger than the file");
     }
-    if (!sizes_.emplace(name, stat.size).second) throw InputError(where, "stands twice");
+    if (!sizes_.emplace(name, stat.size).second) throw InputError(where, "occurs twice");
     indices_.emplace(name, static_cast<std::uint64_t>(i));
   }
 }

@@ -107,8 +107,8 @@ GtfLearner make_learner(const GtfDescription& description, const GtfLearnerOptio
                         const std::optional<std::string>& init, std::uint64_t seed,
                         const TaskOptions& options) {
   if (options.device != "cpu") {
-    throw InputError("--device " + options.device, "this network learns on the processor only",
-                     "use --device cpu");
+    throw InputError("device " + options.device, "this network is trained on the processor only",
+                     "use cpu");
   }
   if (options.checkpoint != nullptr) {
     return GtfLearner::from_checkpoint(*options.checkpoint, "the checkpoint", learner);
@@ -130,9 +130,10 @@ TrainingTask gtf_task(const TrainConfig& config, std::string_view where,
                       const TaskOptions& options) {
   PairOptions pairs = pair_options(config, where, options);
   if (pairs.layout == DatasetLayout::replay) {
-    throw InputError(options.data.string(),
-                     "gtf learns from what was spoken and from where, which recordings do not tell",
-                     "take simulated data, or train a vigas or vam network");
+    throw InputError(
+        options.data.string(),
+        "gtf needs dry speech and the speaker's position, which recordings do not have",
+        "use simulated data, or train a vigas or vam network");
   }
   const std::string network = fmt::format("{}: 'network'", where);
   std::string section = config.network;
@@ -160,7 +161,7 @@ TrainingTask gtf_task(const TrainConfig& config, std::string_view where,
     throw InputError(network, "'texture' and 'loss.natural' need each other", "give both or none");
   }
   if (start.loss.dry_voice > 0 && !description.dry_voice) {
-    throw InputError(network, "'loss.dry_voice' needs a network that tells it",
+    throw InputError(network, "'loss.dry_voice' needs a network with that output",
                      "set 'dry_voice' to true");
   }
   TrainingTask task;
@@ -171,7 +172,7 @@ TrainingTask gtf_task(const TrainConfig& config, std::string_view where,
   auto learner = std::make_unique<GtfLearner>(
       make_learner(description, learner_options, start.init, config.training.seed, options));
   if (learner->description() != description) {
-    throw InputError(where, "describes another network than the weights it starts from are of");
+    throw InputError(where, "describes a different network from the weights it starts from");
   }
   task.learner = std::move(learner);
   return task;

@@ -114,7 +114,7 @@ TrainingTask people_task(const TrainConfig& config, std::string_view where,
           : PeopleLearner::from_checkpoint(*options.checkpoint, "the checkpoint", pictures.width,
                                            pictures.height, options.device));
   if (to_json(learner->description()) != to_json(description)) {
-    throw InputError(where, "describes another network than the checkpoint is of");
+    throw InputError(where, "describes a different network from the checkpoint");
   }
   task.learner = std::move(learner);
   return task;

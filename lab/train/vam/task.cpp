@@ -32,7 +32,7 @@ TrainingTask vam_task(const TrainConfig& config, std::string_view where,
           ? VamLearner(initial_vam_weights(description, config.training.seed), options.device)
           : VamLearner::from_checkpoint(*options.checkpoint, "the checkpoint", options.device));
   if (to_json(learner->description()) != to_json(description)) {
-    throw InputError(where, "describes another network than the checkpoint is of");
+    throw InputError(where, "describes a different network from the checkpoint");
   }
   task.learner = std::move(learner);
   return task;

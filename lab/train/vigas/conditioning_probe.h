@@ -11,17 +11,17 @@
 
 namespace earpoint {
 
-/// A linear layer that is asked, while ViGAS trains, what its conditioning vector z knows: where
-/// the speaker is from the target, and by how much each ear's level changes. Its error teaches the
-/// fusion and the image trunk what they would take very long to learn from the rendered sound
-/// alone. No weight file holds it.
+/// A linear probe of the conditioning vector z during the training of ViGAS: it estimates where the
+/// speaker is from the target, and by how much each ear's level changes. Its error trains the
+/// fusion and the image trunk much faster than the loss of the rendered sound alone. No weight file
+/// holds it.
 class ConditioningProbe {
  public:
   /// Numbers in an example's input kPlace.
   static constexpr std::int64_t kPlaceWidth = 4;
   static constexpr const char* kPlace = "place";
 
-  /// Begins with zeros, which says nothing and learns at once.
+  /// Starts with zeros, and is trained from the first step.
   ConditioningProbe(std::int64_t conditioning_width, std::int64_t audio_channels,
                     const at::Device& device);
 

@@ -32,7 +32,7 @@ class ViGasGraph {
   ViGasGraph(const ViGasWeights& weights, const at::Device& device);
 
   /// @return [clips][audio channels][samples]; keeps what a gradient needs unless gradients are off
-  /// @see StackGraph::forward() for when the gradient is to be had
+  /// @see StackGraph::forward() for when the gradient is available
   at::Tensor forward(const GraphInputs& inputs, GraphMode mode, StackKind kind = StackKind::fused) {
     return synthesize(inputs.source, fuse(inputs, mode), kind);
   }

@@ -290,7 +290,7 @@ TEST(ViGasLearner, RefusesADeviceThatIsNotThere) {
   options.device = "quantum";
   EXPECT_NE(refusal([&] {
               ViGasLearner(initial_vigas_weights(small(), 1), options);
-            }).find("--device quantum"),
+            }).find("device quantum"),
             std::string::npos);
 }
 

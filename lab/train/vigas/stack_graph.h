@@ -20,7 +20,7 @@ class StackGraph {
   StackGraph& operator=(StackGraph&&) noexcept;
 
   /// Keeps what a gradient needs unless gradients are off, in memory that the next call takes
-  /// again: the gradient of a result is to be had once, before that.
+  /// again: the gradient of a result is available once, before that.
   /// @param tensors  by the names of the weight file
   /// @param source   [clips][audio channels][samples]; has no gradient
   /// @param fused    [clips][conditioning width]

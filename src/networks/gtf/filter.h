@@ -15,8 +15,8 @@
 
 namespace earpoint::kernels {
 
-/// Makes the target's spectra of the source's: kernels over frames, ears and tails, a gain for
-/// each bin, and the phase of a speaker who moved. Or tells the dry voice.
+/// Filters the source's spectra into the target's: kernels over frames, ears and tails, a gain for
+/// each bin, and the phase for the moved speaker. Or estimates the dry speech.
 class GtfFilter {
  public:
   GtfFilter(const GtfWeights& weights, std::ptrdiff_t most_frames);
@@ -28,7 +28,7 @@ class GtfFilter {
   /// From here on. Allocates nothing.
   void condition(const GtfConditions& conditions);
 
-  /// What the trunk says of a block: kernels and gains of its frames. Allocates nothing.
+  /// Reads the trunk's output for a block: kernels and gains of its frames. Allocates nothing.
   /// @param states  [frames][row of the trunk]
   void read(const float* states, std::ptrdiff_t state_row, std::ptrdiff_t frames);
 
@@ -40,7 +40,7 @@ class GtfFilter {
               std::span<const std::complex<float>> spectrum,
               std::span<std::complex<float>> filtered);
 
-  /// What the trunk says of the dry voice in a block. Allocates nothing.
+  /// Reads the trunk's dry-speech output for a block. Allocates nothing.
   void read_voice(const float* states, std::ptrdiff_t state_row, std::ptrdiff_t frames);
 
   /// The dry voice in one frame of the block, the same at both ears. Allocates nothing.

@@ -17,7 +17,7 @@ class GtfFrames {
   /// @param most_frames  that add() is called for between two calls of drain()
   explicit GtfFrames(std::ptrdiff_t most_frames);
 
-  /// Begins anew at sample 0. Allocates nothing.
+  /// Restarts at sample 0. Allocates nothing.
   void reset();
 
   /// The spectrum of the frame whose middle is `sound[centre]`, zeros outside. Allocates nothing.

@@ -26,7 +26,7 @@ using GtfEarBands = std::array<float, std::size_t{2} * GtfDescription::kHeadBand
 
 /// What a move from the source to the target does to direction, distance, level and delay of the
 /// speaker's sound. What the network is shown is limited to the range of its training data; beyond
-/// it, correction() tells by how much the physics of the true move differ: the direct sound falls
+/// it, correction() gives the difference by the physics of the true move: the direct sound falls
 /// with distance, the diffuse field is the same everywhere.
 class GtfGeometry {
  public:
@@ -34,7 +34,7 @@ class GtfGeometry {
   explicit GtfGeometry(const GtfWeights& weights);
 
   /// Computes everything below. Allocates nothing.
-  /// @param is_told  the speaker's place comes from the user: it has no limits of its own
+  /// @param is_told  the speaker's position comes from the user: it has no limits
   void move(const GtfPlace& place, bool is_told, const Pose& source_from_target);
 
   /// What conditions the network.

@@ -30,7 +30,7 @@ class GtfPhaseRound {
  public:
   GtfPhaseRound();
 
-  /// Begins anew. @param end  of the sound: silence from that sample on
+  /// Restarts. @param end  of the sound: silence from that sample on
   void reset(std::ptrdiff_t end);
   /// Takes the next frame in. Allocates nothing.
   /// @return whether `frame` now is the one that leaves
@@ -62,7 +62,7 @@ class GtfPhases {
 
   /// Of them. Frames leave kOverlappingFrames later for each.
   [[nodiscard]] int rounds() const { return static_cast<int>(active_); }
-  /// Begins anew with that many rounds.
+  /// Restarts with that many rounds.
   /// @param end  of the sound: silence from that sample on; none in a stream
   void reset(int rounds, std::ptrdiff_t end = std::numeric_limits<std::ptrdiff_t>::max());
 

@@ -31,7 +31,7 @@ PictureUse GtfSynthesizer::picture_use() const {
 }
 
 std::vector<std::string> GtfSynthesizer::warnings(const RenderOutline& outline) const {
-  return gtf_doubts(network_.description(), outline, horizontal_fov_rad_);
+  return gtf_warnings(network_.description(), outline, horizontal_fov_rad_);
 }
 
 void GtfSynthesizer::observe(const Observation& observation) {

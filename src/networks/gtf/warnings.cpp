@@ -56,65 +56,62 @@ bool leaves_view(const RenderOutline& outline, double horizontal_fov_rad) {
   return false;
 }
 
-void doubt_knowledge(const GtfDescription& description, const RenderOutline& outline,
-                     double horizontal_fov_rad, std::vector<std::string>& doubts) {
+void warn_of_missing_input(const GtfDescription& description, const RenderOutline& outline,
+                           double horizontal_fov_rad, std::vector<std::string>& warnings) {
   const bool looks = description.picture_px > 0;
   if (looks && !outline.has_picture) {
-    doubts.emplace_back("there is no picture: the room is guessed by ear");
+    warnings.emplace_back("no picture given: the room is estimated from the sound alone");
   }
   if (!description.box || outline.speaker_m) return;
   if (!outline.speaker_track) {
-    doubts.push_back(
-        fmt::format("nobody says who speaks: the speaker is looked for by {}; "
-                    "--speaker-box or --speaker would tell",
-                    looks && outline.has_picture ? "picture and sound" : "ear"));
+    warnings.push_back(
+        fmt::format("no speaker given: estimated from {}; to be sure, give the speaker's position "
+                    "or the speaker's box",
+                    looks && outline.has_picture ? "picture and sound" : "the sound"));
   } else if (leaves_view(outline, horizontal_fov_rad)) {
-    doubts.emplace_back("the speaker's box leaves the 90 degrees that the network sees");
+    warnings.emplace_back("the speaker's box leaves the 90 degrees of view that gtf uses");
   }
 }
 
 }  // namespace
 
-std::vector<std::string> gtf_doubts(const GtfDescription& description, const RenderOutline& outline,
-                                    double horizontal_fov_rad) {
-  std::vector<std::string> doubts;
-  const Reach reach = reach_of(outline);
+std::vector<std::string> gtf_warnings(const GtfDescription& description,
+                                      const RenderOutline& outline, double horizontal_fov_rad) {
+  std::vector<std::string> warnings;
   const GtfTrainingRange& range = description.training_range;
+  const Reach reach = reach_of(outline);
   if (reach.distance_m > range.farthest_move_m) {
-    doubts.push_back(
-        fmt::format("an earpoint is {:.1f} m from the camera, it learned moves of up to "
-                    "{:g} m",
+    warnings.push_back(
+        fmt::format("the target is {:.1f} m from the camera; gtf was trained for up to {:g} m",
                     reach.distance_m, range.farthest_move_m));
   }
   if (reach.height_m > range.level_move_m) {
-    doubts.push_back(
-        fmt::format("an earpoint is {:.1f} m above or below the camera, it learned "
-                    "level moves",
-                    reach.height_m));
+    warnings.push_back(fmt::format(
+        "the target is {:.1f} m above or below the camera; gtf was trained at the camera's height",
+        reach.height_m));
   }
   if (reach.tilt_rad > radians_from_degrees(range.level_head_deg)) {
-    doubts.push_back(
-        fmt::format("a head pitches or rolls by {:.0f} degrees, it learned level heads",
+    warnings.push_back(
+        fmt::format("the head pitches or rolls by {:.0f} degrees; gtf was trained with level heads",
                     degrees_from_radians(reach.tilt_rad)));
   }
   if (reach.nearest_speaker_m < GtfDescription::kNearestSpeaker_m) {
-    doubts.push_back(
-        fmt::format("an earpoint is {:.2f} m from the speaker's mouth, below {:g} m "
-                    "nothing gets louder",
-                    reach.nearest_speaker_m, GtfDescription::kNearestSpeaker_m));
+    warnings.push_back(fmt::format(
+        "the target is {:.2f} m from the speaker's mouth; the level does not rise below {:g} m",
+        reach.nearest_speaker_m, GtfDescription::kNearestSpeaker_m));
   }
   if (outline.speaker_m && norm(*outline.speaker_m) > range.farthest_speaker_m) {
-    doubts.push_back(
-        fmt::format("the speaker is {:.1f} m from the camera, it learned speakers up to "
-                    "{:g} m away",
+    warnings.push_back(
+        fmt::format("the speaker is {:.1f} m from the camera; gtf was trained for up to {:g} m",
                     norm(*outline.speaker_m), range.farthest_speaker_m));
   }
   if (outline.level_db < kQuietest_db) {
-    doubts.push_back(fmt::format("the recording has {:.0f} dB, below {:g} dB it hears silence",
-                                 outline.level_db, kQuietest_db));
+    warnings.push_back(
+        fmt::format("the recording's level is {:.0f} dB; below {:g} dB gtf treats it as silence",
+                    outline.level_db, kQuietest_db));
   }
-  doubt_knowledge(description, outline, horizontal_fov_rad, doubts);
-  return doubts;
+  warn_of_missing_input(description, outline, horizontal_fov_rad, warnings);
+  return warnings;
 }
 
 }  // namespace earpoint

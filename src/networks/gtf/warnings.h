@@ -8,12 +8,12 @@
 
 namespace earpoint {
 
-/// What of a rendering a gtf network has never met in training, one reason each. The limits are
-/// those of the simulated conversations that it learns from (ConversationOptions): viewpoints
-/// within 2.5 m of the middle between two people, all at one height, all level.
+/// What in a rendering lies outside gtf's training data, one line each. The limits are those of the
+/// simulated conversations that it is trained on (ConversationOptions): viewpoints within 2.5 m of
+/// the middle between two people, all at one height, all level.
 /// @param horizontal_fov_rad  of the source camera
-[[nodiscard]] std::vector<std::string> gtf_doubts(const GtfDescription& description,
-                                                  const RenderOutline& outline,
-                                                  double horizontal_fov_rad);
+[[nodiscard]] std::vector<std::string> gtf_warnings(const GtfDescription& description,
+                                                    const RenderOutline& outline,
+                                                    double horizontal_fov_rad);
 
 }  // namespace earpoint

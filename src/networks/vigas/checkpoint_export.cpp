@@ -105,8 +105,7 @@ void check_expressible(const ViGasDescription& d, std::string_view where) {
   const bool replay = d.pose_encoding == PoseEncoding::replay;
   const BoxEncoding box = soundspaces ? BoxEncoding::soundspaces : BoxEncoding::corners;
   if ((soundspaces || replay) && (!d.has_input("bboxes") || d.box_encoding == box)) return;
-  throw InputError(where,
-                   "its poses or boxes are encoded in a way that the released code does not know",
+  throw InputError(where, "the released code does not have its encoding of poses or boxes",
                    "train with \"pose_encoding\" \"soundspaces\" or \"replay\"");
 }
 
@@ -265,7 +264,7 @@ std::vector<std::byte> pickle_of(const ReleasedCheckpoint& checkpoint) {
 
 ReleasedCheckpoint released_checkpoint(SafetensorsFile file, std::string_view where) {
   if (network_kind(file, where) != NetworkKind::vigas) {
-    throw InputError(where, "is no ViGAS network, which is what the released code has");
+    throw InputError(where, "is not a ViGAS network, the only kind in the released code");
   }
   std::map<std::string, Tensor> tensors = file.tensors;
   const std::map<std::string, std::string> metadata = file.metadata;

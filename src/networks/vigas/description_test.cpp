@@ -95,7 +95,7 @@ TEST(ViGasDescription, JsonMistakesAreNamed) {
   expect(refusal_with("\"acausal\":true,", ""), "has no 'acausal'");
   expect(refusal_with("\"acausal\":true", "\"acausal\":1"), "expected true or false, found 1");
   expect(refusal_with("\"blocks\":3", "\"blocks\":3,\"block\":3"), "unknown key 'block'");
-  expect(refusal_with("\"blocks\":3", "\"blocks\":3,\"blocks\":3"), "'blocks' stands twice");
+  expect(refusal_with("\"blocks\":3", "\"blocks\":3,\"blocks\":3"), "'blocks' occurs twice");
   expect(refusal_with("\"blocks\":3", "\"blocks\":3.5"), "expected an integer, found 3.5");
   expect(refusal_with("\"blocks\":3", "\"blocks\":18446744073709551615"), "expected an integer");
   expect(refusal_with("\"blocks\":3", "\"blocks\":3000"), "blocks: expected 1 to 1024");

@@ -10,7 +10,7 @@
 namespace earpoint::kernels {
 
 /// From a picture to `visual_feat`: ResNet-18, 1x1 convolution, ReLU, flattened.
-/// Source: oracle notes on the released code, section 2.1.
+/// Source: docs/released-code.md, image trunk.
 class ImageTrunk {
  public:
   /// @param weights  of a network with an image encoder

@@ -17,12 +17,12 @@ constexpr std::array<std::string_view, 4> kKnownInputs = {"visual_feat", "tgt_po
 void check_usable(const ViGasDescription& description, const std::string& where) {
   for (const ConditioningInput& input : description.inputs) {
     if (std::find(kKnownInputs.begin(), kKnownInputs.end(), input.name) == kKnownInputs.end()) {
-      throw InputError(where, "the network asks for " + input.name + ", which a clip does not tell",
+      throw InputError(where, "the network asks for " + input.name + ", which a clip does not have",
                        "use `earpoint model run` with that input");
     }
   }
   if (description.has_input("visual_feat") && !description.image_encoder) {
-    throw InputError(where, "the network has no image encoder of its own",
+    throw InputError(where, "the network has no image encoder",
                      "use `earpoint model run` with visual_feat");
   }
   if (description.audio_channels != 2) throw InputError(where, "the network is not binaural");

@@ -125,7 +125,7 @@ TEST(ViGasSynthesizer, AsksForTheBoxByItsFlag) {
     synthesizer.observe(observation);
     FAIL() << "expected InputError";
   } catch (const InputError& error) {
-    EXPECT_NE(std::string(error.what()).find("--speaker-box"), std::string::npos);
+    EXPECT_NE(std::string(error.what()).find("speaker's box"), std::string::npos);
   }
 }
 

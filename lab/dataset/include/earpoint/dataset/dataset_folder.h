@@ -17,7 +17,7 @@ enum class DatasetLayout {
 };
 
 /// @param name  "soundspaces" or "replay"
-/// @throws InputError naming --layout if it is neither
+/// @throws InputError naming layout if it is neither
 [[nodiscard]] DatasetLayout layout_named(std::string_view name);
 
 /// What a folder holds. A published data set is found from its root, the folder that holds

@@ -47,7 +47,7 @@ enum class PairDraw {
   released,
 };
 
-/// @param name  "every-target" or "released". @throws InputError naming --draw if it is neither
+/// @param name  "every-target" or "released". @throws InputError naming draw if it is neither
 PairDraw draw_named(std::string_view name);
 
 /// Draws pairs of a data set on disk. Speech whose file cannot be opened is taken from its first

@@ -17,7 +17,7 @@ struct ClipMethod {
   std::string model;  ///< `input`, `dsp`, or the path of a weight file
 };
 
-/// What two ears hear, as people compare it.
+/// Levels of a binaural sound.
 struct EarLevels {
   double level_db = 0.0;       ///< of both ears together, relative to the clip as it was recorded
   double left_right_db = 0.0;  ///< level of the left ear less that of the right
@@ -48,13 +48,13 @@ struct ComparisonOptions {
 };
 
 /// Renders the clip for each earpoint by each method as `earpoint render` does and measures what
-/// comes out against what was heard there. gtf is told nothing of the speaker, dsp
+/// comes out against what was heard there. gtf gets nothing about the speaker, dsp
 /// where the speaker is, other networks the box.
 ///
 /// @param folder  gets the sounds: source.flac, and a file for each earpoint and method
 /// @throws InputError as render(), as read_sound(); if a truth is not binaural or not as long as
 ///         the clip (20 ms more or less are cut off), or a method needs to know of the speaker what
-///         the description does not tell
+///         the description does not have
 [[nodiscard]] EarpointComparison compare_earpoints(const EarpointClip& clip,
                                                    std::span<const ClipMethod> methods,
                                                    const std::filesystem::path& folder,

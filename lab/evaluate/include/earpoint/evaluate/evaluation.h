@@ -36,7 +36,7 @@ struct ClipResult {
 /// A pair that could not be read.
 struct BadPair {
   std::string name;
-  std::string problem;  ///< one line: file, what is wrong, the mend
+  std::string problem;  ///< one line: file, what is wrong, a hint
 };
 
 struct EvaluationResult {
@@ -60,7 +60,7 @@ struct EvaluationOptions {
   bool judges_speech = false;
   /// Makes the estimator of a thread; empty: no RTE.
   std::function<ReverberationEstimator()> make_estimator;
-  /// Makes what tells methods about the speaker, for a thread; empty: the truth. Oracles are told
+  /// Makes what gives methods the speaker, for a thread; empty: the truth. Oracles always get
   /// the truth.
   std::function<SpeakerTelling()> make_telling{};
 };
@@ -69,7 +69,7 @@ struct EvaluationOptions {
 inline constexpr std::size_t kReleasedBatch = 32;
 
 /// Runs every method on every pair and measures it twice: honestly, and with what the released
-/// evaluation does with the target's help (fix_sign over batches of the list's order, where
+/// evaluation does with the target (fix_sign over batches of the list's order, where
 /// MethodEntry::fixes_sign, and EvaluationSet::released_sample). Only oracles are given the target
 /// and the truth.
 ///

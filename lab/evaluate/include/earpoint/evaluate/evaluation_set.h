@@ -24,7 +24,7 @@ class EvaluationSet {
   [[nodiscard]] virtual std::string scene(std::size_t pair) const = 0;
   /// Pairs of one conversation have the same number; they are not independent of each other.
   [[nodiscard]] virtual int cluster(std::size_t pair) const = 0;
-  /// Whose voice is heard; nothing where the data do not tell.
+  /// The voice of the speaker; nothing where the data do not have it.
   [[nodiscard]] virtual std::optional<std::string> voice(std::size_t /*pair*/) const {
     return std::nullopt;
   }
@@ -32,9 +32,9 @@ class EvaluationSet {
   [[nodiscard]] virtual std::string pairs() const = 0;
   /// @throws InputError naming the file that is missing or malformed
   [[nodiscard]] virtual PairSample sample(std::size_t pair) const = 0;
-  /// Whether samples tell where the speaker stands.
+  /// Whether samples have the speaker's position.
   [[nodiscard]] virtual bool knows_speaker() const { return true; }
-  /// What a simulator knows; nothing of recordings.
+  /// The simulator's truth; nothing for recordings.
   [[nodiscard]] virtual std::optional<PairTruth> truth(std::size_t pair) const = 0;
 
   /// What the released evaluation gives methods instead, if that is something else: on Replay it
@@ -69,7 +69,7 @@ struct PairChoice {
 /// (PairSample::source) and the rest (PairSample::ambient). Targets stay clean: what is compared is
 /// the primary sound. What the source would hear without noise is kept beside (PairSample::clean).
 /// @param level_db    of the noise, root mean square re full scale
-/// @param separation  how the two are told apart
+/// @param separation  how the two are separated
 [[nodiscard]] std::unique_ptr<EvaluationSet> with_ambient(
     std::unique_ptr<EvaluationSet> set, double level_db,
     AmbientSeparation separation = AmbientSeparation::bandpass);

@@ -19,7 +19,7 @@ struct Question {
   const PairTruth* truth = nullptr;  ///< for oracles alone, of simulated data
 };
 
-/// One way to tell what is heard at the target. One object per thread.
+/// A method that renders the sound at the target. One object per thread.
 class Method {
  public:
   virtual ~Method() = default;

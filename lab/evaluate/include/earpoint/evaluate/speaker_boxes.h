@@ -9,18 +9,18 @@
 
 namespace earpoint {
 
-/// What methods are told about the speaker.
+/// What methods get of the speaker.
 enum class SpeakerBoxes {
   truth,     ///< where they are seen and stand, as the data set has it
   detected,  ///< the person in the picture who is found to speak, by picture and sound
   none,      ///< nothing
 };
 
-/// @param name  "true", "detected" or "none". @throws InputError naming --boxes if it is none of
+/// @param name  "true", "detected" or "none". @throws InputError naming boxes if it is none of
 /// them
 [[nodiscard]] SpeakerBoxes boxes_named(std::string_view name);
 
-/// Puts what a method is told of the speaker in place of what the data set knows: speaker_box and
+/// Replaces what the data set knows of the speaker by what a method gets: speaker_box and
 /// speaker_m. One object per thread.
 using SpeakerTelling = std::function<void(PairSample&)>;
 

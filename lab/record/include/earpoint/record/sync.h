@@ -18,7 +18,7 @@ namespace earpoint {
 enum class SyncMethod {
   reference,  ///< session time is this device's
   positions,  ///< by sounds, the ways that they travel removed
-  onsets,     ///< by sounds alone: to some ten milliseconds, as it is not known where the device is
+  onsets,  ///< by sounds alone: to about ten milliseconds, as it is not known where the device is
 };
 [[nodiscard]] std::string_view name_of(SyncMethod method);
 
@@ -73,7 +73,7 @@ struct SyncOptions {
 /// Finds every device's offset and drift.
 ///
 /// Onsets of sound, the clapper's among them, are matched over the whole session, which gives
-/// clocks to some ten milliseconds. Then voices are found again, half a second at a time, from the
+/// clocks to about ten milliseconds. Then voices are found again, half a second at a time, from the
 /// near microphone of who speaks alone in every ear of every camera, by GCC-PHAT. How long a voice
 /// travels depends on where it is, which is not known: places and clocks are found together, such
 /// that all ears agree. Without near microphones the first camera

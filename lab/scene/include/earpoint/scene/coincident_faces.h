@@ -31,7 +31,7 @@ class CoincidentFaces {
 
   /// The triangle that counts where a ray meets one.
   /// @param found    the triangle that the ray meets
-  /// @param allowed  tells of a triangle whether the ray sees it at all
+  /// @param allowed  whether a ray can hit the triangle at all
   template <typename Allowed>
   [[nodiscard]] std::uint32_t on_top(std::uint32_t found, const std::array<float, 3>& origin,
                                      const std::array<float, 3>& direction,

@@ -122,7 +122,7 @@ std::optional<FurniturePiece> draw_furniture(const FurnitureLibrary& library, Fu
                                              const Vector3& limit_m, std::size_t most_triangles,
                                              RandomStream& random);
 
-/// Adds a piece as an instance of its own.
+/// Adds a piece as a separate instance.
 /// @return the instance's index
 std::uint32_t add_furniture(const FurniturePiece& piece, const FurnitureStyle& style,
                             const Placement& placement, SceneBuilder& builder);

@@ -38,7 +38,7 @@ struct ImportReport {
   Vector3 size_m;                  ///< along each axis
   Closure closure;                 ///< of the scene as returned
 
-  /// @return one line for each thing that a user should know, with its mend
+  /// @return warnings, a line each, with a hint
   [[nodiscard]] std::vector<std::string> warnings() const;
 };
 

@@ -60,7 +60,7 @@ class MaterialTable {
 MaterialTable load_material_table(const std::filesystem::path& path);
 
 /// The table that comes with the program: some 45 surfaces of homes from published tables, and
-/// patterns for the categories of Matterport3D, Replica and Gibson. A source stands in every row.
+/// patterns for the categories of Matterport3D, Replica and Gibson. Every row has its source.
 const MaterialTable& standard_materials();
 
 /// @return the standard material of that name

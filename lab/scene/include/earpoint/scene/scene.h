@@ -36,7 +36,7 @@ struct Scene {
   std::vector<Lamp> lamps;
 };
 
-/// What `check_scene` mended.
+/// What `check_scene` corrected.
 struct SceneCheck {
   std::size_t zero_area_triangles = 0;  ///< dropped
 };

@@ -65,7 +65,7 @@ class SceneBuilder {
   /// @param sides  around its equator, at least 4; half as many from pole to pole
   void add_ellipsoid(const Vector3& centre, const Vector3& radii_m, int sides, Surface surface);
 
-  /// Triangles with normals and texture coordinates of their own, all arrays as in Mesh.
+  /// Triangles with their own normals and texture coordinates, all arrays as in Mesh.
   /// @param surfaces  one per value of `mesh.triangle_material`
   void add_mesh(const Mesh& mesh, const std::vector<Surface>& surfaces);
 

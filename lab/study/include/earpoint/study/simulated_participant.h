@@ -15,7 +15,7 @@ enum class SimulatedRule {
 
 /// @return "mag", "level" or "random"
 [[nodiscard]] std::string_view name_of(SimulatedRule rule);
-/// @throws InputError naming --rule if there is none of that name
+/// @throws InputError naming rule if there is none of that name
 [[nodiscard]] SimulatedRule simulated_rule_named(std::string_view name);
 
 struct SimulatedOptions {

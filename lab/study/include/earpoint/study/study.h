@@ -19,7 +19,7 @@ enum class StudyDesign {
 
 /// @return "choice" or "mushra"
 [[nodiscard]] std::string_view name_of(StudyDesign design);
-/// @throws InputError naming --design if there is no such design
+/// @throws InputError naming design if there is no such design
 [[nodiscard]] StudyDesign study_design_named(std::string_view name);
 
 // Sounds that no method made. They are no names of methods.

@@ -9,7 +9,7 @@
 
 namespace earpoint {
 
-/// Directions of arrival are told apart by sectors: evenly spread over the sphere, in the world's
+/// Directions of arrival are divided into sectors: evenly spread over the sphere, in the world's
 /// frame, so that a listener may turn the head after the trace.
 constexpr int kSectors = 32;
 

@@ -33,12 +33,12 @@ class ResponseRenderer {
   ResponseRenderer(ResponseRenderer&&) noexcept;
   ResponseRenderer& operator=(ResponseRenderer&&) noexcept;
 
-  /// What an omnidirectional microphone at the listener's place hears.
+  /// The response of an omnidirectional microphone at the listener.
   /// @param stream  names the noise: other numbers give other noise of the same energy
   /// @return  one channel
   [[nodiscard]] Waveform mono(const PointResponse& response, std::uint64_t stream) const;
 
-  /// What two ears hear: the binaural room impulse response (BRIR).
+  /// The response at two ears: the binaural room impulse response (BRIR).
   /// @param world_from_listener  the head's turn
   /// @param hrtf                 at the renderer's sampling rate
   /// @param stream               as for mono()
@@ -47,8 +47,8 @@ class ResponseRenderer {
                                   const Quaternion& world_from_listener, const HrtfSet& hrtf,
                                   std::uint64_t stream) const;
 
-  /// What an ambisonic microphone hears, in the channel order ACN and the norm N3D: arrivals from
-  /// their exact directions, the late field from the middles of its sectors.
+  /// The response of an ambisonic microphone, in the channel order ACN and the norm N3D: arrivals
+  /// from their exact directions, the late field from the middles of its sectors.
   /// @param world_from_listener  how the microphone is turned
   /// @param order                0 to 7
   /// @param stream               as for mono()

@@ -30,8 +30,8 @@ struct TraceOptions {
   double max_escape_fraction = 0.01;  ///< more than this and the mesh is refused; 1 for open air
 };
 
-/// What one listener hears of one source: sharp arrivals, and the energy of all the rest. No sound
-/// is in both.
+/// The sound of one source at one listener: sharp arrivals, and the energy of all the rest. No
+/// sound is in both.
 struct PointResponse {
   double distance_m = 0.0;   ///< straight from source to listener
   bool sees_source = false;  ///< whether the straight way is free, or through what transmits

@@ -49,7 +49,7 @@ struct PairOptions {
   std::optional<DatasetLayout> layout;  ///< of it; nothing: whichever there is
   std::uint64_t seed = 1;               ///< of the draws in training
   std::ptrdiff_t samples = 16000;       ///< of a training window; validation takes a second
-  bool any_speech = false;              ///< whoever speaks says what anyone of the split said
+  bool any_speech = false;              ///< a speaker says any speech of the split
   bool mirror = true;            ///< half of the training examples are mirrored, left to right
   double spoilt_pictures = 0.0;  ///< share of training examples whose picture tells nothing
   double wide_pictures = 0.0;    ///< share of training examples whose picture is cut to 16:9

@@ -20,7 +20,7 @@ namespace earpoint {
 /// ImageNet; here it is drawn, normal by He's rule over the outputs: see load_image_trunk().
 ///
 /// The same description and seed give the same weights.
-/// Source: oracle notes on the released code; He et al., ICCV 2015.
+/// Source: docs/released-code.md, initial weights; He et al., ICCV 2015.
 [[nodiscard]] ViGasWeights initial_vigas_weights(const ViGasDescription& description,
                                                  std::uint64_t seed);
 
@@ -46,8 +46,8 @@ namespace earpoint {
 /// back its source.
 [[nodiscard]] VamWeights initial_vam_weights(const VamDescription& description, std::uint64_t seed);
 
-/// The same for a network that finds people: convolutions normal by He's rule over the inputs, the
-/// last one nearly zero and its bias so that it finds nobody.
+/// The same for a network that detects people: convolutions normal by He's rule over the inputs,
+/// the last one nearly zero and its bias so it detects nobody.
 [[nodiscard]] PeopleWeights initial_people_weights(const PeopleDescription& description,
                                                    std::uint64_t seed);
 

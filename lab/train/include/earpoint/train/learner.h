@@ -12,12 +12,12 @@
 
 namespace earpoint {
 
-/// A network that learns by gradients, with its optimizer: what a Trainer asks of it.
+/// A network that is trained by gradients, with its optimizer: the interface of a Trainer.
 class Learner {
  public:
   virtual ~Learner() = default;
 
-  /// Computes the loss of a batch and its gradient by every parameter, in place of the last one.
+  /// Computes the loss of a batch and its gradient by every parameter; replaces the last one.
   /// @return the loss, a mean over the batch
   virtual double compute_gradients(const TrainingBatch& batch) = 0;
 

@@ -33,7 +33,7 @@ class PeopleLearner : public NetworkLearner<PeopleDescription> {
   [[nodiscard]] std::vector<double> errors(const TrainingBatch& batch) override;
   [[nodiscard]] std::string_view error_name() const override { return "people_error"; }
 
-  /// Computes the loss of a batch and its gradient by every parameter, in place of the last one;
+  /// Computes the loss of a batch and its gradient by every parameter; replaces the last one;
   /// batch norms move their running statistics.
   double compute_gradients(const TrainingBatch& batch) override;
 

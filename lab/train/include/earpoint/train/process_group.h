@@ -54,7 +54,7 @@ class ProcessGroup {
 
   [[nodiscard]] int rank() const;
   [[nodiscard]] int size() const;
-  /// Whether this is the one that writes files and tells how it goes.
+  /// Whether this one writes files and reports progress.
   [[nodiscard]] bool is_first() const { return rank() == 0; }
 
   /// Adds up over all processes, in place, to the same bits in all.

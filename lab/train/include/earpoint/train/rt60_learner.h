@@ -33,11 +33,11 @@ class Rt60Learner : public NetworkLearner<Rt60Description> {
   /// What Rt60Estimator says of each second.
   [[nodiscard]] std::vector<double> estimate_s(const TrainingBatch& batch);
 
-  /// Absolute errors of what it says, seconds.
+  /// Absolute errors of the estimates, seconds.
   [[nodiscard]] std::vector<double> errors(const TrainingBatch& batch) override;
   [[nodiscard]] std::string_view error_name() const override { return "t60_error_s"; }
 
-  /// Computes the loss of a batch and its gradient by every parameter, in place of the last one;
+  /// Computes the loss of a batch and its gradient by every parameter; replaces the last one;
   /// batch norms move their running statistics.
   /// @return the loss, seconds
   double compute_gradients(const TrainingBatch& batch) override;

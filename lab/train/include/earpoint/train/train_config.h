@@ -80,7 +80,7 @@ struct ViGasConfig {
   std::filesystem::path start_file;            ///< for ViGasStart::file
   std::optional<std::filesystem::path> trunk;  ///< a ResNet-18 for load_image_trunk()
   LossKind loss = LossKind::magnitude;
-  /// How much it counts beside the loss that the conditioning vector tells where the speaker is and
+  /// Weight of the probe's loss: the conditioning vector must contain the speaker's position and
   /// how each ear's level changes: see LearnerOptions.
   double place = 0.0;
   std::int64_t place_steps = 0;  ///< likewise

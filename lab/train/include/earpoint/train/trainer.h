@@ -36,7 +36,7 @@ struct TrainingSummary {
   TrainingEnd end = TrainingEnd::steps;
 };
 
-/// One validation, for whoever watches.
+/// The result of a validation.
 struct ValidationResult {
   std::int64_t step = 0;
   std::int64_t clips = 0;
@@ -96,7 +96,7 @@ TrainingSummary train(Learner& learner, const ExampleSource& examples,
 [[nodiscard]] std::optional<SafetensorsFile> read_checkpoint(const std::filesystem::path& folder,
                                                              const std::string& config);
 
-/// Tells the C library to keep freed memory: activations of a step are as large as those of the
+/// Makes the C library keep freed memory: activations of a step are as large as those of the
 /// next, and handing the pages back and forth takes up to half of the time. Affects the whole
 /// process.
 void keep_freed_memory();

@@ -16,7 +16,7 @@
 
 namespace earpoint {
 
-/// What a Trainer brings together: who learns, and from what.
+/// What a Trainer runs: a learner and its examples.
 struct TrainingTask {
   std::unique_ptr<Learner> learner;
   std::unique_ptr<ExampleSource> examples;

@@ -40,7 +40,7 @@ class VamLearner : public NetworkLearner<VamDescription> {
   [[nodiscard]] std::vector<double> errors(const TrainingBatch& batch) override;
   [[nodiscard]] std::string_view error_name() const override { return "mag"; }
 
-  /// Computes the loss of a batch and its gradient by every parameter, in place of the last one;
+  /// Computes the loss of a batch and its gradient by every parameter; replaces the last one;
   /// batch norms move their running statistics.
   /// @return the loss
   double compute_gradients(const TrainingBatch& batch) override;

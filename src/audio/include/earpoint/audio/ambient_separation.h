@@ -29,10 +29,9 @@ enum class AmbientSeparation {
 /// Removes stationary and slowly changing noise from a stream of sound, frame by frame.
 ///
 /// Frames of about 32 ms (for whole fast transforms) with a hop of a quarter and square-root Hann
-/// windows. The noise's power spectrum is
-/// tracked by minima-controlled recursive averaging (NoiseTracker) over the sum of all channels,
-/// and one gain for each frame and bin applies to all channels, so that level and time differences
-/// between the ears stay as they are.
+/// windows. The noise's power spectrum is tracked by minima-controlled recursive averaging
+/// (NoiseTracker) over the sum of all channels. One gain for each frame and bin applies to all
+/// channels, which keeps the level and time differences between the ears.
 /// - subtract: G^2 = max(1 - 1/gamma, floor^2), gamma = power / noise, floor -20 dB.
 /// - mmse: G = xi/(1+xi) exp(E1(v)/2), v = gamma xi/(1+xi), xi by the decision-directed approach
 ///   (weight 0.98), at least -25 dB.

@@ -9,7 +9,7 @@ namespace earpoint {
 /// - start at the direct sound: the first sample within 20 dB of the largest;
 /// - integrate the squared response backwards (Schroeder, JASA 37, 1965);
 /// - stop where the decay meets the noise (or the end of the response) and put the energy of a
-///   continued exponential decay in place of the rest (Lundeby et al., Acustica 81, 1995), so that
+///   continued exponential decay instead of the rest (Lundeby et al., Acustica 81, 1995), so that
 ///   neither noise nor a cut-off tail bends the curve.
 /// @param impulse_response  one channel, shape [samples], linear pressure
 /// @param sample_rate_hz    > 0

@@ -9,7 +9,7 @@
 
 namespace earpoint {
 
-/// What a sound file says about itself.
+/// Properties of a sound file, from its header.
 struct SoundInfo {
   int channels = 0;
   int sample_rate_hz = 0;

@@ -13,7 +13,7 @@
 
 namespace earpoint {
 
-/// What two channels are, as far as delay, level and coherence between them tell.
+/// The kind of a two-channel recording, by delay, level and coherence between the channels.
 enum class StereoKind {
   plausible,    ///< nothing speaks against two ears
   one_channel,  ///< one of them is silent or nearly so
@@ -25,7 +25,7 @@ enum class StereoKind {
 /// "dual_mono", "panned" ...; for programs.
 [[nodiscard]] std::string_view name_of(StereoKind kind);
 
-/// Tells recordings by two ears from other stereo.
+/// Distinguishes binaural recordings from other stereo.
 ///
 /// By half seconds: at an ear away from the source sound is both later, by up to 0.9 ms, and
 /// weaker, the more the higher the frequency. A mixing desk changes the level alone and all
@@ -44,7 +44,7 @@ class StereoCheck {
   /// else.
   [[nodiscard]] StereoKind kind();
 
-  /// What half a second says of itself.
+  /// The kind of half a second.
   struct Finding {
     double power = 0.0;       ///< of both channels
     double left_share = 0.0;  ///< of the power, 0 to 1

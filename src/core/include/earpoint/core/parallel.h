@@ -42,7 +42,7 @@ class ThreadPool {
   [[nodiscard]] int threads() const;
 
   /// Calls body(task, worker) for every task in [0, tasks), worker in [0, threads()), and returns
-  /// when all are done. Tasks are handed out in ascending order to whoever is free. If bodies
+  /// when all are done. Tasks are handed out in ascending order to free threads. If bodies
   /// throw, the first exception is rethrown after the loop ends. Allocates nothing.
   /// Not re-entrant, and for one caller at a time.
   void run(std::ptrdiff_t tasks, FunctionRef<void(std::ptrdiff_t task, int worker)> body);

@@ -42,7 +42,7 @@ class StreamProgress : public ProgressSink {
   void advance(double amount) override;
   void finish() override;
 
-  /// Writes a line of its own between the reports.
+  /// Writes a separate line between the reports.
   void note(const std::string& line);
 
  private:

@@ -11,7 +11,7 @@ class RandomStream {
  public:
   explicit RandomStream(std::uint64_t seed) : RandomStream(seed, {}) {}
 
-  /// A stream of its own for every key path, e.g. {scene, conversation, purpose}: work can be
+  /// A separate stream for every key path, e.g. {scene, conversation, purpose}: work can be
   /// split in any order over any number of threads and still draw the same numbers.
   RandomStream(std::uint64_t seed, std::initializer_list<std::uint64_t> keys);
 

@@ -6,7 +6,7 @@
 
 namespace earpoint {
 
-/// Where the samples of a WAV file (RIFF or RF64) lie, and how far its header is to be believed.
+/// Where the samples of a WAV file (RIFF or RF64) lie, and which values of its header are valid.
 /// One rule for all who read WAV files.
 struct WavData {
   std::uint64_t start = 0;    ///< of the samples, bytes

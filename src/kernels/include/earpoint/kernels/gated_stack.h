@@ -9,7 +9,7 @@
 namespace earpoint::kernels {
 
 /// The audio core of ViGAS: 1x1 convolution, gated dilated stack, mean of the skips, output head.
-/// Source: oracle notes on the released code, section 2.3.
+/// Source: docs/released-code.md, gated stack.
 class GatedStack {
  public:
   /// Packs the weights; they are not needed afterwards.

@@ -9,8 +9,8 @@
 namespace earpoint::kernels {
 
 /// ResNet-18 without pooling and classifier, for inference; oneDNN does the work.
-/// Source: He et al., Deep Residual Learning (2015); names and layout as in the oracle notes on the
-/// released code, section 2.1.
+/// Source: He et al., Deep Residual Learning (2015); names and layout as in
+/// docs/released-code.md, image trunk.
 class ResNet18 {
  public:
   /// @param tensor   of the state dict; the network's names start with `prefix`

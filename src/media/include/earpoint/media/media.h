@@ -38,7 +38,7 @@ struct StreamInfo {
   int height = 0;
   double frame_rate_hz = 0.0;  ///< average; 0 if unknown or a still picture
   int rotation_deg = 0;        ///< clockwise turn that shows it upright: 0, 90, 180 or 270
-  /// The camera's angle of view, where the file tells its lens (Exif, QuickTime), after rotation.
+  /// The camera's angle of view, if the file has lens data (Exif, QuickTime), after rotation.
   std::optional<double> horizontal_fov_rad;
 
   // Sound.
@@ -104,7 +104,7 @@ class FrameReader {
 ///
 /// Sample k is at time k / rate: a stream that starts after the container does begins with silence,
 /// encoder priming is dropped, and a gap between timestamps is filled with silence. Where the clock
-/// of a transport stream (mpegts, mpeg) was set anew, back by more than half a second or forward by
+/// of a transport stream (mpegts, mpeg) jumped, back by more than half a second or forward by
 /// more than ten, what follows is joined. Samples come as they are stored: values beyond [-1, 1],
 /// NaN and silence are the caller's to judge. Memory: one block. Not for use from two threads at
 /// once.

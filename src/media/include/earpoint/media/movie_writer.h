@@ -20,7 +20,7 @@ class MovieWriter {
   /// The picture of another movie with new sound.
   ///
   /// H.264, HEVC, AV1, VP9 and MPEG-4 pictures from mp4, mov, mkv and webm are copied as they are;
-  /// others are encoded anew as H.264. The whole picture is kept, also where the sound is shorter.
+  /// others are encoded as H.264. The whole picture is kept, also where the sound is shorter.
   /// The sound's t = 0 is the source container's start, as in AudioReader.
   /// @param path    ends in .mp4, .m4v or .mov
   /// @param source  a movie; may be the same file as path

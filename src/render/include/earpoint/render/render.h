@@ -23,7 +23,7 @@ struct RenderSource {
   SoundSource sound;
   /// A still picture, or a movie. Without it the picture is the sound's own movie, if it is one.
   std::optional<std::filesystem::path> picture;
-  /// Who speaks, as seen in the picture or as known in the source view's frame.
+  /// The speaker's box in the picture, or position in the source view's frame.
   std::optional<SpeakerTrack> speaker_track;
   std::optional<Vector3> speaker_m;
 };
@@ -48,7 +48,7 @@ struct ClipRenderOptions {
   /// output has the model's band only, at the recording's rate.
   bool extend_band = true;
   AmbientSeparation ambient = AmbientSeparation::bandpass;
-  /// In place of the synthesizer's own.
+  /// Instead of the synthesizer's own.
   std::optional<double> ambient_cutoff_hz;
   double gain_db = 0.0;
   /// Keep the output within full scale (PeakLimiter).

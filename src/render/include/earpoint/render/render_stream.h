@@ -38,7 +38,7 @@ class RenderStream {
   RenderStream(RenderStream&&) noexcept;
   RenderStream& operator=(RenderStream&&) noexcept;
 
-  /// What the source's camera sees from here on.
+  /// The source camera's picture from here on.
   /// @param picture      RGB of any size; null: nothing
   /// @param speaker_box  where the speaker is seen in it, if that is known
   void see(const Image* picture, const std::optional<Box>& speaker_box);
@@ -52,7 +52,8 @@ class RenderStream {
   void move_to(const Pose& source_from_target);
 
   /// @param in   left and right ear, as many samples each; what is no number counts as 0
-  /// @param out  the same size, what the earpoint hears, latency_samples() late; may be the memory
+  /// @param out  the same size, the sound at the earpoint, latency_samples() late; may be the
+  /// memory
   ///             of `in`
   void process(std::array<std::span<const float>, 2> in, std::array<std::span<float>, 2> out);
 

@@ -13,7 +13,7 @@
 
 namespace earpoint {
 
-/// Where a voice is to be put that was not recorded by two ears, and how it is taken out of the two
+/// The position for a voice that was not recorded binaurally, and how it is taken from the two
 /// channels.
 struct VoicePlacement {
   struct Row {
@@ -29,7 +29,7 @@ struct VoicePlacement {
 /// The mouth stays at one place.
 [[nodiscard]] VoicePlacement placed_at(const Vector3& mouth_m, StereoKind kind);
 
-/// The mouth is where boxes are seen, by speaker_direction_from_box(); while there is none, where
+/// The mouth follows the boxes, by speaker_direction_from_box(); while there is none, it is where
 /// it is seen next or was seen last.
 /// @param horizontal_fov_rad  of the whole picture
 /// @param picture             its size in pixels; nothing: square

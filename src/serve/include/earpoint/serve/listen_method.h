@@ -23,7 +23,7 @@ struct ListenMethod {
 inline constexpr const char* kTruthName = "truth";
 
 /// @param words  `input`, `dsp`, names of shipped models, or NAME=FILE of weight files
-/// @throws InputError naming --methods if a word is none of these or names one twice, or a file is
+/// @throws InputError naming methods if a word is none of these or names one twice, or a file is
 ///         no network that renders sound
 [[nodiscard]] std::vector<ListenMethod> listen_methods(std::span<const std::string> words);
 

@@ -8,7 +8,7 @@
 
 namespace earpoint {
 
-/// Nobody hears farther; beyond it units are most likely mixed up.
+/// Beyond any audible distance: units are then most likely mixed up.
 inline constexpr double kFarthestPlace_m = 1e4;
 /// A hundred turns: paths may go on counting.
 inline constexpr double kLargestDegrees = 36000.0;

@@ -16,7 +16,7 @@ namespace earpoint {
 /// One named option of a training run.
 using HyperParameter = std::variant<bool, std::int64_t, double, std::string>;
 
-/// What a PyTorch checkpoint says about a network.
+/// The contents of a PyTorch checkpoint of a network.
 struct Checkpoint {
   std::map<std::string, Tensor> state_dict;
   std::map<std::string, HyperParameter> hparams;  ///< empty if the file has none

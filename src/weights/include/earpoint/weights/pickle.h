@@ -66,7 +66,7 @@ struct Pickle {
 
 /// Reads a pickle of protocol 2 to 4 (what PyTorch writes; the textual opcodes of protocol 0 and
 /// the extension registry are not known). Never calls anything. Values may be shared and may even
-/// contain themselves: whoever walks them bounds his walk.
+/// contain themselves: callers must limit how deep they go.
 /// @param bytes  must outlive the result
 /// @param where  file and member, for messages
 /// @throws InputError for an unknown opcode, a truncated or malformed pickle, or one with more than

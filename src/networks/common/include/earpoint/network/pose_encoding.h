@@ -22,7 +22,7 @@ enum class BoxEncoding {
   centre,       ///< [1, 4 (x - 1/2), 4 (y - 1/2), 2 ln 2 h]: middle and height, of like spread
 };
 
-/// What a network is told about the target: two vectors whose meaning its description names.
+/// A network's inputs for the target pose: two vectors, defined by its description.
 struct EncodedPose {
   std::vector<float> tgt_pose;
   std::vector<float> tgt_rotation;

@@ -7,7 +7,7 @@
 
 namespace earpoint {
 
-/// What a gtf network is shown: the view of a square camera that sees 90 degrees across.
+/// The picture input of a gtf network: the view of a square camera, 90 degrees wide.
 struct GtfView {
   std::vector<float> picture;      ///< [3][size][size], 0 to 1; grey where the camera saw nothing
   std::optional<Box> speaker_box;  ///< in that view; nothing when out of it

@@ -10,7 +10,7 @@
 namespace earpoint {
 
 /// The network that finds people in a picture. Residual blocks shrink the picture to a 32nd; a
-/// pyramid brings what they found back to an eighth; two convolutions there tell, for every cell of
+/// pyramid brings their features to an eighth; two convolutions there give, for every cell of
 /// 8 x 8 pixels, whether the middle of a person lies in it, and the person's box.
 /// Sources: He et al., CVPR 2016 (blocks); Lin et al., CVPR 2017 (pyramid); Zhou et al., "Objects
 /// as points", 2019 (middles).

@@ -32,7 +32,7 @@ void check_description(const Rt60Description& description, std::string_view wher
 
 /// Name and shape of every tensor of the estimator; with the default description those of the
 /// released code.
-/// Source: oracle notes on the released code's metrics.
+/// Source: docs/released-code.md, metrics.
 [[nodiscard]] std::map<std::string, std::vector<std::int64_t>> required_tensors(
     const Rt60Description& description);
 

@@ -34,7 +34,7 @@ struct ImageEncoderDescription {
 };
 
 /// A ViGAS network: everything that its weights alone do not say, and the dimensions that they do.
-/// Source: oracle notes on the released code; Novel-View Acoustic Synthesis, CVPR 2023, section 5.
+/// Source: docs/released-code.md; Novel-View Acoustic Synthesis, CVPR 2023, section 5.
 struct ViGasDescription {
   PoseEncoding pose_encoding = PoseEncoding::soundspaces;
   BoxEncoding box_encoding = BoxEncoding::soundspaces;

@@ -1,0 +1,212 @@
+"""What the pages behind docs/results.md show: their sections, the file each is made of, and the words above it."""
+from dataclasses import dataclass
+from typing import Callable, NamedTuple, Optional
+
+from evaluation_tables import enhancement_table, evaluation_table
+from measurement_tables import (camera_table, demo_table, detection_table, generalisation_table,
+                                gtf_training_table, kill_table, memory_table, network_table,
+                                reverberation_table, rt60_table, session_table, simulation_table,
+                                speaker_table, speed_table, sync_table, trace_table, tracer_comparison,
+                                training_table)
+
+
+class Plot(NamedTuple):
+    """A picture of ratios to `input` that stands above the tables of a section."""
+    name: str               # of the SVG in images/
+    columns: tuple          # headings in the table, one panel each
+    labels: tuple = ("method",)  # headings whose cells name a row
+
+
+@dataclass
+class Section:
+    title: str
+    file: str                        # in the folder of what was measured
+    table: Optional[Callable]        # from the file's text to Markdown; None: it is Markdown
+    words: str
+    plot: Optional[Plot] = None
+
+
+@dataclass
+class Page:
+    name: str                        # docs/results/NAME.md
+    title: str
+    words: str
+    sections: list
+
+
+RATIOS = ("Mag", "LRE (dB)", "RTE (s)")
+EVALUATION_WORDS = (
+    "`earpoint evaluate --oracles --json` on the frozen pairs of the test split. Intervals are bootstrapped by home "
+    "where there are several, else by conversation, because clips of one home share rooms, positions and voices. "
+    "`gtf` is the natural texture, `gtf:mean` the mean texture of the same network ([how gtf works](../method.md)). "
+    "Oracles are given part of the answer: they show how much of the error could be removed. ")
+
+METHODS = Page("methods", "Methods", "Errors of every method on the same pairs, beside the unchanged input, baselines "
+               "and oracles.", [
+    Section("Methods in unseen homes", "evaluate-novel.json", evaluation_table,
+            EVALUATION_WORDS + "Homes and speakers of the test split are in no other split.",
+            Plot("methods-novel", RATIOS)),
+    Section("Methods in one home", "evaluate-single.json", evaluation_table,
+            EVALUATION_WORDS + "One home, split by conversation.", Plot("methods-single", RATIOS)),
+    Section("Methods in unseen homes, with preceding sound", "context-novel.json", evaluation_table,
+            "`earpoint evaluate --context 4 --json`: the same pairs, but `dsp` and networks also hear the four seconds "
+            "before the second that is compared, in overlapping windows that are cross-faded, as in a long recording.",
+            Plot("methods-context-novel", RATIOS)),
+    Section("Learning curves in one home", "learning_curves-single.md", None,
+            "`experiments/publish/learning_curves.py`: Mag on 256 validation pairs while `earpoint train` runs on one core "
+            "beside other work, so minutes are upper bounds. Validation of gtf uses the natural texture, whose loss has "
+            "terms that Mag does not measure. vigas and vigas-blind are first trained to locate the speaker, without "
+            "producing sound; those clips do not count. ![Error over clips seen](../images/learning-curves-single.svg)"),
+    Section("Learning curves in unseen homes", "learning_curves-novel.md", None,
+            "`experiments/publish/learning_curves.py`, as above. "
+            "![Error over clips seen](../images/learning-curves-novel.svg)"),
+    Section("Speech enhancement in unseen homes", "enhance-novel.json", enhancement_table,
+            "`earpoint evaluate --enhance --json`: the target is the speaker's near microphone, the dry speech at its "
+            "level 1 m in front of the mouth in free field. `oracle-gain` is the source at the true level: what a "
+            "change of level alone would bring.", Plot("methods-enhance", RATIOS)),
+    Section("The bundled clip: four earpoints", "demo.json", demo_table,
+            "`earpoint evaluate --earpoints examples/earpoints.json`: against the true sound, at 16 kHz. dsp is given "
+            "the speaker's position, gtf is not. Level is relative to the clip's. One clip in one home: an example, not "
+            "a comparison of methods."),
+    Section("Reverberation time from sound", "rt60_error.json", rt60_table,
+            "`rt60_error DATA test`: the estimator that RTE is computed with, on simulated speech of homes and "
+            "voices it was not trained on, against the reverberation time of the response."),
+])
+
+ABLATIONS = Page("ablations", "Ablations", "The networks without one of their parts.", [
+    Section("Ablations in unseen homes", "ablations-novel.json", evaluation_table,
+            "`earpoint evaluate --ablations --json`: the network without one of its parts.",
+            Plot("ablations-novel", RATIOS)),
+    Section("Ablations in one home", "ablations-single.json", evaluation_table,
+            "`earpoint evaluate --ablations --json`, as above.", Plot("ablations-single", RATIOS)),
+])
+
+PEOPLE = Page("people-and-recordings", "People and recordings",
+              "Finding people and who speaks, and data sets made of recorded sessions.", [
+    Section("People in pictures", "people_detection.jsonl", detection_table,
+            "`people_detection DATA test`: a person is found where a box overlaps by half (intersection over union). "
+            "*Drawn*: pictures of `earpoint-people-pictures`, homes and people of its test split; counted are people of "
+            "whom nothing but the picture's edge hides more than a tenth. *Views of conversations*: those of "
+            "`earpoint simulate`'s test split; counted is everybody with a box, hidden or not. *Photographs*: four of "
+            "people and six of things from Debian packages, boxes drawn by hand (`experiments/publish/photographs.json`): "
+            "a smoke test, not a measurement. NanoDet is what `./dev assets --people` installs."),
+    Section("Who speaks, in unseen homes", "active_speaker.json", speaker_table,
+            "`active_speaker DATA test shipped`: people are detected in the picture, and the speaker among them is "
+            "identified by the interaural time difference, in single seconds of the test split; four for every speaker "
+            "and viewpoint."),
+    Section("Methods in recorded sessions", "evaluate-recorded.json", evaluation_table,
+            "`earpoint evaluate --layout replay` on the test sessions of twelve that `earpoint record simulate` made in "
+            "one flat and `earpoint record prepare` cut into clips; no session is in two splits. gtf is the shipped "
+            "network, which was not trained on them.", Plot("methods-recorded", RATIOS)),
+    Section("Cost of simulated sessions", "session_cost.jsonl", session_table,
+            "`experiments/measure/session_cost.py`: processor time of `earpoint record simulate`, half a minute with three "
+            "people and eight cameras of 480 x 270 pixels at 5 pictures a second, including the flat, which is drawn once "
+            "for all sessions. The column for sound is measured with almost no pictures."),
+    Section("Clocks of simulated sessions", "session_sync.jsonl", sync_table,
+            "`experiments/measure/session_sync.py`: `earpoint record sync --truth` on sessions of `earpoint record "
+            "simulate`, each in its own flat, with speech 10 dB above the ambient noise and clocks that drift by up to "
+            "50 ppm. 95th percentiles over devices; offset errors are taken over every second of the session."),
+])
+
+SIMULATOR = Page("simulator", "Tracer and simulator", "The path tracer against physics and against another program, and "
+                 "the cost of simulated data.", [
+    Section("The path tracer against physics", "trace_gates.md", None,
+            "`trace_gates`: measured on the final impulse responses."),
+    Section("Speed: tracing a furnished home", "trace_bench.json", trace_table,
+            "`trace_bench`: medians on one core. Rays are counted alike in the tracer and in the bare Embree loop: each "
+            "ends at the nearest surface; the tracer's include those that test whether a listener is visible."),
+    Section("The path tracer beside pyroomacoustics", "compare_tracers.json", tracer_comparison,
+            "`experiments/peers/compare_tracers.py`: a room of 6 x 5 x 3 m, absorption 0.2, scattering 0.5, as a box and "
+            "as meshes of the same walls; a mono response of 1 s in the octave of 1 kHz, both programs on one core in "
+            "one run. The reference is independent of both: 400,000 particles that bounce between the walls, counted in "
+            "a sphere at the microphone. The time of Earpoint is that of the whole process, that of pyroomacoustics "
+            "(hybrid: image sources to order 3 in the box, rays) excludes starting Python. pyroomacoustics has no tree "
+            "over the walls, so it gets fewer rays where there are many triangles."),
+    Section("Pictures per second on one core", "camera_bench.jsonl", camera_table,
+            "`camera_bench`: 256 x 256 pixels, 4 rays per pixel, denoised; seconds of processor time of one "
+            "thread. The light of a home is solved once for its 10 conversations, that of two people once "
+            "for the 4 views of a conversation; the last column counts both."),
+    Section("Cost of simulated data", "simulate_cost.jsonl", simulation_table,
+            "`experiments/measure/simulate_cost.py`: processor time of `earpoint simulate` in two homes, six conversations "
+            "each; two speakers and four viewpoints a conversation, 5000 rays from each mouth, 256 x 256 "
+            "pixels. The plan of a conversation, its acoustics (bodies placed in the scene), trace, responses "
+            "and light are shared by all of its viewpoints."),
+    Section("Reverberation of homes", "home_reverberation.jsonl", reverberation_table,
+            "`home_reverberation`: homes of the seeds 0 to 119, 500 and 1000 Hz. By Eyring's formula, averaged over a "
+            "home's rooms by volume; and T30 of a traced response between two positions 1 m or more apart in the largest "
+            "room, every third home. Traced times are longer: flutter echoes between bare parallel walls persist, open "
+            "doors couple rooms, and the formula counts the insides of furniture."),
+])
+
+SPEED = Page("speed-and-memory", "Speed, memory and exactness", "Timings on another machine differ; ratios are measured "
+             "in one run.", [
+    Section("Speed: rendering a clip", "render_speed.jsonl", speed_table,
+            "`experiments/measure/render_speed.py`: the whole of `earpoint render`, including start, reading and writing, "
+            "with the shipped models. The goal for gtf is 100 times real time on two cores."),
+    Section("Speed: gtf and ViGAS", "gtf_bench.json", network_table,
+            "`gtf_bench`: one second of sound, networks in turns, medians; multiply-adds counted by the direct form."),
+    Section("Speed: one second of sound through the released network", "vigas.md", None,
+            "`experiments/peers/compare_vigas.py`: Earpoint and PyTorch take turns in one run; medians. GFLOP are "
+            "counted by the direct form of the convolutions, whatever was really multiplied."),
+    Section("Exactness: our engine against the authors' code", "oracle_errors.md", None,
+            "The same weights and inputs through `earpoint model run` and through the released code. "
+            "Tests hold every output to 1e-4, on every instruction set that the machine has."),
+    Section("Memory: a ten-minute clip", "render_memory.jsonl", memory_table,
+            "`experiments/stress/render_memory.py`: the bundled clip looped, rendered to an mp4 for one earpoint. "
+            "The limit is 600 MB."),
+    Section("Speed: training steps", "training.json", training_table,
+            "`experiments/peers/compare_training.py`: forward, backward and Adam on batches of one-second clips, in turns "
+            "with Debian's python3-torch, which computes only the head that is used and keeps freed memory; "
+            "medians on two threads."),
+    Section("Speed: training gtf", "training_gtf.json", gtf_training_table,
+            "`experiments/measure/gtf_training.py`: the whole of `earpoint train` with `configs/gtf.json`, its "
+            "examples prepared on the fly, medians of runs in turns. *before* is the build before the optimisations of "
+            "[ADR 0015](../adr/0015-training-speed.md). Other work on the machine affects wall time, processor time "
+            "hardly."),
+])
+
+ROBUSTNESS = Page("robustness", "Robustness", "Inputs that differ from the training data, ambient noise, and commands that "
+                  "are killed.", [
+    Section("Generalisation", "generalisation.json", generalisation_table,
+            "`experiments/measure/generalisation.py --every 2`: gtf's mean errors over those of the unchanged input, in "
+            "unseen homes, where one condition differs from training; below 1 it improves on the input. `dsp` is given "
+            "the speaker's true position. Voices of the test split are in no other split; Greek is not in the training "
+            "data.", Plot("generalisation", ("Mag", "LRE", "ITD"), ("", "case"))),
+    Section("Generalisation: other heads, another building", "generalisation_heads.json", generalisation_table,
+            "`experiments/measure/generalisation_heads.py`, as above: homes of other seeds, with the head of training and "
+            "with FABIAN, measured in the horizontal plane; and a house that was not generated, with an octagonal hall, a "
+            "bare corridor and an attic, read from an OBJ file. `dsp` assumes KEMAR for every head.",
+            Plot("generalisation-heads", ("Mag", "LRE", "ITD"), ("", "case"))),
+    Section("Ambient sound in unseen homes", "ambient-novel.json", evaluation_table,
+            "`earpoint evaluate --ambient -40 --json`: room noise in every source, separated by the high-pass at 80 Hz; "
+            "the target is clean. `no-separation` was trained with the noise in both sounds and hears all of it; its "
+            "output is separated. `with-ambient` was trained on separated sounds.", Plot("ambient-novel", RATIOS)),
+    Section("Ambient sound in one home", "ambient-single.json", evaluation_table,
+            "`earpoint evaluate --ambient -40 --json`, as above.", Plot("ambient-single", RATIOS)),
+    Section("Ways to separate ambient sound in unseen homes", "separation-novel.md", None,
+            "`experiments/measure/ambient_separation.py --context 4 --limit 240`: room noise of three levels in every "
+            "source, separated by the band-pass, by spectral subtraction and by log-MMSE; the shipped models, which were "
+            "trained on sound separated by the band-pass; four seconds of sound before the second that is compared."),
+    Section("Killed at random moments", "kills.json", kill_table,
+            "`experiments/stress/kill_anywhere.py`: each command is killed (SIGKILL) at a random moment and restarted "
+            "until it finishes by itself. All files must then equal those of an undisturbed run, byte for byte (for weight "
+            "files: the tensors), with no extra files."),
+])
+
+OLDER = Page("older", "Older comparisons", "Comparisons of two versions, made once, and sections that `./dev results` no "
+             "longer writes.", [
+    Section("What the corrected tracer changed", "change_of_results.md", None,
+            "`experiments/publish/change_of_results.py`: means before and after the tracer was corrected: sound is "
+            "diffracted at both edges of a wall's end ([ADR 0008](../adr/0008-diffraction.md)), the interaural level "
+            "difference grows near the head, transmission and uneven absorption are as in *[The path tracer against "
+            "physics](simulator.md#the-path-tracer-against-physics)*. The data sets were simulated again from the same "
+            "seeds; the networks are the same files, trained on the earlier data."),
+])
+
+PAGES = [METHODS, ABLATIONS, PEOPLE, SIMULATOR, SPEED, ROBUSTNESS, OLDER]
+
+# Sections and sentences that read otherwise on earlier pages.
+FORMER_TITLES = {"Methods in unseen homes, with sound before": "Methods in unseen homes, with preceding sound"}
+FORMER_WORDS = {"With what the published evaluation does with the target's help:":
+                    "With the published evaluation's use of the target (it corrects signs, and delays on Replay-NVAS):",
+                "(aim ": "(goal ", "| measured | aim |": "| measured | goal |"}
