@@ -17,8 +17,8 @@ constexpr std::uint32_t kValidationSeed = 0;
 /// What a configuration asks for must be there in recordings.
 PairOptions checked(PairOptions options) {
   if (!options.more_data.empty()) {
-    throw InputError("--data", "recordings of Replay-NVAS are read from one folder",
-                     "name one folder");
+    throw InputError(options.more_data.front().string(),
+                     "recordings of Replay-NVAS are read from one folder", "name one folder");
   }
   const auto refuse = [](const char* key, const char* expected) {
     throw InputError(fmt::format("'data': '{}'", key),

@@ -117,8 +117,8 @@ TrainingTask make_training_task(const TrainConfig& config, std::string_view wher
                                 const TaskOptions& options) {
   const bool learns_pairs = config.kind != "rt60" && config.kind != "people";
   if (!learns_pairs && !options.more_data.empty()) {
-    throw InputError("--data", "a network of this kind learns from one folder only",
-                     "name one folder");
+    throw InputError(options.more_data.front().string(),
+                     "a network of this kind learns from one folder only", "name one folder");
   }
   if (config.kind == "vigas") return vigas_task(config, where, options);
   if (config.kind == "gtf") return gtf_task(config, where, options);

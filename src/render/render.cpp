@@ -235,7 +235,7 @@ class Rendering {
 Reading reading_of(const RenderSource& source, const AcousticSynthesizer& synthesizer) {
   if (synthesizer.needs_speaker_track() && !source.speaker_track) {
     throw InputError(source.sound.path.string(), "the network must be told who speaks in it",
-                     "give --speaker-box x0,y0,x1,y1 or --speaker-boxes FILE.csv");
+                     "give the speaker's box or a table of boxes");
   }
   Reading reading{.survey = survey_sound(source.sound),
                   .sound = read_blocks(source.sound),
