@@ -76,6 +76,7 @@ double power_of(std::span<const float> samples) {
 /// A network at the beginning of a stream, so that its latency is known.
 Gtf started(const GtfWeights& weights, const RenderStream::Options& options) {
   Gtf network(weights);
+  if (options.texture) network.ask_for_texture(*options.texture);
   network.start({}, options.phase_rounds);
   return network;
 }

@@ -16,8 +16,8 @@
 #include <earpoint/gtf/weights.h>
 #include <earpoint/media/media.h>
 #include <earpoint/network_testing/random_weights.h>
-#include <earpoint/render/picture_stream.h>
 #include <earpoint/render/render_stream.h>
+#include <earpoint/render_files/picture_stream.h>
 
 namespace earpoint {
 namespace {
