@@ -127,6 +127,11 @@ struct RenderStream::State {
     for (std::vector<float>* buffer : {&primary, &ambient, &result}) {
       buffer->resize(std::size_t{kEars} * D::kHop);
     }
+    // The rates take what memory they need with their first part: it is silence, before any sound.
+    down.process(in, model);
+    up_low.process(model, low);
+    up.process(mixed, out);
+    for (StreamRate* rate : {&down, &up_low, &up}) rate->reset();
   }
 
   void run_part();
