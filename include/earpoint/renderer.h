@@ -78,7 +78,7 @@ class EARPOINT_API Renderer {
   [[nodiscard]] std::vector<std::string> warnings(const Waveform& sound,
                                                   const RenderRequest& request) const;
 
-  /// Starts to render live sound.
+  /// Starts to render live sound. The stream may outlive the renderer.
   /// @throws InputError if the sampling rate is none of those, or the model is not a gtf network
   [[nodiscard]] Stream stream(const StreamOptions& options = {}) const;
 
