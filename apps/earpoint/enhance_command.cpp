@@ -16,9 +16,10 @@
 
 #include <earpoint/core/error.h>
 #include <earpoint/core/parallel.h>
+#include <earpoint/network/model_names.h>
 #include <earpoint/network/shipped_model.h>
 #include <earpoint/render/make_synthesizer.h>
-#include <earpoint/render/render.h>
+#include <earpoint/render_files/render.h>
 
 namespace earpoint {
 namespace {
@@ -56,11 +57,7 @@ struct EnhanceArguments {
 };
 
 std::string model_of(const EnhanceArguments& arguments) {
-  if (!arguments.model.empty()) {
-    const auto shipped = shipped_model_path(arguments.model + ".safetensors");
-    return shipped && !std::filesystem::is_regular_file(arguments.model) ? shipped->string()
-                                                                         : arguments.model;
-  }
+  if (!arguments.model.empty()) return resolve_model(arguments.model);
   if (const auto path = shipped_model_path(kShipped)) return path->string();
   throw InputError("enhance", fmt::format("{} is not among the shipped models", kShipped),
                    "choose a weight file trained for enhancement with --model");

@@ -8,7 +8,7 @@
 
 #include <earpoint/core/error.h>
 #include <earpoint/evaluate/earpoint_comparison.h>
-#include <earpoint/network/shipped_model.h>
+#include <earpoint/network/model_names.h>
 
 namespace {
 
@@ -24,7 +24,7 @@ ClipMethod method_of(const std::string& word) {
     }
     return {word.substr(0, equals), word.substr(equals + 1)};
   }
-  if (const auto path = earpoint::shipped_model_path(word + ".safetensors")) {
+  if (const auto path = earpoint::shipped_model(word)) {
     return {word, path->string()};
   }
   throw InputError("--methods " + word,

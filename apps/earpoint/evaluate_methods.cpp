@@ -9,7 +9,7 @@
 #include <earpoint/core/error.h>
 #include <earpoint/evaluate/oracles.h>
 #include <earpoint/evaluate/transfer_function.h>
-#include <earpoint/network/shipped_model.h>
+#include <earpoint/network/model_names.h>
 
 namespace {
 
@@ -66,7 +66,7 @@ MethodEntry method_of(const std::string& word, const MethodRequest& request,
     return earpoint::network_method(model.substr(0, equals) + word.substr(model.size()),
                                     model.substr(equals + 1), options);
   }
-  if (const auto path = earpoint::shipped_model_path(model + ".safetensors")) {
+  if (const auto path = earpoint::shipped_model(model)) {
     return earpoint::network_method(word, path->string(), options);
   }
   throw InputError("--methods " + word, "is neither a known method nor a shipped model",
@@ -94,22 +94,12 @@ std::vector<std::string> runs_in(const fs::path& folder) {
 
 /// The names of all shipped models of the families that are ablated: NAME and NAME-*.
 std::vector<std::string> shipped_families() {
-  std::vector<std::string> words;
-  for (const std::string family : {"gtf", "vigas"}) {
-    const auto first = earpoint::shipped_model_path(family + ".safetensors");
-    if (!first) continue;
-    for (const fs::directory_entry& file : fs::directory_iterator(first->parent_path())) {
-      const std::string name = file.path().stem().string();
-      if (file.path().extension() != ".safetensors") continue;
-      if (name == family || name.starts_with(family + "-")) words.push_back(name);
-    }
-  }
+  std::vector<std::string> words = earpoint::shipped_model_names({"gtf", "vigas"});
   if (words.empty()) {
     throw InputError("--ablations",
                      "neither gtf.safetensors nor vigas.safetensors is among the shipped models",
                      "give the folder of your own runs with --runs");
   }
-  std::ranges::sort(words);
   return words;
 }
 

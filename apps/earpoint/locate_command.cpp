@@ -19,8 +19,9 @@
 #include <earpoint/gtf/weights.h>
 #include <earpoint/locate/plot_people.h>
 #include <earpoint/media/image_file.h>
+#include <earpoint/network/model_names.h>
 #include <earpoint/network/shipped_model.h>
-#include <earpoint/render/locate_speaker.h>
+#include <earpoint/render_files/locate_speaker.h>
 #include <earpoint/weights/safetensors.h>
 
 namespace earpoint {
@@ -66,7 +67,7 @@ struct LocateArguments {
 };
 
 std::string model_of(const LocateArguments& arguments) {
-  if (!arguments.model.empty()) return arguments.model;
+  if (!arguments.model.empty()) return resolve_model(arguments.model);
   if (const auto path = shipped_model_path(kShipped)) return path->string();
   throw InputError("locate", fmt::format("{} is not among the shipped models", kShipped),
                    "choose a gtf weight file with --model");

@@ -21,10 +21,10 @@
 #include <earpoint/core/parallel.h>
 #include <earpoint/gtf/synthesizer.h>
 #include <earpoint/media/image_file.h>
-#include <earpoint/network/shipped_model.h>
+#include <earpoint/network/model_names.h>
 #include <earpoint/plot/plot.h>
 #include <earpoint/render/make_synthesizer.h>
-#include <earpoint/render/render.h>
+#include <earpoint/render_files/render.h>
 
 namespace earpoint {
 namespace {
@@ -222,15 +222,6 @@ void write_plot(const RenderArguments& arguments, const RenderReport& report) {
     panels.push_back({name_of(arguments.outputs[i]), report.targets[i]});
   }
   write_image(arguments.plot, plot_waveforms(panels, "model: " + name_of(arguments.model)));
-}
-
-/// What --model means: a known word, a file, the name of a shipped model, or nothing, which is the
-/// network that comes with Earpoint, or signal processing where none does.
-std::string resolve_model(const std::string& word) {
-  const auto shipped = shipped_model_path((word.empty() ? "gtf" : word) + ".safetensors");
-  if (word.empty()) return shipped ? shipped->string() : "dsp";
-  const bool is_known = word == "input" || word == "dsp" || std::filesystem::is_regular_file(word);
-  return shipped && !is_known ? shipped->string() : word;
 }
 
 /// Whether a moment without a box means that the speaker is not in the picture.

@@ -1,8 +1,8 @@
 #include "rt60_model.h"
 
-#include <earpoint/network/shipped_model.h>
+#include <earpoint/network/model_names.h>
 
 std::optional<std::filesystem::path> rt60_model(const std::filesystem::path& given) {
   if (!given.empty()) return given;
-  return earpoint::shipped_model_path("rt60.safetensors");
+  return earpoint::shipped_model("rt60");
 }

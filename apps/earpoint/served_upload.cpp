@@ -14,7 +14,7 @@
 #include <earpoint/core/error.h>
 #include <earpoint/core/progress.h>
 #include <earpoint/media/image_file.h>
-#include <earpoint/render/picture_stream.h>
+#include <earpoint/render_files/picture_stream.h>
 #include <earpoint/serve/limited_process.h>
 
 namespace earpoint {

@@ -6,7 +6,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include <earpoint/render/render.h>
+#include <earpoint/render_files/render.h>
 
 namespace earpoint {
 

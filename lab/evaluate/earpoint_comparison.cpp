@@ -15,7 +15,7 @@
 #include <earpoint/evaluate/metrics.h>
 #include <earpoint/gtf/synthesizer.h>
 #include <earpoint/render/make_synthesizer.h>
-#include <earpoint/render/render.h>
+#include <earpoint/render_files/render.h>
 #include <earpoint/synthesis/dsp_synthesizer.h>
 
 namespace earpoint {

@@ -9,7 +9,7 @@
 #include <earpoint/dataset/ambient.h>
 #include <earpoint/dataset/sample.h>
 #include <earpoint/render/make_synthesizer.h>
-#include <earpoint/render/render.h>
+#include <earpoint/render/render_in_memory.h>
 
 namespace earpoint {
 namespace {

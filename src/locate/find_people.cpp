@@ -12,7 +12,7 @@
 #include <fmt/format.h>
 
 #include <earpoint/core/error.h>
-#include <earpoint/render/picture_stream.h>
+#include <earpoint/render_files/picture_stream.h>
 
 namespace earpoint {
 namespace {

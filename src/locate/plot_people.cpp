@@ -11,7 +11,7 @@
 #include <earpoint/media/media.h>
 #include <earpoint/media/movie_writer.h>
 #include <earpoint/plot/draw.h>
-#include <earpoint/render/picture_stream.h>
+#include <earpoint/render_files/picture_stream.h>
 
 namespace earpoint {
 namespace {

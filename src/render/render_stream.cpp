@@ -76,6 +76,7 @@ double power_of(std::span<const float> samples) {
 /// A network at the beginning of a stream, so that its latency is known.
 Gtf started(const GtfWeights& weights, const RenderStream::Options& options) {
   Gtf network(weights);
+  if (options.texture) network.ask_for_texture(*options.texture);
   network.start({}, options.phase_rounds);
   return network;
 }
@@ -126,6 +127,11 @@ struct RenderStream::State {
     for (std::vector<float>* buffer : {&primary, &ambient, &result}) {
       buffer->resize(std::size_t{kEars} * D::kHop);
     }
+    // The rates take what memory they need with their first part: it is silence, before any sound.
+    down.process(in, model);
+    up_low.process(model, low);
+    up.process(mixed, out);
+    for (StreamRate* rate : {&down, &up_low, &up}) rate->reset();
   }
 
   void run_part();

@@ -19,11 +19,7 @@ constexpr double kSilence_db = -100.0;
 // Nyquist, rings for seconds, but on nothing: no recording holds that last hertz.)
 constexpr double kFilterMargin_s = 0.25;
 
-AudioReader open(const SoundSource& source) {
-  return AudioReader(source.path, source.binaural_channels, source.audio_stream);
-}
-
-void check_finite(const Waveform& block, const SoundSource& source, double time_s) {
+void check_finite(const Waveform& block, const std::string& where, double time_s) {
   for (int ear = 0; ear < 2; ++ear) {
     const auto samples = block.channel(ear);
     const auto bad = std::find_if_not(samples.begin(), samples.end(),
@@ -31,13 +27,13 @@ void check_finite(const Waveform& block, const SoundSource& source, double time_
     if (bad == samples.end()) continue;
     const double at_s =
         time_s + static_cast<double>(bad - samples.begin()) / block.sample_rate_hz();
-    throw InputError(source.path.string(),
-                     fmt::format("the sound has a NaN or infinite sample at {:.3f} s", at_s),
+    throw InputError(where, fmt::format("the sound has a NaN or infinite sample at {:.3f} s", at_s),
                      "write the file again");
   }
 }
 
-/// What to say of stereo that no two ears heard; empty if nothing.
+}  // namespace
+
 std::string warning_of(StereoKind kind) {
   constexpr const char* kEnd = "it is not binaural, and its directions are not those of the room";
   switch (kind) {
@@ -57,14 +53,11 @@ std::string warning_of(StereoKind kind) {
   EARPOINT_CHECK(false);
 }
 
-}  // namespace
-
-SoundSurvey survey_sound(const SoundSource& source) {
-  AudioReader reader = open(source);
+SoundSurvey survey_blocks(const BlockReader& read, int sample_rate_hz, const std::string& where) {
   SoundSurvey survey;
-  survey.sample_rate_hz = reader.sample_rate_hz();
+  survey.sample_rate_hz = sample_rate_hz;
   if (survey.sample_rate_hz < kLowestRate_hz) {
-    throw InputError(source.path.string(),
+    throw InputError(where,
                      fmt::format("has a sample rate of {} Hz, expected at least {} Hz",
                                  survey.sample_rate_hz, kLowestRate_hz),
                      "record at 48000 Hz; resampling cannot restore the missing band");
@@ -72,8 +65,8 @@ SoundSurvey survey_sound(const SoundSource& source) {
 
   std::array<double, 2> energy{};
   StereoCheck stereo(survey.sample_rate_hz);
-  for (Waveform block = reader.read(kBlock); block.samples() > 0; block = reader.read(kBlock)) {
-    check_finite(block, source, survey.duration_s());
+  for (Waveform block = read(kBlock); block.samples() > 0; block = read(kBlock)) {
+    check_finite(block, where, survey.duration_s());
     stereo.add(block);
     for (int ear = 0; ear < 2; ++ear) {
       for (const float sample : std::as_const(block).channel(ear)) {
@@ -83,45 +76,29 @@ SoundSurvey survey_sound(const SoundSource& source) {
     survey.samples += block.samples();
   }
   if (survey.duration_s() < kShortest_s) {
-    throw InputError(source.path.string(), fmt::format("lasts {:.3f} s, at least {} s are needed",
-                                                       survey.duration_s(), kShortest_s));
+    throw InputError(where, fmt::format("lasts {:.3f} s, at least {} s are needed",
+                                        survey.duration_s(), kShortest_s));
   }
   for (int ear = 0; ear < 2; ++ear) {
     survey.level_db[ear] =
         10.0 * std::log10(energy[ear] / static_cast<double>(survey.samples) + 1e-30);
   }
   if (std::max(survey.level_db[0], survey.level_db[1]) < kSilence_db) {
-    throw InputError(source.path.string(), "is silent from end to end",
+    throw InputError(where, "is silent from end to end",
                      "check the recording's level and channels");
   }
-  const auto& channels = source.binaural_channels;
-  const bool is_one_by_request = channels && (*channels)[0] == (*channels)[1];
-  if (!is_one_by_request) survey.stereo = stereo.kind();
-  survey.warnings = reader.warnings();
-  std::string warning = warning_of(survey.stereo);
-  if (!warning.empty() && !source.placement) survey.warnings.push_back(std::move(warning));
+  survey.stereo = stereo.kind();
   return survey;
 }
 
-BlockReader read_blocks(const SoundSource& source) {
-  struct Reading {
-    AudioReader reader;
-    std::optional<VoicePlacer> placer;
-    bool ended = false;
-  };
-  auto reading = std::make_shared<Reading>(Reading{open(source), {}});
-  if (source.placement) {
-    reading->placer.emplace(*source.placement, HrtfSet::load(reading->reader.sample_rate_hz()));
-  }
-  return [reading](std::ptrdiff_t samples) {
-    Waveform block = reading->reader.read(samples);
-    // What the placer holds back at first and gives at the end are blocks like any other.
-    while (reading->placer && !reading->ended) {
-      reading->ended = block.samples() == 0;
-      block = reading->ended ? reading->placer->finish() : reading->placer->process(block);
-      if (block.samples() > 0 || reading->ended) break;
-      block = reading->reader.read(samples);
+BlockReader read_blocks(const Waveform& sound) {
+  return [&sound, read = std::ptrdiff_t{0}](std::ptrdiff_t samples) mutable {
+    const std::ptrdiff_t count = std::min(samples, sound.samples() - read);
+    Waveform block(sound.channels(), count, sound.sample_rate_hz());
+    for (int c = 0; c < sound.channels(); ++c) {
+      std::ranges::copy(sound.channel(c).subspan(read, count), block.channel(c).begin());
     }
+    read += count;
     return block;
   };
 }

@@ -1,26 +1,18 @@
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <earpoint/audio/convolution.h>
-#include <earpoint/audio/sound_file.h>
 #include <earpoint/audio/stereo_check.h>
-#include <earpoint/core/error.h>
-#include <earpoint/core/file.h>
 #include <earpoint/core/pose.h>
 #include <earpoint/core/random.h>
-#include <earpoint/render/sound_sink.h>
 #include <earpoint/render/source_stream.h>
 #include <earpoint/spatial/hrtf.h>
 
 namespace earpoint {
 namespace {
-
-namespace fs = std::filesystem;
 
 constexpr int kRate = 16000;
 
@@ -65,26 +57,6 @@ TEST(StereoOfDryBinauralSound, IsPlausibleFromAllSidesAndSameOnlyInTheMiddle) {
   }
 }
 
-class SurveyTest : public ::testing::Test {
- protected:
-  void TearDown() override { fs::remove(file_); }
-  fs::path file_ = fs::path(testing::TempDir()) / ("survey_" + std::to_string(::getpid()) + ".wav");
-};
-
-TEST_F(SurveyTest, WarnsOfStereoThatIsNotBinauralUnlessAskedForOneChannel) {
-  const std::vector<float> sound = syllables();
-  std::vector<float> quieter = sound;
-  for (float& sample : quieter) sample *= 0.5F;
-  write_sound(file_, two_ears(sound, quieter), SampleFormat::float32);
-  SoundSource source{.path = file_, .binaural_channels = {}, .audio_stream = {}};
-  const SoundSurvey survey = survey_sound(source);
-  EXPECT_EQ(survey.stereo, StereoKind::panned);
-  ASSERT_EQ(survey.warnings.size(), 1U);
-  EXPECT_NE(survey.warnings[0].find("not binaural"), std::string::npos) << survey.warnings[0];
-  source.binaural_channels = {0, 0};
-  EXPECT_TRUE(survey_sound(source).warnings.empty());
-}
-
 /// That sound in blocks.
 BlockReader blocks_of(const Waveform& sound) {
   return [sound, read = std::ptrdiff_t{0}](std::ptrdiff_t samples) mutable {
@@ -125,21 +97,6 @@ TEST(SourceStream, SeparatesTrackedNoiseInWindowsAsOfTheWholeSound) {
       }
     }
   }
-}
-
-TEST(SoundSink, AWavFileThatWillHoldMoreThanFourGigabytesIsRf64) {
-  const fs::path path =
-      fs::path(testing::TempDir()) / ("long." + std::to_string(::getpid()) + ".wav");
-  const auto mark_with = [&](std::ptrdiff_t samples) {
-    const auto sink = open_sound_sink(path, 48000, {}, samples);
-    sink->write(Waveform(2, 480, 48000));
-    sink->commit();
-    const std::string mark = read_text_file(path).substr(0, 4);
-    fs::remove(path);
-    return mark;
-  };
-  EXPECT_EQ(mark_with(540'000'000), "RF64");  // 4.32 GB in two channels of 32 bits
-  EXPECT_EQ(mark_with(530'000'000), "RIFF");
 }
 
 }  // namespace

@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 
 #include <earpoint/core/error.h>
+#include <earpoint/network/model_names.h>
 #include <earpoint/network/network_kind.h>
-#include <earpoint/network/shipped_model.h>
 #include <earpoint/render/make_synthesizer.h>
 #include <earpoint/spatial/sofa_file.h>
 #include <earpoint/weights/safetensors.h>
@@ -43,7 +43,7 @@ ListenMethod method_of(const std::string& word) {
     }
     return network(word.substr(0, equals), word.substr(equals + 1));
   }
-  if (const auto shipped = shipped_model_path(word + ".safetensors")) {
+  if (const auto shipped = shipped_model(word)) {
     return network(word, shipped->string());
   }
   throw InputError("methods " + word, "is neither a known method nor a shipped model",
@@ -77,17 +77,8 @@ std::vector<ListenMethod> listen_methods(std::span<const std::string> words) {
 std::vector<std::string> default_listen_words() {
   std::vector<std::string> words{"input"};
   if (has_head_filters()) words.emplace_back("dsp");
-  const auto first = shipped_model_path("gtf.safetensors");
-  if (!first) return words;
-  std::vector<std::string> models;
-  for (const fs::directory_entry& file : fs::directory_iterator(first->parent_path())) {
-    const std::string name = file.path().stem().string();
-    if (file.path().extension() != ".safetensors") continue;
-    for (const std::string family : {"gtf", "vam", "vigas"}) {
-      if (name == family || name.starts_with(family + "-")) models.push_back(name);
-    }
-  }
-  std::ranges::sort(models);
+  if (!shipped_model("gtf")) return words;
+  const std::vector<std::string> models = shipped_model_names({"gtf", "vam", "vigas"});
   words.insert(words.end(), models.begin(), models.end());
   return words;
 }

@@ -11,6 +11,7 @@
 
 #include <earpoint/core/error.h>
 #include <earpoint/render/make_synthesizer.h>
+#include <earpoint/render/render_in_memory.h>
 #include <earpoint/serve/listener.h>
 #include <earpoint/serve/listener_registry.h>
 #include <earpoint/serve/walk_export.h>

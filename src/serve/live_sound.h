@@ -6,7 +6,7 @@
 #include <earpoint/core/pose.h>
 #include <earpoint/core/waveform.h>
 #include <earpoint/render/make_synthesizer.h>
-#include <earpoint/render/render.h>
+#include <earpoint/render/render_in_memory.h>
 #include <earpoint/serve/listen_method.h>
 #include <earpoint/serve/served_clip.h>
 

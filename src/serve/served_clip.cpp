@@ -6,8 +6,8 @@
 
 #include <earpoint/core/error.h>
 #include <earpoint/media/image_file.h>
-#include <earpoint/render/locate_speaker.h>
-#include <earpoint/render/picture_stream.h>
+#include <earpoint/render_files/locate_speaker.h>
+#include <earpoint/render_files/picture_stream.h>
 
 namespace earpoint {
 namespace {

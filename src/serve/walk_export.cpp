@@ -6,7 +6,7 @@
 
 #include <earpoint/core/error.h>
 #include <earpoint/core/progress.h>
-#include <earpoint/render/sound_sink.h>
+#include <earpoint/render_files/open_sound_sink.h>
 
 namespace earpoint {
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -95,6 +96,19 @@ void check_angle_deg(double angle_deg, const std::string& where) {
 }
 
 EarpointPath::EarpointPath(const Pose& source_from_target) : rows_{{0.0, source_from_target}} {}
+
+EarpointPath::EarpointPath(std::vector<Row> rows) : name_("path"), rows_(std::move(rows)) {
+  if (rows_.empty()) throw InputError(name_, "has no row", "give at least one pose");
+  double before_s = -std::numeric_limits<double>::infinity();
+  for (const Row& row : rows_) {
+    check_place(row.pose.position_m, name_);
+    if (!(row.time_s > before_s)) {
+      throw InputError(name_,
+                       fmt::format("time {} s does not come after {} s", row.time_s, before_s));
+    }
+    before_s = row.time_s;
+  }
+}
 
 EarpointPath EarpointPath::from_csv(const std::filesystem::path& path) {
   return parse_csv(read_text_file(path), path.string());

@@ -1,5 +1,6 @@
 #include <functional>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -168,6 +169,19 @@ TEST(SpeakerTrack, RefusesBoxesOutsideThePictureOrEmpty) {
               (void)SpeakerTrack::parse_csv("time_s,x0,y0,x1,y1\n0,0.5,0,0.5,1\n", "boxes.csv");
             }),
             "boxes.csv: line 2: the box 0.5,0,0.5,1 is empty; x0 < x1 and y0 < y1 are needed");
+}
+
+TEST(EarpointPath, RowsInMemoryMoveAsThoseOfAFile) {
+  const EarpointPath file = EarpointPath::parse_csv(
+      "time_s,x,y,z,yaw_deg,pitch_deg,roll_deg\n0,0,0,0,0,0,0\n2,1,-3,0.5,0,0,0\n", "walk.csv");
+  using Rows = std::vector<EarpointPath::Row>;
+  const EarpointPath rows(Rows{{0.0, {}}, {2.0, {{1, -3, 0.5}, {}}}});
+  for (const double time_s : {-1.0, 0.0, 0.7, 2.0, 3.0})
+    EXPECT_EQ(rows.at(time_s), file.at(time_s));
+  EXPECT_TRUE(rows.is_moving());
+  EXPECT_THROW(rows.check_covers(4.0), InputError);
+  EXPECT_THROW(EarpointPath(Rows()), InputError);
+  EXPECT_THROW(EarpointPath(Rows{{1.0, {}}, {1.0, {}}}), InputError);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <cstdlib>
 #include <system_error>
+#include <utility>
 
 namespace earpoint {
 namespace fs = std::filesystem;
@@ -37,7 +38,8 @@ std::optional<fs::path> shipped_model_path(std::string_view file_name, const fs:
     }
     folder = folder.parent_path();
   }
-  return std::nullopt;
+  fs::path installed = fs::path(EARPOINT_INSTALLED_MODELS) / file_name;
+  return is_file(installed) ? std::optional(std::move(installed)) : std::nullopt;
 }
 
 }  // namespace earpoint

@@ -11,8 +11,8 @@
 #include <earpoint/locate/people_detector.h>
 #include <earpoint/locate/person_tracker.h>
 #include <earpoint/locate/voice_direction.h>
-#include <earpoint/render/render.h>
 #include <earpoint/render/source_stream.h>
+#include <earpoint/render_files/render.h>
 #include <earpoint/synthesis/speaker_track.h>
 
 namespace earpoint {

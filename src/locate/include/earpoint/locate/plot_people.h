@@ -5,7 +5,7 @@
 #include <earpoint/core/image.h>
 #include <earpoint/core/progress.h>
 #include <earpoint/locate/find_people.h>
-#include <earpoint/render/render.h>
+#include <earpoint/render_files/render.h>
 
 namespace earpoint {
 

@@ -6,6 +6,7 @@
 #include <string>
 
 #include <earpoint/core/pose.h>
+#include <earpoint/gtf/weights.h>
 #include <earpoint/synthesis/synthesizer.h>
 
 namespace earpoint {
@@ -26,5 +27,14 @@ struct SynthesizerOptions {
 ///         textures to choose from
 std::unique_ptr<AcousticSynthesizer> make_synthesizer(const std::string& model,
                                                       const SynthesizerOptions& options);
+
+/// A model that was read once, to render clips with and to stream with.
+struct OpenedModel {
+  std::unique_ptr<AcousticSynthesizer> synthesizer;
+  std::shared_ptr<const GtfWeights> gtf;  ///< null: it is no gtf network
+};
+
+/// As make_synthesizer().
+[[nodiscard]] OpenedModel open_model(const std::string& model, const SynthesizerOptions& options);
 
 }  // namespace earpoint

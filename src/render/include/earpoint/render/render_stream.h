@@ -30,6 +30,8 @@ class RenderStream {
     /// Rounds that make the phases of frames agree; each makes the stream 20 ms later. By default
     /// the network's own, as in render(); 0 is soonest.
     std::optional<int> phase_rounds{};
+    /// As SynthesizerOptions has it.
+    std::optional<double> texture{};
   };
 
   /// @throws InputError if the rate is none of those

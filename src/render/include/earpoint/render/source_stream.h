@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cstddef>
-#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -14,22 +13,10 @@
 #include <earpoint/audio/resample.h>
 #include <earpoint/audio/stereo_check.h>
 #include <earpoint/core/waveform.h>
-#include <earpoint/media/media.h>
 #include <earpoint/plot/plot.h>
 #include <earpoint/render/stream_buffer.h>
-#include <earpoint/render/voice_placer.h>
 
 namespace earpoint {
-
-/// Which sound of which file.
-struct SoundSource {
-  std::filesystem::path path;                           ///< a sound file or a movie
-  std::optional<std::array<int, 2>> binaural_channels;  ///< left, right; needed beyond two channels
-  std::optional<int> audio_stream;  ///< StreamInfo::index; by default the preferred
-  /// Of a recording that is not binaural: where its voice is put before anything else. Null: the
-  /// channels are taken for two ears as they are.
-  std::shared_ptr<const VoicePlacement> placement{};
-};
 
 /// What a first reading of the whole recording finds.
 struct SoundSurvey {
@@ -45,11 +32,6 @@ struct SoundSurvey {
   [[nodiscard]] double duration_s() const { return static_cast<double>(samples) / sample_rate_hz; }
 };
 
-/// Reads the recording once from end to end, so that nothing is written for a bad one.
-/// @throws InputError if it has no sound, is shorter than 0.1 s, is sampled below 16 kHz, is silent
-///         throughout (below -100 dB), or holds a sample that is no number (naming its time)
-SoundSurvey survey_sound(const SoundSource& source);
-
 /// How a recording is separated into primary and ambient sound.
 struct AmbientOptions {
   AmbientSeparation separation = AmbientSeparation::bandpass;
@@ -60,8 +42,19 @@ struct AmbientOptions {
 /// Gives the next samples of a recording, at most as many as asked for: 2 ears; none after the end.
 using BlockReader = std::function<Waveform(std::ptrdiff_t)>;
 
-/// Reads that sound from its beginning. @throws InputError as AudioReader
-[[nodiscard]] BlockReader read_blocks(const SoundSource& source);
+/// Reads a recording once from end to end.
+/// @param where  what errors call it, e.g. its file
+/// @return the survey; its warnings are left to warning_of()
+/// @throws InputError if it is shorter than 0.1 s, is sampled below 16 kHz, is silent throughout
+///         (below -100 dB), or holds a sample that is no number (naming its time)
+[[nodiscard]] SoundSurvey survey_blocks(const BlockReader& read, int sample_rate_hz,
+                                        const std::string& where);
+
+/// What to say of stereo that no two ears heard; empty if nothing.
+[[nodiscard]] std::string warning_of(StereoKind kind);
+
+/// The sound from its beginning. @param sound  must outlive the reader
+[[nodiscard]] BlockReader read_blocks(const Waveform& sound);
 
 /// The recording as windows at a synthesizer's rate, read once, front to back, with bounded memory.
 class SourceStream {

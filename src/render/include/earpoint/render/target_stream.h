@@ -11,8 +11,8 @@
 #include <earpoint/core/waveform.h>
 #include <earpoint/plot/plot.h>
 #include <earpoint/render/band_extension.h>
+#include <earpoint/render/clip_options.h>
 #include <earpoint/render/overlap_adder.h>
-#include <earpoint/render/render.h>
 #include <earpoint/render/sound_sink.h>
 #include <earpoint/render/source_stream.h>
 #include <earpoint/synthesis/synthesizer.h>

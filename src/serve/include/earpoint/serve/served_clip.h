@@ -13,7 +13,7 @@
 #include <earpoint/core/progress.h>
 #include <earpoint/core/waveform.h>
 #include <earpoint/gtf/weights.h>
-#include <earpoint/render/render.h>
+#include <earpoint/render_files/render.h>
 
 namespace earpoint {
 

@@ -22,8 +22,18 @@ void check_angle_deg(double angle_deg, const std::string& where);
 /// to row of a CSV file.
 class EarpointPath {
  public:
+  struct Row {
+    double time_s = 0.0;
+    Pose pose;
+  };
+
   /// Stands still.
   explicit EarpointPath(const Pose& source_from_target);
+
+  /// Moves from row to row, as from_csv().
+  /// @throws InputError if there is no row, a time does not grow, or a place is beyond what can be
+  ///         heard
+  explicit EarpointPath(std::vector<Row> rows);
 
   /// Reads `time_s,x,y,z,yaw_deg,pitch_deg,roll_deg` (that header first; metres; x front, y left,
   /// z up; lines that start with # are skipped). Positions are interpolated linearly, orientations
@@ -45,10 +55,6 @@ class EarpointPath {
   [[nodiscard]] double end_s() const { return rows_.back().time_s; }
 
  private:
-  struct Row {
-    double time_s = 0.0;
-    Pose pose;
-  };
   EarpointPath() = default;
 
   std::string name_;

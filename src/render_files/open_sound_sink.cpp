@@ -1,4 +1,4 @@
-#include <earpoint/render/sound_sink.h>
+#include <earpoint/render_files/open_sound_sink.h>
 
 #include <algorithm>
 #include <cctype>

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include <earpoint/plot/draw.h>
-#include <earpoint/render/locate_speaker.h>
+#include <earpoint/render_files/locate_speaker.h>
 
 namespace earpoint {
 namespace {

@@ -12,7 +12,8 @@
 #include <earpoint/audio/sound_file.h>
 #include <earpoint/core/error.h>
 #include <earpoint/core/random.h>
-#include <earpoint/render/render.h>
+#include <earpoint/render/render_in_memory.h>
+#include <earpoint/render_files/render.h>
 #include <earpoint/synthesis/input_synthesizer.h>
 
 namespace earpoint {

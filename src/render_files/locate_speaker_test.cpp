@@ -11,7 +11,7 @@
 #include <earpoint/gtf/description.h>
 #include <earpoint/gtf/weights.h>
 #include <earpoint/network_testing/random_weights.h>
-#include <earpoint/render/locate_speaker.h>
+#include <earpoint/render_files/locate_speaker.h>
 
 namespace earpoint {
 namespace {

@@ -7,8 +7,8 @@
 #include <earpoint/core/progress.h>
 #include <earpoint/gtf/engine.h>
 #include <earpoint/gtf/weights.h>
-#include <earpoint/render/render.h>
 #include <earpoint/render/source_stream.h>
+#include <earpoint/render_files/render.h>
 
 namespace earpoint {
 

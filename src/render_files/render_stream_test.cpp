@@ -16,8 +16,8 @@
 #include <earpoint/gtf/weights.h>
 #include <earpoint/media/media.h>
 #include <earpoint/network_testing/random_weights.h>
-#include <earpoint/render/picture_stream.h>
 #include <earpoint/render/render_stream.h>
+#include <earpoint/render_files/picture_stream.h>
 
 namespace earpoint {
 namespace {
@@ -169,7 +169,6 @@ TEST(RenderStream, AllocatesNothingWhileItRuns) {
   const Waveform sound = noise(4800, 44100);
   RenderStream stream(small_weights(), {.sample_rate_hz = 44100});
   Waveform out(2, sound.samples(), 44100);
-  stream.process({sound.channel(0), sound.channel(1)}, {out.channel(0), out.channel(1)});
   AllocationCount counted;
   for (int i = 0; i < 20; ++i) {
     stream.move_to({{0.1 * i, 0.0, 0.0}, {}});

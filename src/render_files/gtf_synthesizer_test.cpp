@@ -15,7 +15,7 @@
 #include <earpoint/gtf/weights.h>
 #include <earpoint/network_testing/random_weights.h>
 #include <earpoint/render/make_synthesizer.h>
-#include <earpoint/render/render.h>
+#include <earpoint/render_files/render.h>
 
 namespace earpoint {
 namespace {

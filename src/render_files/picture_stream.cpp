@@ -1,4 +1,4 @@
-#include <earpoint/render/picture_stream.h>
+#include <earpoint/render_files/picture_stream.h>
 
 #include <earpoint/media/image_file.h>
 

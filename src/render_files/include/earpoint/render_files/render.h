@@ -1,17 +1,16 @@
 #pragma once
 
 #include <filesystem>
-#include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
-#include <earpoint/core/image.h>
 #include <earpoint/core/pose.h>
 #include <earpoint/core/progress.h>
 #include <earpoint/plot/plot.h>
-#include <earpoint/render/source_stream.h>
+#include <earpoint/render/clip_options.h>
+#include <earpoint/render_files/sound_source.h>
 #include <earpoint/synthesis/earpoint_path.h>
 #include <earpoint/synthesis/speaker_track.h>
 #include <earpoint/synthesis/synthesizer.h>
@@ -34,29 +33,6 @@ struct RenderTarget {
   std::filesystem::path output;
 };
 
-/// What a synthesizer's answer is.
-enum class RenderAnswer {
-  place,  ///< what both ears hear at the target; ambient sound is added
-  /// The speaker's voice, of a network that was trained for enhancement: without ambient sound, the
-  /// mean of both channels; sound files have one channel.
-  voice,
-};
-
-struct ClipRenderOptions {
-  RenderAnswer answer = RenderAnswer::place;
-  /// Carry the band above the model's Nyquist frequency along (BandExtension). Without it the
-  /// output has the model's band only, at the recording's rate.
-  bool extend_band = true;
-  AmbientSeparation ambient = AmbientSeparation::bandpass;
-  /// Instead of the synthesizer's own.
-  std::optional<double> ambient_cutoff_hz;
-  double gain_db = 0.0;
-  /// Keep the output within full scale (PeakLimiter).
-  bool limit = true;
-  /// With two or more, other windows are read and written while one is synthesized.
-  int threads = 1;
-};
-
 struct RenderReport {
   SoundSurvey survey;
   WaveformOutline source;                ///< what was recorded
@@ -70,23 +46,6 @@ struct RenderReport {
   /// What of it the synthesizer was not made for; AcousticSynthesizer::warnings().
   std::vector<std::string> warnings;
 };
-
-/// A sound in memory, and what is known of the moment.
-struct SoundInMemory {
-  Waveform sound;                        ///< 2 ears, at the synthesizer's rate or above
-  std::shared_ptr<const Image> picture;  ///< a still one; null: none
-  std::optional<Box> speaker_box;        ///< nothing: out of sight, or not known
-  std::optional<Vector3> speaker_m;
-  std::optional<Pose> world_from_source;  ///< as Observation has it
-};
-
-/// Renders a sound in memory as render() does a file: the same windows and cross-fades, the same
-/// ambient sound, the same band above the model's.
-/// @return 2 ears, as long as the sound and at its rate
-/// @throws InputError if something that the synthesizer needs is missing
-[[nodiscard]] Waveform render_in_memory(const SoundInMemory& source,
-                                        AcousticSynthesizer& synthesizer, const EarpointPath& path,
-                                        const ClipRenderOptions& options);
 
 /// Renders a whole clip for every target in one pass over the recording: windows, cross-fades,
 /// ambient sound and the band above the model's. Outputs appear only when all are whole.

@@ -1,4 +1,4 @@
-#include <earpoint/render/locate_speaker.h>
+#include <earpoint/render_files/locate_speaker.h>
 
 #include <algorithm>
 #include <cmath>
@@ -9,8 +9,8 @@
 #include <earpoint/core/error.h>
 #include <earpoint/gtf/description.h>
 #include <earpoint/gtf/view.h>
-#include <earpoint/render/picture_stream.h>
 #include <earpoint/render/source_stream.h>
+#include <earpoint/render_files/picture_stream.h>
 
 namespace earpoint {
 namespace {

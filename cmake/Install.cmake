@@ -1,0 +1,92 @@
+# What cmake --install puts where. The modules of src/ and lab/ are the project's own affair: programs link one library
+# for each component of find_package(earpoint), whose headers are those of include/earpoint.
+include(CMakePackageConfigHelpers)
+
+pkg_check_modules(SNDFILE REQUIRED IMPORTED_TARGET sndfile>=1.1)
+pkg_check_modules(SOXR REQUIRED IMPORTED_TARGET soxr)
+pkg_check_modules(MYSOFA REQUIRED IMPORTED_TARGET libmysofa)
+pkg_check_modules(LIBZIP REQUIRED IMPORTED_TARGET libzip)
+find_package(hwy REQUIRED)
+
+set(EARPOINT_PACKAGE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/earpoint)
+
+# earpoint_add_component(<name> OUTPUT <library> MODULES <module>... LIBRARIES <target>... [REQUIRES <component>...]
+#                        [OBJECTS <generator expression>...] HEADERS <file>...)
+#
+# One library, static or shared by BUILD_SHARED_LIBS, of all that the modules hold: earpoint::<name> for programs that
+# find the package.
+function(earpoint_add_component name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "OUTPUT" "MODULES;LIBRARIES;REQUIRES;OBJECTS;HEADERS")
+  set(target earpoint_component_${name})
+  foreach(module IN LISTS arg_MODULES)
+    list(APPEND arg_OBJECTS $<TARGET_OBJECTS:earpoint_${module}>)
+  endforeach()
+  add_library(${target} ${arg_OBJECTS})
+  list(TRANSFORM arg_REQUIRES PREPEND earpoint_component_)
+  target_link_libraries(${target} PUBLIC ${arg_REQUIRES} PRIVATE ${arg_LIBRARIES})
+  target_include_directories(${target} INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  target_compile_features(${target} INTERFACE cxx_std_20)
+  # Before 1.0 a minor version may change what programs were compiled against.
+  set_target_properties(${target} PROPERTIES LINKER_LANGUAGE CXX OUTPUT_NAME ${arg_OUTPUT} EXPORT_NAME ${name}
+    VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+  if(BUILD_SHARED_LIBS)
+    target_link_options(${target} PRIVATE LINKER:--as-needed LINKER:--no-undefined)
+  endif()
+  if(EARPOINT_SANITIZE)
+    target_link_options(${target} PUBLIC -fsanitize=${EARPOINT_SANITIZE})
+  endif()
+  install(TARGETS ${target} EXPORT earpoint-${name} COMPONENT ${name}
+    LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+  install(EXPORT earpoint-${name} NAMESPACE earpoint:: DESTINATION ${EARPOINT_PACKAGE_DIR} COMPONENT ${name})
+  list(TRANSFORM arg_HEADERS PREPEND ${PROJECT_SOURCE_DIR}/include/earpoint/)
+  install(FILES ${arg_HEADERS} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/earpoint COMPONENT ${name})
+endfunction()
+
+earpoint_add_component(renderer OUTPUT earpoint
+  MODULES core audio spatial plot weights kernels synthesis network rt60 gtf vigas vam render library
+  LIBRARIES fmt::fmt PkgConfig::SNDFILE PkgConfig::SOXR PkgConfig::MYSOFA PkgConfig::LIBZIP hwy::hwy dnnl gomp
+            Threads::Threads
+  HEADERS error.h export.h image.h network.h pose.h renderer.h stream.h waveform.h)
+install(FILES ${PROJECT_BINARY_DIR}/include/earpoint/version.h
+  DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/earpoint COMPONENT renderer)
+foreach(header IN ITEMS error image pose vector3 waveform)
+  install(FILES ${PROJECT_SOURCE_DIR}/src/core/include/earpoint/core/${header}.h
+    DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/earpoint/core COMPONENT renderer)
+endforeach()
+
+find_package(embree 3 REQUIRED)
+find_package(meshoptimizer REQUIRED)
+earpoint_add_component(lab OUTPUT earpoint_lab REQUIRES renderer
+  MODULES media scene trace lab_library
+  # Of evaluation, what measures sounds: the rest wants data sets and networks.
+  OBJECTS "$<FILTER:$<TARGET_OBJECTS:earpoint_evaluate>,INCLUDE,/metrics.cpp|/speech_metrics.cpp>"
+  LIBRARIES embree meshoptimizer::meshoptimizer PkgConfig::ASSIMP PkgConfig::FFMPEG fmt::fmt Threads::Threads
+  HEADERS metrics.h trace.h)
+if(BUILD_SHARED_LIBS)
+  # What the renderer's library hides of the modules below.
+  target_link_libraries(earpoint_component_lab PRIVATE earpoint::lab_library)
+endif()
+
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/models/ DESTINATION ${CMAKE_INSTALL_DATADIR}/earpoint/models
+  COMPONENT models FILES_MATCHING PATTERN "*.safetensors" PATTERN "*.md")
+install(TARGETS earpoint COMPONENT program)
+if(TARGET earpoint-train)
+  install(TARGETS earpoint-train COMPONENT program)
+endif()
+
+configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/package/earpointConfig.cmake.in
+  ${PROJECT_BINARY_DIR}/earpointConfig.cmake INSTALL_DESTINATION ${EARPOINT_PACKAGE_DIR})
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/earpointConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/earpointConfig.cmake ${PROJECT_BINARY_DIR}/earpointConfigVersion.cmake
+  DESTINATION ${EARPOINT_PACKAGE_DIR} COMPONENT renderer)
+
+# A shared library brings what it needs along; a static one leaves it to the program.
+set(EARPOINT_PC_REQUIRES "sndfile soxr libmysofa libzip libhwy fmt")
+set(EARPOINT_PC_LIBS " -ldnnl -lgomp -pthread")
+if(BUILD_SHARED_LIBS)
+  set(EARPOINT_PC_PRIVATE .private)
+  set(EARPOINT_PC_LIBS "\nLibs.private:${EARPOINT_PC_LIBS}")
+endif()
+file(RELATIVE_PATH EARPOINT_PC_PREFIX ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig ${CMAKE_INSTALL_PREFIX})
+configure_file(${PROJECT_SOURCE_DIR}/cmake/package/earpoint.pc.in ${PROJECT_BINARY_DIR}/earpoint.pc @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/earpoint.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT renderer)

@@ -1,0 +1,118 @@
+#include <earpoint/trace.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include <earpoint/core/error.h>
+#include <earpoint/core/octave_bands.h>
+#include <earpoint/core/parallel.h>
+#include <earpoint/scene/import.h>
+#include <earpoint/scene/mesh.h>
+#include <earpoint/scene/scene.h>
+#include <earpoint/spatial/hrtf.h>
+#include <earpoint/trace/acoustic_scene.h>
+#include <earpoint/trace/response_renderer.h>
+#include <earpoint/trace/source.h>
+#include <earpoint/trace/tracer.h>
+
+namespace earpoint {
+namespace {
+
+constexpr double kNearest_m = 1e-3;
+
+void check_range(const char* what, double value, double least, double most) {
+  if (value >= least && value <= most) return;
+  throw InputError(what, fmt::format("expected {:g} to {:g}, found {:g}", least, most, value));
+}
+
+void check_inside(const char* what, const Vector3& place, const Bounds& box) {
+  const bool inside = place.x > box.low.x && place.x < box.high.x && place.y > box.low.y &&
+                      place.y < box.high.y && place.z > box.low.z && place.z < box.high.z;
+  if (inside) return;
+  throw InputError(what,
+                   fmt::format("({:g}, {:g}, {:g}) is outside of the scene, which spans x {:g} to "
+                               "{:g}, y {:g} to {:g}, z {:g} to {:g} m",
+                               place.x, place.y, place.z, box.low.x, box.high.x, box.low.y,
+                               box.high.y, box.low.z, box.high.z),
+                   "place it inside");
+}
+
+void check_request(const TraceRequest& request, const Bounds& box) {
+  EARPOINT_CHECK(request.threads > 0);
+  check_range("sampling rate, Hz", request.sample_rate_hz, 8000, 192000);
+  check_range("duration, s", request.duration_s, 0.01, 30.0);
+  check_range("rays", request.rays, 1, 100e6);
+  check_inside("source", request.source.position_m, box);
+  check_inside("listener", request.listener.position_m, box);
+  if (norm(request.listener.position_m - request.source.position_m) < kNearest_m) {
+    throw InputError("listener", "stands where the source is", "move one of them");
+  }
+}
+
+}  // namespace
+
+struct TraceScene::State {
+  State(const Scene& scene, const Vector3& origin, std::vector<std::string> lines)
+      : acoustic(scene), origin_m(origin), warnings(std::move(lines)), box(bounds(scene.mesh)) {
+    box = {box.low + origin_m, box.high + origin_m};
+  }
+
+  AcousticScene acoustic;
+  Vector3 origin_m;  ///< of the traced scene, in the file's coordinates
+  std::vector<std::string> warnings;
+  Bounds box;  ///< in the file's coordinates
+};
+
+TraceScene::TraceScene(std::unique_ptr<State> state) : state_(std::move(state)) {}
+TraceScene::~TraceScene() = default;
+TraceScene::TraceScene(TraceScene&&) noexcept = default;
+TraceScene& TraceScene::operator=(TraceScene&&) noexcept = default;
+
+TraceScene TraceScene::open(const std::filesystem::path& model) {
+  const ImportedScene imported = import_scene(model);
+  return TraceScene(
+      std::make_unique<State>(imported.scene, imported.origin_m, imported.report.warnings()));
+}
+
+TraceScene TraceScene::box(const Vector3& lengths_m, double absorption, double scattering) {
+  EARPOINT_CHECK(lengths_m.x > 0.0 && lengths_m.y > 0.0 && lengths_m.z > 0.0);
+  check_range("absorption", absorption, 0.0, 1.0);
+  check_range("scattering", scattering, 0.0, 1.0);
+  const Scene scene = make_shoebox(lengths_m, all_bands(static_cast<float>(absorption)),
+                                   all_bands(static_cast<float>(scattering)));
+  return TraceScene(std::make_unique<State>(scene, Vector3{}, std::vector<std::string>{}));
+}
+
+const std::vector<std::string>& TraceScene::warnings() const { return state_->warnings; }
+
+Waveform TraceScene::response(const TraceRequest& request) const {
+  check_request(request, state_->box);
+  Source source{.world_from_source = request.source};
+  if (request.talks) source.directivity = speech_directivity();
+  source.world_from_source.position_m = request.source.position_m - state_->origin_m;
+  const Vector3 listener_m = request.listener.position_m - state_->origin_m;
+  TraceOptions options;
+  options.rays = request.rays;
+  options.duration_s = request.duration_s;
+  options.seed = request.seed;
+  ThreadPool pool(request.threads);
+  const TraceResult traced = trace(state_->acoustic, {&source, 1}, {&listener_m, 1}, options, pool);
+  const PointResponse& response = traced.responses[0][0];
+  const ResponseRenderer renderer({.sample_rate_hz = request.sample_rate_hz,
+                                   .duration_s = request.duration_s,
+                                   .seed = request.seed});
+  Waveform sound = request.microphone == TraceMicrophone::omni
+                       ? renderer.mono(response, 0)
+                       : renderer.binaural(response, request.listener.orientation,
+                                           HrtfSet::load(request.sample_rate_hz), 0);
+  if (std::ranges::all_of(sound.planar(), [](float sample) { return sample == 0.0F; })) {
+    throw InputError("listener", "no sound reaches it",
+                     "place it in the room of the source, or give a longer duration");
+  }
+  return sound;
+}
+
+}  // namespace earpoint

@@ -1,0 +1,62 @@
+#include <earpoint/network.h>
+
+#include <utility>
+
+#include <earpoint/core/error.h>
+#include <earpoint/network/checked_tensors.h>
+#include <earpoint/network/model_names.h>
+#include <earpoint/network/network_kind.h>
+#include <earpoint/weights/safetensors.h>
+
+namespace earpoint {
+namespace {
+
+const char* name_of(NetworkKind kind) {
+  switch (kind) {
+    case NetworkKind::vigas:
+      return "vigas";
+    case NetworkKind::gtf:
+      return "gtf";
+    case NetworkKind::rt60_estimator:
+      return "rt60_estimator";
+    case NetworkKind::vam:
+      return "vam";
+    case NetworkKind::people:
+      return "people";
+  }
+  EARPOINT_CHECK(false);
+}
+
+std::int64_t count_numbers(const SafetensorsFile& file) {
+  std::int64_t count = 0;
+  for (const auto& [name, tensor] : file.tensors) {
+    std::int64_t numbers = 1;
+    for (const std::int64_t size : tensor.shape) numbers *= size;
+    count += numbers;
+  }
+  return count;
+}
+
+}  // namespace
+
+std::vector<std::string> installed_networks() { return shipped_model_names(); }
+
+NetworkInfo describe_network(const std::string& model) {
+  const auto file = find_model(model);
+  if (!file) {
+    throw InputError(model, "is neither the name of an installed model nor a weight file",
+                     "set EARPOINT_MODELS_DIR to the folder that holds it, or give its path");
+  }
+  const SafetensorsFile weights = read_safetensors(*file);
+  const NetworkKind kind = network_kind(weights, file->string());
+  const bool renders =
+      kind == NetworkKind::gtf || kind == NetworkKind::vigas || kind == NetworkKind::vam;
+  return {.file = *file,
+          .kind = name_of(kind),
+          .description = description_of(weights, file->string()),
+          .parameters = count_numbers(weights),
+          .renders = renders,
+          .streams = kind == NetworkKind::gtf};
+}
+
+}  // namespace earpoint

@@ -1,0 +1,119 @@
+#include <earpoint/stream.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <earpoint/core/error.h>
+#include <earpoint/core/random.h>
+#include <earpoint/core/waveform.h>
+#include <earpoint/core_testing/allocation_count.h>
+#include <earpoint/gtf/description.h>
+#include <earpoint/network_testing/random_weights.h>
+#include <earpoint/renderer.h>
+#include <earpoint/weights/safetensors.h>
+#include <earpoint/network/weights.h>
+
+namespace earpoint {
+namespace {
+
+namespace fs = std::filesystem;
+
+class StreamTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    GtfDescription description;
+    description.channels = 8;
+    description.layers = 2;
+    description.bands = 10;
+    description.picture_px = 32;
+    description.window_samples = 4000;
+    description.highpass_cutoff_hz = {};  // whose crossover turns phases
+    description.delays = false;
+    write_safetensors(file_, to_weight_file(pass_through_gtf_weights(description)));
+  }
+  void TearDown() override { fs::remove(file_); }
+
+  [[nodiscard]] Stream stream(int rate_hz) const {
+    return Renderer::open(file_.string())
+        .stream({.sample_rate_hz = rate_hz, .limit = false, .phase_rounds = 0});
+  }
+
+  fs::path file_ =
+      fs::path(testing::TempDir()) / ("stream_test_" + std::to_string(::getpid()) + ".safetensors");
+};
+
+Waveform noise(std::ptrdiff_t samples, int rate_hz) {
+  Waveform sound(2, samples, rate_hz);
+  RandomStream random(3);
+  for (float& sample : sound.planar()) sample = static_cast<float>(0.05 * random.normal());
+  return sound;
+}
+
+void process(Stream& stream, const Waveform& sound, Waveform& result, std::ptrdiff_t block) {
+  for (std::ptrdiff_t start = 0; start < sound.samples(); start += block) {
+    const std::ptrdiff_t count = std::min(block, sound.samples() - start);
+    const float* const in[] = {sound.channel(0).data() + start, sound.channel(1).data() + start};
+    float* const out[] = {result.channel(0).data() + start, result.channel(1).data() + start};
+    stream.process(in, out, count);
+  }
+}
+
+TEST_F(StreamTest, IsAsLateAsItSaysAtAnyRateAndBlockSize) {
+  for (const int rate_hz : {16000, 44100, 48000}) {
+    const Waveform sound = noise(rate_hz, rate_hz);
+    Waveform first;
+    for (const std::ptrdiff_t block : {64, 441, 5000}) {
+      Stream live = stream(rate_hz);
+      Waveform result(2, sound.samples(), rate_hz);
+      process(live, sound, result, block);
+      const std::ptrdiff_t late = live.latency_samples();
+      ASSERT_GT(late, 0);
+      // The network passes on what it hears: over the second half, that far apart, both are one
+      // sound.
+      double product = 0.0, of_sound = 0.0, of_result = 0.0;
+      for (std::ptrdiff_t i = sound.samples() / 2; i < sound.samples(); ++i) {
+        const double x = sound.channel(0)[i - late], y = result.channel(0)[i];
+        product += x * y;
+        of_sound += x * x;
+        of_result += y * y;
+      }
+      EXPECT_GT(product / std::sqrt(of_sound * of_result), 0.98) << rate_hz << " " << block;
+      if (block == 64) first = result;
+      EXPECT_TRUE(std::ranges::equal(result.planar(), first.planar())) << rate_hz << " " << block;
+    }
+  }
+}
+
+TEST_F(StreamTest, AllocatesNothingWhileItRuns) {
+  Stream live = stream(48000);
+  live.see(Image(40, 30, 3, 128), Box{0.4, 0.2, 0.6, 1.0});
+  const Waveform sound = noise(24000, 48000);
+  Waveform result(2, sound.samples(), 48000);
+  const AllocationCount allocations;
+  for (int i = 0; i < 3; ++i) {
+    live.move_to({{0.1 * i, 0.5, 0}, quaternion_from_euler({0.3 * i, 0, 0})});
+    live.place_speaker(Vector3{2, 0.1 * i, 0});
+    process(live, sound, result, 256);
+    (void)live.latency_samples();
+    (void)live.speaker_m();
+  }
+  EXPECT_EQ(allocations.count(), 0);
+}
+
+TEST_F(StreamTest, BadInputGetsOneLine) {
+  EXPECT_THROW((void)stream(11025), InputError);
+  Stream live = stream(48000);
+  EXPECT_THROW(live.move_to({{1e9, 0, 0}, {}}), InputError);
+  EXPECT_THROW(live.place_speaker(Vector3{0, 0, std::nan("")}), InputError);
+  EXPECT_THROW(live.see_nothing(Box{0.4, 0.2, 0.3, 1.0}), InputError);
+  EXPECT_THROW(live.see(Image(), {}), std::logic_error);
+}
+
+}  // namespace
+}  // namespace earpoint

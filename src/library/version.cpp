@@ -1,0 +1,7 @@
+#include <earpoint/version.h>
+
+namespace earpoint {
+
+const char* library_version() { return EARPOINT_VERSION_TEXT; }
+
+}  // namespace earpoint
