@@ -26,16 +26,8 @@ struct Round {
   double width_s;            ///< of Cauchy's weights
   double place_deviation_m;  ///< of the prior on places, horizontally
 };
-constexpr std::array<Round, 9> kRounds{{{15e-3, 0.5},
-                                        {10e-3, 1.0},
-                                        {5e-3, 1.5},
-                                        {3e-3, 2.0},
-                                        {2e-3, 3.0},
-                                        {1e-3, 4.0},
-                                        {0.6e-3, 4.0},
-                                        {0.4e-3, 4.0},
-                                        {0.3e-3, 4.0}}};
-constexpr std::size_t kFineRound = 4;  ///< where clocks begin that are good already
+constexpr std::array<Round, 5> kRounds{
+    {{2e-3, 3.0}, {1e-3, 4.0}, {0.6e-3, 4.0}, {0.4e-3, 4.0}, {0.3e-3, 4.0}}};
 constexpr int kMostPasses = 3;
 constexpr int kStepsPerRound = 4;
 
@@ -56,8 +48,8 @@ struct Observation {
 class Fit {
  public:
   Fit(const std::vector<FitDevice>& devices, const std::vector<SoundEvent>& events,
-      const Vector3& centre_m)
-      : devices_(devices), events_(events), centre_m_(centre_m), places_(events.size(), centre_m) {
+      const std::vector<Vector3>& places_m, const Vector3& centre_m)
+      : devices_(devices), events_(events), centre_m_(centre_m), places_(places_m) {
     for (const FitDevice& device : devices) {
       const double slope = 1.0 / (1.0 + 1e-6 * device.clock.drift_ppm) - 1.0;
       start_.push_back({session_time_s(device.clock, device.middle_s), slope * kDriftTime_s});
@@ -66,12 +58,12 @@ class Fit {
   }
 
   ClockFit run() {
-    refine_from(0);
+    refine();
     // Once places are known, a camera that is caught at a wrong offset can be told.
     for (int pass = 0; pass < kMostPasses; ++pass) {
       const bool strayed = gather_places();
       if (!recentre() && !strayed) break;
-      refine_from(kFineRound);
+      refine();
     }
     return result();
   }
@@ -153,9 +145,9 @@ class Fit {
     normal_ = std::move(reduced);
   }
 
-  void refine_from(std::size_t first) {
-    for (std::size_t round = first; round < kRounds.size(); ++round) {
-      for (int step = 0; step < kStepsPerRound; ++step) improve(kRounds[round]);
+  void refine() {
+    for (const Round& round : kRounds) {
+      for (int step = 0; step < kStepsPerRound; ++step) improve(round);
     }
   }
 
@@ -318,14 +310,15 @@ double travel_time_s(const Vector3& source_m, const Pose& world_from_head, int e
 }
 
 ClockFit fit_clocks(const std::vector<FitDevice>& devices, const std::vector<SoundEvent>& events,
-                    const Vector3& centre_m) {
+                    const std::vector<Vector3>& places_m, const Vector3& centre_m) {
+  EARPOINT_CHECK(places_m.size() == events.size());
   for (const SoundEvent& event : events) {
     EARPOINT_CHECK(event.anchor < devices.size());
     for (const HeardEvent& heard : event.heard) {
       EARPOINT_CHECK(heard.device < devices.size() && devices[heard.device].world_from_head);
     }
   }
-  return Fit(devices, events, centre_m).run();
+  return Fit(devices, events, places_m, centre_m).run();
 }
 
 }  // namespace earpoint
