@@ -26,8 +26,12 @@ struct Round {
   double width_s;            ///< of Cauchy's weights
   double place_deviation_m;  ///< of the prior on places, horizontally
 };
-constexpr std::array<Round, 5> kRounds{
-    {{2e-3, 3.0}, {1e-3, 4.0}, {0.6e-3, 4.0}, {0.4e-3, 4.0}, {0.3e-3, 4.0}}};
+constexpr std::array<Round, 8> kRounds{
+    {{2e-3, 3.0}, {1e-3, 4.0}, {0.6e-3, 4.0}, {0.4e-3, 4.0}, {0.3e-3, 4.0}, {0.2e-3, 4.0}, {0.1e-3, 4.0}, {0.06e-3, 4.0}}};
+/// A voice within so far of where it was stayed there: before and after clocks know about it.
+constexpr std::array<double, 2> kSeatReaches_m{0.35, 0.15};
+constexpr double kAbsent_s = 60.0;  ///< who is silent for longer may sit elsewhere
+constexpr std::size_t kFewestInSeat = 8;
 constexpr int kMostPasses = 3;
 constexpr int kStepsPerRound = 4;
 
@@ -49,7 +53,8 @@ class Fit {
  public:
   Fit(const std::vector<FitDevice>& devices, const std::vector<SoundEvent>& events,
       const std::vector<Vector3>& places_m, const Vector3& centre_m)
-      : devices_(devices), events_(events), centre_m_(centre_m), places_(places_m) {
+      : devices_(devices), events_(events), centre_m_(centre_m), places_(places_m), seat_of_(events.size()) {
+    part_seats();
     for (const FitDevice& device : devices) {
       const double slope = 1.0 / (1.0 + 1e-6 * device.clock.drift_ppm) - 1.0;
       start_.push_back({session_time_s(device.clock, device.middle_s), slope * kDriftTime_s});
@@ -63,6 +68,12 @@ class Fit {
     for (int pass = 0; pass < kMostPasses; ++pass) {
       const bool strayed = gather_places();
       if (!recentre() && !strayed) break;
+      refine();
+    }
+    for (const double reach_m : kSeatReaches_m) {
+      part_seats();
+      refine();
+      find_seats(reach_m);
       refine();
     }
     return result();
@@ -125,22 +136,26 @@ class Fit {
     const std::size_t size = 2 * devices_.size();
     NormalEquations reduced(size);
     add_clock_priors(reduced);
-    std::vector<PlaceEquations> places;
-    places.reserve(events_.size());
+    std::vector<PlaceEquations> seats(seats_, PlaceEquations(size));
     for (std::size_t e = 0; e < events_.size(); ++e) {
-      places.push_back(place_equations(e, round, size));
-      places.back().eliminate_from(reduced);
+      add_event(e, round, seats[seat_of_[e]]);
     }
+    for (const PlaceEquations& seat : seats) seat.eliminate_from(reduced);
     const std::vector<double> step = reduced.solve();
     for (std::size_t d = 0; d < devices_.size(); ++d) {
       clocks_[d].offset_s += step[2 * d];
       clocks_[d].slope_s += step[2 * d + 1];
     }
-    for (std::size_t e = 0; e < events_.size(); ++e) {
-      Vector3 move = places[e].place_step(step);
+    std::vector<Vector3> moves;
+    for (const PlaceEquations& seat : seats) {
+      moves.push_back(seat.place_step(step));
       constexpr double kLongest_m = 1.0;
-      if (norm(move) > kLongest_m) move = move * (kLongest_m / norm(move));
-      places_[e] = places_[e] + move;
+      if (norm(moves.back()) > kLongest_m) {
+        moves.back() = moves.back() * (kLongest_m / norm(moves.back()));
+      }
+    }
+    for (std::size_t e = 0; e < events_.size(); ++e) {
+      places_[e] = places_[e] + moves[seat_of_[e]];
     }
     normal_ = std::move(reduced);
   }
@@ -148,6 +163,55 @@ class Fit {
   void refine() {
     for (const Round& round : kRounds) {
       for (int step = 0; step < kStepsPerRound; ++step) improve(round);
+    }
+  }
+
+  /// Every event has a place of its own.
+  void part_seats() {
+    std::iota(seat_of_.begin(), seat_of_.end(), std::size_t{0});
+    seats_ = events_.size();
+  }
+
+  /// Lets events of a voice that stays where it is share one place: else all places together move a
+  /// little in the course of the session, and clocks with them.
+  void find_seats(double reach_m) {
+    struct Seat {
+      std::size_t anchor;
+      std::vector<std::size_t> events;
+      Vector3 sum;
+      double last_s;
+    };
+    std::vector<Seat> seats;
+    for (std::size_t e = 0; e < events_.size(); ++e) {
+      Seat* nearest = nullptr;
+      double least_m = reach_m;
+      for (Seat& seat : seats) {
+        if (seat.anchor != events_[e].anchor || events_[e].anchor_s - seat.last_s > kAbsent_s) {
+          continue;
+        }
+        const Vector3 away = seat.sum / static_cast<double>(seat.events.size()) - places_[e];
+        const double away_m = std::hypot(away.x, away.y);
+        if (away_m > least_m) continue;
+        least_m = away_m;
+        nearest = &seat;
+      }
+      if (nearest == nullptr) {
+        seats.push_back({events_[e].anchor, {}, {}, 0.0});
+        nearest = &seats.back();
+      }
+      nearest->events.push_back(e);
+      nearest->sum = nearest->sum + places_[e];
+      nearest->last_s = events_[e].anchor_s;
+    }
+    seats_ = 0;
+    for (const Seat& seat : seats) {
+      const bool shared = seat.events.size() >= kFewestInSeat;
+      for (const std::size_t e : seat.events) {
+        if (shared) places_[e] = seat.sum / static_cast<double>(seat.events.size());
+        seat_of_[e] = seats_;
+        if (!shared) ++seats_;
+      }
+      if (shared) ++seats_;
     }
   }
 
@@ -239,14 +303,12 @@ class Fit {
     }
   }
 
-  [[nodiscard]] PlaceEquations place_equations(std::size_t e, const Round& round,
-                                               std::size_t size) const {
+  void add_event(std::size_t e, const Round& round, PlaceEquations& equations) const {
     const SoundEvent& event = events_[e];
     const double anchor_factor = (event.anchor_s - devices_[event.anchor].middle_s) / kDriftTime_s;
-    PlaceEquations equations(size);
-    const Vector3 from_centre = centre_m_ - places_[e];
     equations.add_place_prior(
-        from_centre, {round.place_deviation_m, round.place_deviation_m, kHeightDeviation_m});
+        centre_m_ - places_[e],
+        {round.place_deviation_m, round.place_deviation_m, kHeightDeviation_m});
     for (const HeardEvent& heard : event.heard) {
       const std::optional<Observation> observation = choose(e, heard, round.width_s);
       if (!observation) continue;
@@ -256,7 +318,6 @@ class Fit {
                                             {2 * event.anchor + 1, -anchor_factor}}};
       equations.add(terms, gradient(e, heard), observation->residual_s, observation->weight);
     }
-    return equations;
   }
 
   [[nodiscard]] ClockFit result() const {
@@ -294,7 +355,9 @@ class Fit {
   Vector3 centre_m_;
   std::vector<ClockState> start_;
   std::vector<ClockState> clocks_;
-  std::vector<Vector3> places_;
+  std::vector<Vector3> places_;       ///< by event
+  std::vector<std::size_t> seat_of_;  ///< by event; events of a seat have one place
+  std::size_t seats_ = 0;
   NormalEquations normal_{0};
 };
 
