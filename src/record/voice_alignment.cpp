@@ -89,8 +89,11 @@ struct Line {
   double support = 0.0;
 };
 
-/// The line that most arrivals support.
-Line best_line(std::span<const Arrival> arrivals, const Round& round) {
+/// The line that most arrivals support. In a short session nearly all slopes have the same support:
+/// the one that makes for the least drift then counts.
+/// @param drift  of these clocks against each other so far; the slope is taken off it
+Line best_line(std::span<const Arrival> arrivals, const Round& round, double drift) {
+  constexpr double kUsualDrift = 150e-6;
   constexpr int kSlopes = 38;  // to either side
   constexpr std::ptrdiff_t kHalf = 7;
   const double bin_s = round.clock_s / 6.0;
@@ -110,6 +113,8 @@ Line best_line(std::span<const Arrival> arrivals, const Round& round) {
       for (std::ptrdiff_t i = -kHalf; i <= kHalf; ++i) {
         support += histogram[b + i] * bump(static_cast<double>(i) / (kHalf + 1.0));
       }
+      const double unusual = (drift - slope) / kUsualDrift;
+      support /= 1.0 + unusual * unusual;
       if (support <= best.support) continue;
       best = {(static_cast<double>(b) + 0.5) * bin_s - round.reach_s, slope, support};
     }
@@ -181,6 +186,11 @@ class Alignment {
   [[nodiscard]] double anchor_way_s(const SoundEvent& event, std::size_t point) const {
     if (event.anchor_ear) return ways_[event.anchor][*event.anchor_ear][point];
     return devices_[event.anchor].near_distance_m / kSoundMetresPerSecond;
+  }
+
+  /// Session time over the device's own.
+  [[nodiscard]] double rate_of(std::size_t device) const {
+    return 1.0 / (1.0 + kPerMillion * clocks_[device].drift_ppm);
   }
 
   /// How much later than the anchor the ear may have heard the sound.
@@ -264,7 +274,9 @@ class Alignment {
       }
     }
     std::map<std::pair<std::size_t, std::size_t>, Line> lines;
-    for (const auto& [pair, list] : arrivals) lines[pair] = best_line(list, round);
+    for (const auto& [pair, list] : arrivals) {
+      lines[pair] = best_line(list, round, rate_of(pair.second) - rate_of(pair.first));
+    }
     const std::vector<double> offsets_s = agreed(lines, &Line::offset_s, round.clock_s);
     const std::vector<double> slopes = agreed(lines, &Line::slope, kPerMillion * round.drift_ppm);
     for (std::size_t d = 0; d < devices_.size(); ++d) move_clock(d, offsets_s[d], slopes[d]);
@@ -304,7 +316,7 @@ class Alignment {
   /// Lets a device have everything earlier by offset + slope (session time - middle).
   void move_clock(std::size_t device, double offset_s, double slope) {
     DeviceClock& clock = clocks_[device];
-    const double rate = (1.0 - slope) / (1.0 + kPerMillion * clock.drift_ppm);
+    const double rate = (1.0 - slope) * rate_of(device);
     const double begin_s = clock.offset_s - offset_s - slope * (clock.offset_s - middle_s_);
     clock.offset_s = begin_s;
     clock.drift_ppm = (1.0 / rate - 1.0) / kPerMillion;
