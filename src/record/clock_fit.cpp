@@ -26,8 +26,14 @@ struct Round {
   double width_s;            ///< of Cauchy's weights
   double place_deviation_m;  ///< of the prior on places, horizontally
 };
-constexpr std::array<Round, 8> kRounds{
-    {{2e-3, 3.0}, {1e-3, 4.0}, {0.6e-3, 4.0}, {0.4e-3, 4.0}, {0.3e-3, 4.0}, {0.2e-3, 4.0}, {0.1e-3, 4.0}, {0.06e-3, 4.0}}};
+constexpr std::array<Round, 8> kRounds{{{2e-3, 3.0},
+                                        {1e-3, 4.0},
+                                        {0.6e-3, 4.0},
+                                        {0.4e-3, 4.0},
+                                        {0.3e-3, 4.0},
+                                        {0.2e-3, 4.0},
+                                        {0.1e-3, 4.0},
+                                        {0.06e-3, 4.0}}};
 /// Seats are found again as clocks get better.
 struct SeatRound {
   double reach_m;        ///< a voice within so far of where it was stayed there
@@ -108,7 +114,11 @@ class Fit {
  public:
   Fit(const std::vector<FitDevice>& devices, const std::vector<SoundEvent>& events,
       const std::vector<Vector3>& places_m, const Vector3& centre_m)
-      : devices_(devices), events_(events), centre_m_(centre_m), places_(places_m), seat_of_(events.size()) {
+      : devices_(devices),
+        events_(events),
+        centre_m_(centre_m),
+        places_(places_m),
+        seat_of_(events.size()) {
     part_seats();
     for (const FitDevice& device : devices) {
       const double slope = 1.0 / (1.0 + 1e-6 * device.clock.drift_ppm) - 1.0;

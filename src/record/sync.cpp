@@ -22,14 +22,23 @@ constexpr double kClapRise_db = 15.0;
 constexpr int kLeastCameras = 3;  ///< that a place is found by
 constexpr int kLeastEars = 4;     ///< of an event, so that its place tells something
 
-/// Clocks are wrong by less than `search_s` and, once they were fitted, by about `error_s`.
+/// Clocks are wrong by less than `search_s` and, once they were fitted, by about `error_s`. Drift
+/// that is not known yet adds up: long sessions are begun with their first minutes.
 struct Pass {
   double search_s;
   double error_s;
   std::size_t events;
+  double longer_than_s;  ///< for such sessions alone
+  double until_s;        ///< of session time
 };
-constexpr std::array<Pass, 3> kPasses{
-    {{0.06, 0.06, 300}, {0.016, 1.5e-3, 600}, {0.016, 0.5e-3, 600}}};
+constexpr double kFirstMinutes_s = 300.0;
+constexpr double kManyMinutes_s = 1200.0;
+constexpr double kEver_s = 1e9;
+constexpr std::array<Pass, 5> kPasses{{{0.06, 0.06, 300, 0.0, kFirstMinutes_s},
+                                       {0.03, 4e-3, 300, kFirstMinutes_s, kManyMinutes_s},
+                                       {0.03, 4e-3, 300, kManyMinutes_s, kEver_s},
+                                       {0.016, 1.5e-3, 600, 0.0, kEver_s},
+                                       {0.016, 0.5e-3, 600, 0.0, kEver_s}}};
 
 /// The point nearest to where all cameras look.
 Vector3 centre_of_attention(const std::vector<DeviceSound>& devices) {
@@ -193,7 +202,8 @@ class Synchronizer {
     std::vector<SoundEvent> events;
     ClockFit found;
     for (const Pass& pass : kPasses) {
-      events = finder.find(clocks_of(start), pass.search_s, pass.events, progress_);
+      if (devices.front().sound.duration_s() <= pass.longer_than_s) continue;
+      events = finder.find(clocks_of(start), pass.search_s, pass.events, pass.until_s, progress_);
       std::erase_if(events,
                     [](const SoundEvent& event) { return std::ssize(event.heard) < kLeastEars; });
       if (events.empty()) return;

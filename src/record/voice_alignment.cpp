@@ -17,9 +17,9 @@ namespace {
 constexpr double kMargin_m = 0.8;  ///< of the grid around the cameras
 constexpr double kStep_m = 0.1;
 constexpr double kMostPoints = 6000.0;
-constexpr double kInteraural_s = 80e-6;     ///< how well a time between ears fits
+constexpr double kInteraural_s = 80e-6;      ///< how well a time between ears fits
 constexpr double kLeastInteraural_s = 1e-3;  ///< no head is larger
-constexpr double kTogether_s = 1.5;         ///< a voice hardly moves for so long
+constexpr double kTogether_s = 1.5;          ///< a voice hardly moves for so long
 constexpr double kPerMillion = 1e-6;
 
 /// How tolerant a round is, of times for places and of times and drifts for clocks.
@@ -268,8 +268,8 @@ class Alignment {
             ways_[heard.device][heard.ear][places_[e]] - anchor_way_s(event, places_[e]);
         auto& pair = arrivals[{event.anchor, heard.device}];
         for (const HeardTime& time : heard.times) {
-          pair.push_back({moment_s(event) - middle_s_, lateness_s(event, heard, time) - way_s,
-                          time.height});
+          pair.push_back(
+              {moment_s(event) - middle_s_, lateness_s(event, heard, time) - way_s, time.height});
         }
       }
     }
@@ -282,8 +282,8 @@ class Alignment {
     for (std::size_t d = 0; d < devices_.size(); ++d) move_clock(d, offsets_s[d], slopes[d]);
   }
 
-  /// The value of each device, 0 of the first, such that the differences of pairs are as their lines
-  /// have them; pairs that contradict most others count little.
+  /// The value of each device, 0 of the first, such that the differences of pairs are as their
+  /// lines have them; pairs that contradict most others count little.
   [[nodiscard]] std::vector<double> agreed(
       const std::map<std::pair<std::size_t, std::size_t>, Line>& lines, double Line::*value,
       double scale) const {
@@ -335,7 +335,8 @@ class Alignment {
 }  // namespace
 
 VoiceAlignment align_voices(const std::vector<FitDevice>& devices,
-                            const std::vector<SoundEvent>& events, const Vector3& centre_m, double error_s) {
+                            const std::vector<SoundEvent>& events, const Vector3& centre_m,
+                            double error_s) {
   EARPOINT_CHECK(!devices.empty());
   return Alignment(devices, events, centre_m).run(error_s);
 }

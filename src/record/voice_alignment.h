@@ -14,11 +14,11 @@ struct VoiceAlignment {
 
 /// Finds clocks to about a millisecond and places to some decimetres, without places to begin with.
 ///
-/// First every pair of a device that tells the moment and a camera gets the offset and the drift that
-/// most times of arrival support, as if all sounds came from the centre. Then places are searched on
-/// a grid around the cameras: by the times at the ears, which need the clocks, and by the interaural
-/// time differences, which do not. Clocks and places are found again in turns, each time by a
-/// narrower tolerance. Reflections are outvoted: their lateness changes with the place.
+/// First every pair of a device that tells the moment and a camera gets the offset and the drift
+/// that most times of arrival support, as if all sounds came from the centre. Then places are
+/// searched on a grid around the cameras: by the times at the ears, which need the clocks, and by
+/// the interaural time differences, which do not. Clocks and places are found again in turns, each
+/// time by a narrower tolerance. Reflections are outvoted: their lateness changes with the place.
 /// @param devices    the first is the reference; all cameras calibrated
 /// @param centre_m   about where people are
 /// @param error_s    by how much clocks may be wrong; rounds for larger errors are left out

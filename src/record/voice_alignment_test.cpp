@@ -1,10 +1,10 @@
 #include "voice_alignment.h"
 
-#include <gtest/gtest.h>
-
 #include <array>
 #include <cmath>
 #include <numbers>
+
+#include <gtest/gtest.h>
 
 #include <earpoint/core/random.h>
 
@@ -61,14 +61,14 @@ Heard hear(const Options& options) {
     const auto person = static_cast<std::size_t>(time_s / kTurn_s) % kSeats.size();
     const Vector3 mouth = kSeats[person];
     // Of each person another wall reflects most.
-    const std::array<Vector3, kSeats.size()> mirrors{{{2.0 * kWall_m - mouth.x, mouth.y, mouth.z},
-                                                      {mouth.x, 2.0 * kWall_m - mouth.y, mouth.z},
-                                                      {-2.0 * kWall_m - mouth.x, mouth.y, mouth.z}}};
+    const std::array<Vector3, kSeats.size()> mirrors{
+        {{2.0 * kWall_m - mouth.x, mouth.y, mouth.z},
+         {mouth.x, 2.0 * kWall_m - mouth.y, mouth.z},
+         {-2.0 * kWall_m - mouth.x, mouth.y, mouth.z}}};
     const Vector3& mirrored = mirrors[person];
     const std::size_t anchor = kCameras + person;
     SoundEvent event{.anchor = anchor, .anchor_ear = {}, .anchor_s = 0.0, .heard = {}};
-    event.anchor_s =
-        device_time_s(heard.truth[anchor], time_s + kNear_m / kSoundMetresPerSecond);
+    event.anchor_s = device_time_s(heard.truth[anchor], time_s + kNear_m / kSoundMetresPerSecond);
     for (std::size_t d = 0; d < kCameras; ++d) {
       for (int ear = 0; ear < 2; ++ear) {
         const Pose& head = *heard.devices[d].world_from_head;
