@@ -19,23 +19,31 @@ constexpr double kHeightDeviation_m = 0.3;  ///< of mouths, who sit or stand
 constexpr double kClockDeviation_s = 0.01;
 /// Drift is a parameter as the offset that it makes in 100 s, so that both are of one size.
 constexpr double kDriftTime_s = 100.0;
-constexpr double kDriftDeviation_s = 50e-6 * kDriftTime_s;
+constexpr double kDriftDeviation_s = 50e-6 * kDriftTime_s;  ///< from none, as clocks are made
 
 /// How tolerant the fit is, from the first round to the last.
 struct Round {
   double width_s;            ///< of Cauchy's weights
   double place_deviation_m;  ///< of the prior on places, horizontally
 };
-constexpr std::array<Round, 9> kRounds{{{15e-3, 0.5},
-                                        {10e-3, 1.0},
-                                        {5e-3, 1.5},
-                                        {3e-3, 2.0},
-                                        {2e-3, 3.0},
+constexpr std::array<Round, 8> kRounds{{{2e-3, 3.0},
                                         {1e-3, 4.0},
                                         {0.6e-3, 4.0},
                                         {0.4e-3, 4.0},
-                                        {0.3e-3, 4.0}}};
-constexpr std::size_t kFineRound = 4;  ///< where clocks begin that are good already
+                                        {0.3e-3, 4.0},
+                                        {0.2e-3, 4.0},
+                                        {0.1e-3, 4.0},
+                                        {0.06e-3, 4.0}}};
+/// Seats are found again as clocks get better.
+struct SeatRound {
+  double reach_m;        ///< a voice within so far of where it was stayed there
+  double widest_s;       ///< of Round: where clocks are good, wider ones see reflections
+  double support_bin_s;  ///< of OffsetSupport
+};
+constexpr std::array<SeatRound, 3> kSeatRounds{
+    {{0.35, 2e-3, 0.1e-3}, {0.15, 0.1e-3, 0.04e-3}, {0.15, 0.1e-3, 0.04e-3}}};
+constexpr double kAbsent_s = 60.0;  ///< who is silent for longer may sit elsewhere
+constexpr std::size_t kFewestInSeat = 8;
 constexpr int kMostPasses = 3;
 constexpr int kStepsPerRound = 4;
 
@@ -53,11 +61,65 @@ struct Observation {
   Vector3 gradient;            ///< of the residual by the source's place
 };
 
+/// What is left of a time of arrival, chosen or not.
+struct LeftTime {
+  double since_s = 0.0;  ///< on the device's clock, from its middle
+  double late_s = 0.0;
+  double height = 0.0;
+};
+
+constexpr std::ptrdiff_t kSupportSpread = 3;  // bins
+constexpr double kMostDriftError = 100e-6;
+constexpr double kClearly = 1.2;  ///< more support than another drift has
+
+/// How many times of arrival support each offset of a clock, given the error of its drift.
+class OffsetSupport {
+ public:
+  OffsetSupport(const std::vector<LeftTime>& left, double slope, double bin_s)
+      : bin_s_(bin_s), support_(2 * kHalf + 1) {
+    std::vector<double> histogram(support_.size());
+    for (const LeftTime& time : left) {
+      const double late_s = time.late_s - slope * time.since_s;
+      if (std::abs(late_s) >= kHalf * bin_s) continue;
+      histogram[kHalf + std::lround(late_s / bin_s)] += time.height;
+    }
+    for (std::ptrdiff_t bin = kSupportSpread; bin <= 2 * kHalf - kSupportSpread; ++bin) {
+      const auto first = histogram.begin() + bin - kSupportSpread;
+      support_[bin] = std::accumulate(first, first + 2 * kSupportSpread + 1, 0.0);
+    }
+    most_ = *std::ranges::max_element(support_);
+  }
+
+  [[nodiscard]] double most() const { return most_; }
+
+  /// A wall behind a camera reflects everybody's voice equally late, but nothing comes before the
+  /// direct sound: the first offset that much supports, up to its top.
+  [[nodiscard]] double first_s() const {
+    constexpr double kMuch = 0.6;
+    if (most_ <= 0.0) return 0.0;
+    std::ptrdiff_t first = kSupportSpread;
+    while (support_[first] < kMuch * most_) ++first;
+    while (support_[first] < most_ && support_[first + 1] >= support_[first]) ++first;
+    return static_cast<double>(first - kHalf) * bin_s_;
+  }
+
+ private:
+  static constexpr std::ptrdiff_t kHalf = 120;  // bins
+  double bin_s_;
+  std::vector<double> support_;
+  double most_ = 0.0;
+};
+
 class Fit {
  public:
   Fit(const std::vector<FitDevice>& devices, const std::vector<SoundEvent>& events,
-      const Vector3& centre_m)
-      : devices_(devices), events_(events), centre_m_(centre_m), places_(events.size(), centre_m) {
+      const std::vector<Vector3>& places_m, const Vector3& centre_m)
+      : devices_(devices),
+        events_(events),
+        centre_m_(centre_m),
+        places_(places_m),
+        seat_of_(events.size()) {
+    part_seats();
     for (const FitDevice& device : devices) {
       const double slope = 1.0 / (1.0 + 1e-6 * device.clock.drift_ppm) - 1.0;
       start_.push_back({session_time_s(device.clock, device.middle_s), slope * kDriftTime_s});
@@ -66,13 +128,21 @@ class Fit {
   }
 
   ClockFit run() {
-    refine_from(0);
-    // Once places are known, a camera that is caught at a wrong offset can be told.
-    for (int pass = 0; pass < kMostPasses; ++pass) {
-      const bool strayed = gather_places();
-      if (!recentre() && !strayed) break;
-      refine_from(kFineRound);
+    for (const SeatRound& round : kSeatRounds) {
+      find_seats(round.reach_m);
+      refine(round.widest_s);
+      for (int pass = 0; pass < kMostPasses && recentre(round.support_bin_s); ++pass) {
+        refine(round.widest_s);
+      }
+      // Who moved about a little all the time is told once clocks are good.
+      part_seats();
+      clocks_held_ = true;
+      gather_places();
+      refine(kRounds.front().width_s);
+      clocks_held_ = false;
     }
+    find_seats(kSeatRounds.back().reach_m);
+    refine(kSeatRounds.back().widest_s);
     return result();
   }
 
@@ -133,40 +203,92 @@ class Fit {
     const std::size_t size = 2 * devices_.size();
     NormalEquations reduced(size);
     add_clock_priors(reduced);
-    std::vector<PlaceEquations> places;
-    places.reserve(events_.size());
+    std::vector<PlaceEquations> seats(seats_, PlaceEquations(size));
     for (std::size_t e = 0; e < events_.size(); ++e) {
-      places.push_back(place_equations(e, round, size));
-      places.back().eliminate_from(reduced);
+      add_event(e, round, seats[seat_of_[e]]);
     }
-    const std::vector<double> step = reduced.solve();
+    for (const PlaceEquations& seat : seats) seat.eliminate_from(reduced);
+    const std::vector<double> step = clocks_held_ ? std::vector<double>(size) : reduced.solve();
     for (std::size_t d = 0; d < devices_.size(); ++d) {
       clocks_[d].offset_s += step[2 * d];
       clocks_[d].slope_s += step[2 * d + 1];
     }
-    for (std::size_t e = 0; e < events_.size(); ++e) {
-      Vector3 move = places[e].place_step(step);
+    std::vector<Vector3> moves;
+    for (const PlaceEquations& seat : seats) {
+      moves.push_back(seat.place_step(step));
       constexpr double kLongest_m = 1.0;
-      if (norm(move) > kLongest_m) move = move * (kLongest_m / norm(move));
-      places_[e] = places_[e] + move;
+      if (norm(moves.back()) > kLongest_m) {
+        moves.back() = moves.back() * (kLongest_m / norm(moves.back()));
+      }
+    }
+    for (std::size_t e = 0; e < events_.size(); ++e) {
+      places_[e] = places_[e] + moves[seat_of_[e]];
     }
     normal_ = std::move(reduced);
   }
 
-  void refine_from(std::size_t first) {
-    for (std::size_t round = first; round < kRounds.size(); ++round) {
-      for (int step = 0; step < kStepsPerRound; ++step) improve(kRounds[round]);
+  void refine(double widest_s) {
+    for (const Round& round : kRounds) {
+      if (round.width_s > widest_s) continue;
+      for (int step = 0; step < kStepsPerRound; ++step) improve(round);
+    }
+  }
+
+  /// Every event has a place of its own.
+  void part_seats() {
+    std::iota(seat_of_.begin(), seat_of_.end(), std::size_t{0});
+    seats_ = events_.size();
+  }
+
+  /// Lets events of a voice that stays where it is share one place: else all places together move a
+  /// little in the course of the session, and clocks with them.
+  void find_seats(double reach_m) {
+    struct Seat {
+      std::size_t anchor;
+      std::vector<std::size_t> events;
+      Vector3 sum;
+      double last_s;
+    };
+    std::vector<Seat> seats;
+    for (std::size_t e = 0; e < events_.size(); ++e) {
+      Seat* nearest = nullptr;
+      double least_m = reach_m;
+      for (Seat& seat : seats) {
+        if (seat.anchor != events_[e].anchor || events_[e].anchor_s - seat.last_s > kAbsent_s) {
+          continue;
+        }
+        const Vector3 away = seat.sum / static_cast<double>(seat.events.size()) - places_[e];
+        const double away_m = std::hypot(away.x, away.y);
+        if (away_m > least_m) continue;
+        least_m = away_m;
+        nearest = &seat;
+      }
+      if (nearest == nullptr) {
+        seats.push_back({events_[e].anchor, {}, {}, 0.0});
+        nearest = &seats.back();
+      }
+      nearest->events.push_back(e);
+      nearest->sum = nearest->sum + places_[e];
+      nearest->last_s = events_[e].anchor_s;
+    }
+    seats_ = 0;
+    for (const Seat& seat : seats) {
+      const bool shared = seat.events.size() >= kFewestInSeat;
+      for (const std::size_t e : seat.events) {
+        if (shared) places_[e] = seat.sum / static_cast<double>(seat.events.size());
+        seat_of_[e] = seats_;
+        if (!shared) ++seats_;
+      }
+      if (shared) ++seats_;
     }
   }
 
   /// Moves places to the median of the same voice's around that time where they are far from it: a
   /// few ears that agree by chance hold them there.
-  /// @return whether any was moved
-  bool gather_places() {
+  void gather_places() {
     constexpr double kAround_s = 2.0;
     constexpr double kFar_m = 0.7;
     constexpr std::size_t kFewest = 4;
-    bool moved = false;
     const std::vector<Vector3> found = places_;
     for (std::size_t e = 0; e < events_.size(); ++e) {
       std::vector<double> x;
@@ -185,51 +307,52 @@ class Fit {
       std::ranges::nth_element(y, y.begin() + middle);
       if (std::hypot(found[e].x - x[middle], found[e].y - y[middle]) < kFar_m) continue;
       places_[e] = {x[middle], y[middle], centre_m_.z};
-      moved = true;
     }
-    return moved;
   }
 
-  /// Moves each camera to the offset that most of its times support, be they chosen or not: the fit
-  /// itself cannot leave an offset at which reflections agree.
-  /// @return whether any was moved
-  bool recentre() {
-    bool moved = false;
-    constexpr double kReach_s = 12e-3;
-    constexpr double kBin_s = 0.1e-3;
-    constexpr std::ptrdiff_t kHalf = 120;  // bins
-    constexpr std::ptrdiff_t kSpread = 3;
-    constexpr double kMuch = 0.6;
-    std::vector<std::vector<double>> support(devices_.size(), std::vector<double>(2 * kHalf + 1));
+  /// What is left of all times of a device, be they chosen or not.
+  [[nodiscard]] std::vector<LeftTime> left_times(std::size_t device) const {
+    std::vector<LeftTime> left;
     for (std::size_t e = 0; e < events_.size(); ++e) {
       const SoundEvent& event = events_[e];
       const double anchor_s = session_s(event.anchor, event.anchor_s);
       for (const HeardEvent& heard : event.heard) {
+        if (heard.device != device) continue;
         const double expected = anchor_s + lateness_s(event, heard, places_[e]);
         for (const HeardTime& time : heard.times) {
-          const double residual = session_s(heard.device, time.device_s) - expected;
-          if (std::abs(residual) >= kReach_s) continue;
-          support[heard.device][kHalf + std::lround(residual / kBin_s)] += time.height;
+          left.push_back({time.device_s - devices_[device].middle_s,
+                          session_s(device, time.device_s) - expected, time.height});
         }
       }
     }
+    return left;
+  }
+
+  /// Moves each camera to the offset and the drift that most of its times support: the fit itself
+  /// cannot leave those at which reflections agree.
+  /// @return whether any was moved
+  bool recentre(double bin_s) {
+    bool moved = false;
     for (std::size_t d = 0; d < devices_.size(); ++d) {
-      const auto around = [&](std::ptrdiff_t bin) {
-        const auto first = support[d].begin() + kHalf + bin - kSpread;
-        return std::accumulate(first, first + 2 * kSpread + 1, 0.0);
-      };
-      std::ptrdiff_t best = -kHalf + kSpread;
-      for (std::ptrdiff_t bin = best; bin <= kHalf - kSpread; ++bin) {
-        if (around(bin) > around(best)) best = bin;
+      const std::vector<LeftTime> left = left_times(d);
+      if (left.empty()) continue;  // a near microphone
+      double longest_s = 1.0;
+      for (const LeftTime& time : left) longest_s = std::max(longest_s, std::abs(time.since_s));
+      const double step = bin_s / longest_s;
+      const auto steps = static_cast<int>(kMostDriftError / step);
+      const double now = OffsetSupport(left, 0.0, bin_s).most();
+      double slope = 0.0;
+      double most = kClearly * now;
+      for (int s = -steps; s <= steps; ++s) {
+        const double support = OffsetSupport(left, s * step, bin_s).most();
+        if (support <= most) continue;
+        most = support;
+        slope = s * step;
       }
-      if (around(best) <= 0.0) continue;  // a near microphone
-      // A wall behind a camera reflects everybody's voice equally late, but nothing comes before
-      // the direct sound: the first offset that much supports, up to its top.
-      std::ptrdiff_t first = -kHalf + kSpread;
-      while (around(first) < kMuch * around(best)) ++first;
-      while (first < best && around(first + 1) >= around(first)) ++first;
-      if (std::abs(first) <= kSpread) continue;
-      clocks_[d].offset_s -= static_cast<double>(first) * kBin_s;
+      const double offset_s = OffsetSupport(left, slope, bin_s).first_s();
+      if (slope == 0.0 && std::abs(offset_s) <= kSupportSpread * bin_s) continue;
+      clocks_[d].offset_s -= offset_s;
+      clocks_[d].slope_s -= slope * kDriftTime_s;
       moved = true;
     }
     return moved;
@@ -243,18 +366,16 @@ class Fit {
   void add_clock_priors(NormalEquations& equations) const {
     for (std::size_t d = 0; d < devices_.size(); ++d) {
       equations.add_prior(2 * d, start_[d].offset_s - clocks_[d].offset_s, kClockDeviation_s);
-      equations.add_prior(2 * d + 1, start_[d].slope_s - clocks_[d].slope_s, kDriftDeviation_s);
+      equations.add_prior(2 * d + 1, -clocks_[d].slope_s, kDriftDeviation_s);
     }
   }
 
-  [[nodiscard]] PlaceEquations place_equations(std::size_t e, const Round& round,
-                                               std::size_t size) const {
+  void add_event(std::size_t e, const Round& round, PlaceEquations& equations) const {
     const SoundEvent& event = events_[e];
     const double anchor_factor = (event.anchor_s - devices_[event.anchor].middle_s) / kDriftTime_s;
-    PlaceEquations equations(size);
-    const Vector3 from_centre = centre_m_ - places_[e];
     equations.add_place_prior(
-        from_centre, {round.place_deviation_m, round.place_deviation_m, kHeightDeviation_m});
+        centre_m_ - places_[e],
+        {round.place_deviation_m, round.place_deviation_m, kHeightDeviation_m});
     for (const HeardEvent& heard : event.heard) {
       const std::optional<Observation> observation = choose(e, heard, round.width_s);
       if (!observation) continue;
@@ -264,7 +385,6 @@ class Fit {
                                             {2 * event.anchor + 1, -anchor_factor}}};
       equations.add(terms, gradient(e, heard), observation->residual_s, observation->weight);
     }
-    return equations;
   }
 
   [[nodiscard]] ClockFit result() const {
@@ -302,7 +422,10 @@ class Fit {
   Vector3 centre_m_;
   std::vector<ClockState> start_;
   std::vector<ClockState> clocks_;
-  std::vector<Vector3> places_;
+  std::vector<Vector3> places_;       ///< by event
+  std::vector<std::size_t> seat_of_;  ///< by event; events of a seat have one place
+  std::size_t seats_ = 0;
+  bool clocks_held_ = false;
   NormalEquations normal_{0};
 };
 
@@ -318,14 +441,15 @@ double travel_time_s(const Vector3& source_m, const Pose& world_from_head, int e
 }
 
 ClockFit fit_clocks(const std::vector<FitDevice>& devices, const std::vector<SoundEvent>& events,
-                    const Vector3& centre_m) {
+                    const std::vector<Vector3>& places_m, const Vector3& centre_m) {
+  EARPOINT_CHECK(places_m.size() == events.size());
   for (const SoundEvent& event : events) {
     EARPOINT_CHECK(event.anchor < devices.size());
     for (const HeardEvent& heard : event.heard) {
       EARPOINT_CHECK(heard.device < devices.size() && devices[heard.device].world_from_head);
     }
   }
-  return Fit(devices, events, centre_m).run();
+  return Fit(devices, events, places_m, centre_m).run();
 }
 
 }  // namespace earpoint

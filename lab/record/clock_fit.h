@@ -37,7 +37,7 @@ struct SoundEvent {
 
 /// A device of the fit.
 struct FitDevice {
-  DeviceClock clock;                    ///< to begin with, good to about ten milliseconds
+  DeviceClock clock;                    ///< to begin with, good to some milliseconds
   std::optional<Pose> world_from_head;  ///< of calibrated cameras
   double near_distance_m = 0.0;         ///< of near microphones
   double middle_s = 0.0;                ///< of its recording, on its clock
@@ -54,12 +54,14 @@ struct ClockFit {
 
 /// Finds clocks and places of sources together, so that the times at which sounds are heard, less
 /// the ways that they travel, agree: nonlinear least squares with Cauchy's weights, whose width
-/// shrinks from 5 ms to 0.3 ms while the prior on places loosens. Places are eliminated from the
+/// shrinks from 2 ms to 0.3 ms while the prior on places loosens. Places are eliminated from the
 /// normal equations event by event (Schur's complement).
 /// @param devices    the first is the reference, whose clock stays; all cameras calibrated
-/// @param centre_m   about where people are, to begin with
+/// @param places_m   of each event's source, to begin with; good to some decimetres
+/// @param centre_m   about where people are
 [[nodiscard]] ClockFit fit_clocks(const std::vector<FitDevice>& devices,
-                                  const std::vector<SoundEvent>& events, const Vector3& centre_m);
+                                  const std::vector<SoundEvent>& events,
+                                  const std::vector<Vector3>& places_m, const Vector3& centre_m);
 
 /// The time from a source to an ear, by the shortest way round a spherical head.
 [[nodiscard]] double travel_time_s(const Vector3& source_m, const Pose& world_from_head, int ear);

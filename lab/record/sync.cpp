@@ -2,9 +2,11 @@
 
 #include "clock_fit.h"
 #include "coarse_alignment.h"
+#include "voice_alignment.h"
 #include "voice_events.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <set>
 
@@ -20,8 +22,24 @@ constexpr double kClapAround_s = 0.06;
 constexpr double kClapRise_db = 15.0;
 constexpr int kLeastCameras = 3;  ///< that a place is found by
 constexpr int kLeastEars = 4;     ///< of an event, so that its place tells something
-constexpr std::size_t kFirstEvents = 300;
-constexpr std::size_t kMostEvents = 600;
+
+/// Clocks are wrong by less than `search_s` and, once they were fitted, by about `error_s`. Drift
+/// that is not known yet adds up: long sessions are begun with their first minutes.
+struct Pass {
+  double search_s;
+  double error_s;
+  std::size_t events;
+  double longer_than_s;  ///< for such sessions alone
+  double until_s;        ///< of session time
+};
+constexpr double kFirstMinutes_s = 300.0;
+constexpr double kManyMinutes_s = 1200.0;
+constexpr double kEver_s = 1e9;
+constexpr std::array<Pass, 5> kPasses{{{0.06, 0.06, 300, 0.0, kFirstMinutes_s},
+                                       {0.03, 4e-3, 300, kFirstMinutes_s, kManyMinutes_s},
+                                       {0.03, 4e-3, 300, kManyMinutes_s, kEver_s},
+                                       {0.016, 1.5e-3, 600, 0.0, kEver_s},
+                                       {0.016, 0.5e-3, 600, 0.0, kEver_s}}};
 
 /// The point nearest to where all cameras look.
 Vector3 centre_of_attention(const std::vector<DeviceSound>& devices) {
@@ -184,17 +202,15 @@ class Synchronizer {
     VoiceEvents finder(devices, centre);
     std::vector<SoundEvent> events;
     ClockFit found;
-    struct Pass {
-      double search_s;
-      std::size_t events;
-    };
-    for (const Pass pass :
-         {Pass{0.016, kFirstEvents}, Pass{0.016, kMostEvents}, Pass{0.01, kMostEvents}}) {
-      events = finder.find(clocks_of(start), pass.search_s, pass.events, progress_);
+    for (const Pass& pass : kPasses) {
+      if (devices.front().sound.duration_s() <= pass.longer_than_s) continue;
+      events = finder.find(clocks_of(start), pass.search_s, pass.events, pass.until_s, progress_);
       std::erase_if(events,
                     [](const SoundEvent& event) { return std::ssize(event.heard) < kLeastEars; });
       if (events.empty()) return;
-      found = fit_clocks(start, events, centre);
+      const VoiceAlignment about = align_voices(start, events, centre, pass.error_s);
+      for (std::size_t d = 0; d < start.size(); ++d) start[d].clock = about.clocks[d];
+      found = fit_clocks(start, events, about.places, centre);
       for (std::size_t d = 0; d < start.size(); ++d) start[d].clock = found.clocks[d];
     }
     store(usable, events, found);

@@ -127,8 +127,8 @@ VoiceEvents::VoiceEvents(const std::vector<DeviceSound>& devices, const Vector3&
   }
 }
 
-std::vector<VoiceEvents::Moment> VoiceEvents::moments(
-    const std::vector<DeviceClock>& clocks) const {
+std::vector<VoiceEvents::Moment> VoiceEvents::moments(const std::vector<DeviceClock>& clocks,
+                                                      double until_s) const {
   constexpr double kStep_s = 0.5 * kEvent_s;
   std::vector<std::size_t> listeners;
   for (std::size_t d = 0; d < devices_.size(); ++d) {
@@ -136,7 +136,7 @@ std::vector<VoiceEvents::Moment> VoiceEvents::moments(
   }
   std::vector<std::vector<float>> levels_db(listeners.size());  // by moment, while all record
   std::vector<double> times_s;
-  const double end_s = devices_.front().sound.duration_s();
+  const double end_s = std::min(until_s, devices_.front().sound.duration_s());
   for (double time_s = kStep_s; time_s < end_s; time_s += kStep_s) {
     std::vector<float> now_db;
     now_db.reserve(listeners.size());
@@ -172,8 +172,9 @@ std::vector<VoiceEvents::Moment> VoiceEvents::moments(
 }
 
 std::vector<SoundEvent> VoiceEvents::find(const std::vector<DeviceClock>& clocks, double search_s,
-                                          std::size_t most, ProgressSink& progress) const {
-  const std::vector<Moment> all = moments(clocks);
+                                          std::size_t most, double until_s,
+                                          ProgressSink& progress) const {
+  const std::vector<Moment> all = moments(clocks, until_s);
   const std::size_t count = std::min(most, all.size());
   const auto length = static_cast<int>(kEvent_s * kSyncRateHz);
   const auto reach = static_cast<int>(search_s * kSyncRateHz);

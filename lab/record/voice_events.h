@@ -23,9 +23,10 @@ class VoiceEvents {
   VoiceEvents(const std::vector<DeviceSound>& devices, const Vector3& centre_m);
 
   /// @param clocks    of the devices, wrong by less than `search_s`
-  /// @param most      events, spread over the session
+  /// @param most      events, spread over the time
+  /// @param until_s   of session time
   [[nodiscard]] std::vector<SoundEvent> find(const std::vector<DeviceClock>& clocks,
-                                             double search_s, std::size_t most,
+                                             double search_s, std::size_t most, double until_s,
                                              ProgressSink& progress) const;
 
  private:
@@ -33,7 +34,8 @@ class VoiceEvents {
     std::size_t anchor = 0;
     double session_s = 0.0;
   };
-  [[nodiscard]] std::vector<Moment> moments(const std::vector<DeviceClock>& clocks) const;
+  [[nodiscard]] std::vector<Moment> moments(const std::vector<DeviceClock>& clocks,
+                                            double until_s) const;
 
   const std::vector<DeviceSound>& devices_;
   Vector3 centre_m_;
