@@ -99,7 +99,8 @@ void GtfConditions::aim(const std::optional<Vector3>& speaker_m, const Pose& sou
   to = std::copy(heard_.begin(), heard_.end(), to);
   if (description_.texture) *to++ = texture_;
   if (description_.sight_points > 0) {
-    eye_->look_along(target_m, {to, static_cast<std::size_t>(description_.sight_features())});
+    picture_encoder_->look_along(target_m,
+                                 {to, static_cast<std::size_t>(description_.sight_features())});
     to += description_.sight_features();
   }
   EARPOINT_CHECK(to == joined_.data() + joined_.size());
