@@ -7,7 +7,6 @@
 
 #include <gtest/gtest.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/random.h>
 #include <earpoint/network/pose_encoding.h>
 #include <earpoint/network_testing/random_weights.h>
