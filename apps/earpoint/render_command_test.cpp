@@ -234,6 +234,9 @@ TEST_F(RenderCommand, BadArgumentsGetOneLine) {
   expect_refused({at("missing.wav"), "--yaw", "90", "--speaker", "2,0,0"}, "missing.wav");
   write_image(at("frame.png"), Image(64, 64, 3, 50));
   expect_refused({at("frame.png"), "--yaw", "90"}, "is a picture without sound");
+  expect_refused({at("frame.png"), input, "--yaw", "90", "--model",
+                  EARPOINT_SOURCE_DIR "/models/vigas.safetensors"},
+                 "in.wav: the network must be told who speaks in it");
 }
 
 TEST_F(RenderCommand, APathWithAGapIsRefused) {

@@ -1,27 +1,17 @@
 #include <filesystem>
-#include <functional>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
+#include <earpoint/network_testing/refusal.h>
 #include <earpoint/train/train_config.h>
 
 namespace earpoint {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string refusal(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "accepted";
-}
 
 std::string refusal_of(const std::string& network, const std::string& training) {
   return refusal([&] {

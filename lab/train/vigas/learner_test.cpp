@@ -10,6 +10,7 @@
 #include <earpoint/core/error.h>
 #include <earpoint/core/random.h>
 #include <earpoint/network/pose_encoding.h>
+#include <earpoint/network_testing/refusal.h>
 #include <earpoint/train/initial_weights.h>
 #include <earpoint/train/vigas_learner.h>
 #include <earpoint/vigas/description.h>
@@ -256,15 +257,6 @@ TEST(ViGasLearner, FirstStepWithSoundIsAsLongAsTheFirstStepOfAll) {
   for (std::int64_t i = 0; i < before.elements(); ++i) {
     EXPECT_NEAR(std::abs(after.as<float>()[i] - before.as<float>()[i]), 0.01, 1e-4);
   }
-}
-
-std::string refusal(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "accepted";
 }
 
 TEST(ViGasLearner, RefusesFilesThatAreNoCheckpoint) {

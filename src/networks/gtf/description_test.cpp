@@ -3,22 +3,13 @@
 
 #include <gtest/gtest.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/gtf/description.h>
 #include <earpoint/gtf/weights.h>
 #include <earpoint/network/network_kind.h>
+#include <earpoint/network_testing/refusal.h>
 
 namespace earpoint {
 namespace {
-
-std::string refusal(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "accepted";
-}
 
 /// The message after replacing `from` by `to` in the JSON of the default network.
 std::string refusal_with(const std::string& from, const std::string& to) {

@@ -90,6 +90,22 @@ TEST(Gtf, TakesTheSpeakersPlaceWhenItIsTold) {
   EXPECT_EQ(engine.speaker_m().value(), -place);
 }
 
+TEST(Gtf, ItsTrainingRangeDecidesWhichMovesAreShortened) {
+  const std::vector<float> source = noise(2 * kSamples, 0.1, 2);
+  const auto heard_at = [&](double distance_m, double farthest_m) {
+    GtfDescription d = small();
+    d.training_range.farthest_move_m = farthest_m;
+    Gtf engine = engine_that_looks(d);
+    engine.aim({{distance_m, 0, 0}, {}}, Vector3{1, 1, 0});
+    std::vector<float> output(source.size());
+    engine.synthesize(source, output);
+    return output;
+  };
+  EXPECT_EQ(heard_at(4.0, 5.0), heard_at(4.0, 8.0));
+  EXPECT_EQ(heard_at(7.0, 8.0), heard_at(7.0, 9.0));
+  EXPECT_NE(heard_at(7.0, 5.0), heard_at(7.0, 8.0));
+}
+
 TEST(Gtf, LocatesTheSpeakerWhereItRendersThem) {
   Gtf engine = engine_that_looks(small());
   const std::vector<float> source = noise(2 * kSamples, 0.1, 2);

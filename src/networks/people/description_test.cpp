@@ -1,26 +1,16 @@
-#include <functional>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/network/network_kind.h>
+#include <earpoint/network_testing/refusal.h>
 #include <earpoint/people/description.h>
 #include <earpoint/people/view.h>
 #include <earpoint/people/weights.h>
 
 namespace earpoint {
 namespace {
-
-std::string refusal(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "accepted";
-}
 
 TEST(PeopleDescription, JsonRoundTrips) {
   const PeopleDescription read =

@@ -1,24 +1,14 @@
-#include <functional>
 #include <string>
 
 #include <gtest/gtest.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/network/network_kind.h>
+#include <earpoint/network_testing/refusal.h>
 #include <earpoint/rt60/description.h>
 #include <earpoint/rt60/weights.h>
 
 namespace earpoint {
 namespace {
-
-std::string refusal(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "accepted";
-}
 
 TEST(Rt60Description, JsonRoundTrips) {
   const Rt60Description d{16, 0.5};

@@ -5,10 +5,10 @@
 
 #include <gtest/gtest.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/network/network_kind.h>
 #include <earpoint/network/pose_encoding.h>
 #include <earpoint/network_testing/oracle_weights.h>
+#include <earpoint/network_testing/refusal.h>
 #include <earpoint/rt60/weights.h>
 #include <earpoint/vigas/description.h>
 #include <earpoint/vigas/weights.h>
@@ -20,15 +20,6 @@ namespace fs = std::filesystem;
 
 const fs::path kMini =
     EARPOINT_SOURCE_DIR "/src/networks/vigas/testdata/C_mini_noresnet/manifest.json";
-
-std::string refusal(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "accepted";
-}
 
 TEST(OracleWeights, FollowTheFormula) {
   // By hand: FNV-1a of the empty text is its offset basis, and seed 0 leaves the key alone, so that

@@ -1,10 +1,9 @@
-#include <functional>
 #include <string>
 
 #include <gtest/gtest.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/network/pose_encoding.h>
+#include <earpoint/network_testing/refusal.h>
 #include <earpoint/vigas/description.h>
 
 namespace earpoint {
@@ -17,15 +16,6 @@ ViGasDescription released() {
   d.image_encoder = ImageEncoderDescription{256, 256, 8};
   d.inputs = {{"visual_feat", 512}, {"tgt_pose", 3}, {"tgt_rotation", 2}, {"bboxes", 4}};
   return d;
-}
-
-std::string refusal(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "accepted";
 }
 
 /// The message after replacing `from` by `to` in the JSON of the released network.

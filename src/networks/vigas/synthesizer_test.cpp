@@ -1,11 +1,12 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/random.h>
 #include <earpoint/network/pose_encoding.h>
 #include <earpoint/network_testing/random_weights.h>
@@ -116,17 +117,19 @@ TEST(ViGasSynthesizer, StatesItsWindowsAndItsAmbientCutoff) {
   EXPECT_EQ(synthesizer.picture_use(), PictureUse::always);
 }
 
-TEST(ViGasSynthesizer, AsksForTheBoxByItsFlag) {
+TEST(ViGasSynthesizer, ASpeakerOutOfSightIsABoxOfZeros) {
   ViGasSynthesizer synthesizer(make_weights(), "test", 1);
-  const Image picture(64, 64, 3);
-  Observation observation = make_observation(picture);
-  observation.speaker_box.reset();
-  try {
+  EXPECT_TRUE(synthesizer.needs_speaker_track());
+  const auto with_box = [&](const std::optional<Box>& box) {
+    Observation observation = make_observation(Image(64, 64, 3, 90));
+    observation.speaker_box = box;
     synthesizer.observe(observation);
-    FAIL() << "expected InputError";
-  } catch (const InputError& error) {
-    EXPECT_NE(std::string(error.what()).find("speaker's box"), std::string::npos);
-  }
+    const Waveform result = synthesizer.synthesize(Pose{});
+    return std::vector<float>(result.planar().begin(), result.planar().end());
+  };
+  const std::vector<float> out_of_sight = with_box(std::nullopt);
+  EXPECT_EQ(out_of_sight, with_box(Box{}));
+  EXPECT_NE(out_of_sight, with_box(Box{0.2, 0.2, 0.5, 0.9}));
 }
 
 TEST(ViGasSynthesizer, SaysThatAReplayNetworkKnowsTheRoomsAxes) {
