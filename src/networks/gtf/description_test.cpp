@@ -79,7 +79,7 @@ TEST(GtfDescription, JsonMistakesAreNamed) {
   expect(refusal_with("\"layers\":6", "\"layers\":6,\"phase_rounds\":17"),
          "phase_rounds: expected 0 to 16, found 17");
   expect(refusal_with("\"picture_px\":64", "\"picture_px\":0,\"sight_points\":2"),
-         "sight_points: expected 0 to 0, found 2");
+         "sight_points: expected 0, found 2");
   expect(refusal_with("[0.08,0.25]", "[-1]"), "tails_s: expected 0.001 to 10, found -1");
   expect(refusal_with("\"sample_rate_hz\":16000", "\"sample_rate_hz\":48000"),
          "sample_rate_hz: expected 16000, found 48000");
