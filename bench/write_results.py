@@ -63,8 +63,9 @@ SECTIONS = [
      "the second that is compared too, in overlapping windows that are cross-faded, as in a long recording."),
     ("Methods in recorded sessions", "evaluate-recorded.json", evaluation_table,
      "`earpoint evaluate --layout replay` on the test sessions of twelve that `earpoint record simulate` made in one "
-     "flat and `earpoint record prepare` cut into clips; no session is in two splits. The gtf that ships, which "
-     "learned nothing of them."),
+     "flat and `earpoint record prepare` cut into clips; no session is in two splits. gtf and vigas are those "
+     "that ship, which learned nothing of recordings; the networks called -recorded learned from the training "
+     "sessions alone."),
     ("Learning curves in one home", "learning_curves-single.md", None,
      "`bench/learning_curves.py`: Mag on 256 validation pairs while `earpoint train` runs on one core "
      "beside others, so minutes are upper bounds. Of gtf the natural texture is validated, whose losses Mag does "
