@@ -96,8 +96,9 @@ PEOPLE = Page("people-and-recordings", "People and recordings",
             "and viewpoint."),
     Section("Methods in recorded sessions", "evaluate-recorded.json", evaluation_table,
             "`earpoint evaluate --layout replay` on the test sessions of twelve that `earpoint record simulate` made in "
-            "one flat and `earpoint record prepare` cut into clips; no session is in two splits. gtf is the shipped "
-            "network, which was not trained on them.", Plot("methods-recorded", RATIOS)),
+            "one flat and `earpoint record prepare` cut into clips; no session is in two splits. gtf and vigas are "
+            "the shipped networks, which were not trained on them; networks called -recorded were trained on the "
+            "training sessions alone.", Plot("methods-recorded", RATIOS)),
     Section("Cost of simulated sessions", "session_cost.jsonl", session_table,
             "`experiments/measure/session_cost.py`: processor time of `earpoint record simulate`, half a minute with three "
             "people and eight cameras of 480 x 270 pixels at 5 pictures a second, including the flat, which is drawn once "

@@ -80,17 +80,25 @@ train_methods() {
     data.target=near_microphone data.ambient_db=-40
 }
 
-# Recordings as Replay-NVAS has them: twelve sessions in one flat, split by session, and the clips that are
-# cut from them. About an hour on two cores.
+# Recordings as Replay-NVAS has them: twelve sessions in one flat, split by session, the clips that are
+# cut from them, and what is trained on these. Hours on two cores.
 record_sessions() {
-  local earpoint=$1 session
+  local earpoint=$1 session name methods=input,tf,dsp,gtf,vigas
   say "Recording simulated sessions into out/data/sessions, and their clips into out/data/recorded"
   "$earpoint" record simulate --scenarios 12 --minutes 1.5 --size 384x216 --seed 21 --out out/data/sessions
   for session in out/data/sessions/scenario-*/session.json; do
     "$earpoint" record prepare "$session" --out out/data/recorded
   done
-  say "Methods side by side in recorded sessions"
-  "$earpoint" evaluate --data out/data/recorded --layout replay --methods input,gtf --json \
+  for name in vam vigas-small gtf; do
+    train_run "$earpoint" "$name-replay" out/data/recorded "out/runs/recorded/$name"
+  done
+  train_run "$earpoint" vigas-small-replay out/data/recorded out/runs/recorded/vigas-blind \
+    network.picture=null network.box=false
+  for name in vam vigas-blind vigas-small gtf; do
+    methods+=,$name-recorded=out/runs/recorded/$name/best.safetensors
+  done
+  say "Methods side by side in recorded sessions: $methods"
+  "$earpoint" evaluate --data out/data/recorded --layout replay --methods "$methods" --json \
     >out/bench/evaluate-recorded.json
 }
 

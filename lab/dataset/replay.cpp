@@ -242,6 +242,15 @@ ReplayDataset::View ReplayDataset::read_view(const fs::path& image) const {
   }
 }
 
+std::optional<Waveform> ReplayDataset::near_sound(const ReplayClip& clip) const {
+  const fs::path path = options_.root / clip.folder / "near.wav";
+  if (!fs::exists(path)) return std::nullopt;
+  const Waveform recorded = read_sound(path);
+  Waveform first(1, recorded.samples(), recorded.sample_rate_hz());
+  std::ranges::copy(recorded.channel(0), first.channel(0).begin());
+  return window_of(highpass(resample_sinc(first, kRate_hz), kReplayCutoffHz), 0, kSamples);
+}
+
 NvasSample ReplayDataset::sample(const ReplayClip& clip, const ReplayChoice& choice,
                                  bool align) const {
   const fs::path folder = options_.root / clip.folder;

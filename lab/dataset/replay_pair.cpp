@@ -2,12 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <utility>
+#include <vector>
 
 namespace earpoint {
 namespace {
 
 constexpr double kMetresPerCentimetre = 0.01;
+/// Sound travels 10 m in this time, at 16 kHz.
+constexpr double kLongestWay_samples = 480.0;
 
 Image image_of(const ImagePlanes& planes) {
   Image image(planes.width, planes.height, planes.channels);
@@ -21,6 +25,12 @@ Image image_of(const ImagePlanes& planes) {
     }
   }
   return image;
+}
+
+double energy(std::span<const float> sound) {
+  double sum = 0.0;
+  for (const float x : sound) sum += static_cast<double>(x) * x;
+  return sum;
 }
 
 }  // namespace
@@ -51,6 +61,30 @@ PairSample replay_pair(const ReplayDataset& dataset, const ReplayClip& clip,
   sample.source = std::move(loaded.source);
   sample.target = std::move(loaded.target);
   return sample;
+}
+
+Waveform near_voice(const ReplayDataset& dataset, const ReplayClip& clip, const Waveform& source) {
+  const std::optional<Waveform> near = dataset.near_sound(clip);
+  if (!near) {
+    throw InputError(clip.folder, "holds no near.wav, which stands for the dry speech",
+                     "prepare it from a session with near microphones");
+  }
+  Waveform voice(1, source.samples(), source.sample_rate_hz());
+  std::vector<float> heard(static_cast<std::size_t>(source.samples()));
+  for (std::size_t i = 0; i < heard.size(); ++i) {
+    heard[i] = 0.5F * (source.channel(0)[i] + source.channel(1)[i]);
+  }
+  const double near_energy = energy(near->channel(0));
+  const double source_energy = 0.5 * energy(source.planar());
+  if (near_energy <= 0.0 || source_energy <= 0.0) return voice;
+  const std::ptrdiff_t later =
+      std::lround(gcc_phat_delay_samples(heard, near->channel(0), kLongestWay_samples));
+  const auto gain = static_cast<float>(std::sqrt(source_energy / near_energy));
+  for (std::ptrdiff_t i = 0; i < voice.samples(); ++i) {
+    const std::ptrdiff_t from = i - later;
+    if (from >= 0 && from < near->samples()) voice.channel(0)[i] = gain * near->channel(0)[from];
+  }
+  return voice;
 }
 
 }  // namespace earpoint

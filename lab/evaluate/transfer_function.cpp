@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -186,11 +187,20 @@ class SimulatedTrainingPairs : public TrainingPairs {
   std::vector<Entry> entries_;
 };
 
+ReplayDataset training_recordings(const fs::path& folder) {
+  try {
+    return ReplayDataset(replay_options(folder, "train"));
+  } catch (const InputError& error) {
+    throw InputError("tf", std::string("looks up in the training split: ") + error.what(),
+                     "leave it out, or prepare a session with --split train");
+  }
+}
+
 /// Of recordings whose speakers' places are known.
 class RecordedTrainingPairs : public TrainingPairs {
  public:
   RecordedTrainingPairs(const fs::path& folder, TransferIndex index)
-      : dataset_(replay_options(folder, "train")), index_(index) {
+      : dataset_(training_recordings(folder)), index_(index) {
     for (const ReplayClip& clip : dataset_.clips()) add(clip);
     if (entries_.empty()) {
       throw InputError(folder.string(),
@@ -265,7 +275,7 @@ TransferIndex transfer_index_for(const fs::path& folder, DatasetLayout layout,
                                  const std::set<std::string>& scenes) {
   std::set<std::string> trained;
   if (layout == DatasetLayout::replay) {
-    const ReplayDataset dataset(replay_options(folder, "train"));
+    const ReplayDataset dataset = training_recordings(folder);
     for (const ReplayClip& clip : dataset.clips()) trained.insert(clip.scene);
   } else {
     const SoundSpacesDataset dataset(soundspaces_options(folder, "train"));

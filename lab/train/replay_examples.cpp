@@ -52,6 +52,13 @@ ReplayExamples::ReplayExamples(PairOptions options, PairEncoder encode)
   }
 }
 
+PairSample ReplayExamples::sample(const ReplayDataset& dataset, const ReplayClip& clip,
+                                  const ReplayChoice& choice) const {
+  PairSample sample = replay_pair(dataset, clip, choice, options_.alignment == Alignment::gcc_phat);
+  if (options_.near_voice) sample.dry = near_voice(dataset, clip, sample.source);
+  return sample;
+}
+
 PairSample ReplayExamples::training_sample(std::uint64_t number, std::uint64_t attempt) const {
   RandomStream random(options_.seed, {number, attempt});
   const ReplayClip& clip = train_.clips()[random.index(train_.clips().size())];
@@ -60,8 +67,8 @@ PairSample ReplayExamples::training_sample(std::uint64_t number, std::uint64_t a
   choice.target = static_cast<int>(random.index(clip.images.size() - 1));
   if (choice.target >= choice.source) ++choice.target;
   const bool is_mirrored = random.index(2) == 1;
-  PairSample sample = replay_pair(train_, clip, choice, options_.alignment == Alignment::gcc_phat);
-  return options_.mirror && is_mirrored ? mirrored(sample) : sample;
+  PairSample drawn = sample(train_, clip, choice);
+  return options_.mirror && is_mirrored ? mirrored(drawn) : drawn;
 }
 
 TrainingExample ReplayExamples::training(std::uint64_t number) const {
@@ -78,7 +85,7 @@ TrainingExample ReplayExamples::training(std::uint64_t number) const {
 std::optional<TrainingExample> ReplayExamples::validation(std::size_t index) const {
   const auto& [clip, choice] = validation_.at(index);
   try {
-    return encode_(replay_pair(val_, *clip, choice, options_.alignment == Alignment::gcc_phat));
+    return encode_(sample(val_, *clip, choice));
   } catch (const InputError& error) {
     if (!options_.on_bad) throw;
     options_.on_bad(error.what());

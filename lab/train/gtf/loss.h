@@ -16,7 +16,7 @@ struct GtfTruth {
   at::Tensor spectrum;         ///< spectrum_planes() of it
   at::Tensor dry;              ///< [clips][samples]: the speech; needed where decay counts
   at::Tensor dry_magnitude;    ///< dry_magnitudes() of it; needed where they count
-  at::Tensor speaker_m;        ///< [clips][3]: the mouth in the source's frame
+  at::Tensor speaker_m;        ///< [clips][3]: the mouth in the source's frame; zeros if unknown
   at::Tensor speaker_heading;  ///< [clips][2]: cosine and sine of where it looks; zeros if unknown
 };
 

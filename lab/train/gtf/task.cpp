@@ -129,12 +129,6 @@ GtfLearner make_learner(const GtfDescription& description, const GtfLearnerOptio
 TrainingTask gtf_task(const TrainConfig& config, std::string_view where,
                       const TaskOptions& options) {
   PairOptions pairs = pair_options(config, where, options);
-  if (pairs.layout == DatasetLayout::replay) {
-    throw InputError(
-        options.data.string(),
-        "gtf needs dry speech and the speaker's position, which recordings do not have",
-        "use simulated data, or train a vigas or vam network");
-  }
   const std::string network = fmt::format("{}: 'network'", where);
   std::string section = config.network;
   GtfLearnerOptions learner_options;
@@ -153,6 +147,7 @@ TrainingTask gtf_task(const TrainConfig& config, std::string_view where,
   }
   GtfDescription usual;
   if (pairs.separate) usual.highpass_cutoff_hz = kSeparationCutoffHz;
+  if (pairs.layout == DatasetLayout::replay) usual.highpass_cutoff_hz = kReplayCutoffHz;
   usual.window_samples = static_cast<int>(pairs.samples);
   GtfDescription description =
       gtf_description_from_json(description_with(section, to_json(usual), network), network);
@@ -164,11 +159,13 @@ TrainingTask gtf_task(const TrainConfig& config, std::string_view where,
     throw InputError(network, "'loss.dry_voice' needs a network with that output",
                      "set 'dry_voice' to true");
   }
+  pairs.near_voice = description.dry_voice || start.loss.decay > 0 ||
+                     (start.natural_loss && start.natural_loss->decay > 0);
   TrainingTask task;
   const auto encode = [description](const PairSample& sample) {
     return gtf_example(description, sample);
   };
-  task.examples = std::make_unique<PairExamples>(std::move(pairs), encode);
+  task.examples = pair_examples(std::move(pairs), encode);
   auto learner = std::make_unique<GtfLearner>(
       make_learner(description, learner_options, start.init, config.training.seed, options));
   if (learner->description() != description) {

@@ -80,6 +80,11 @@ class ReplayDataset {
   [[nodiscard]] NvasSample sample(const ReplayClip& clip, const ReplayChoice& choice,
                                   bool align) const;
 
+  /// What the speaker's near microphone recorded in that second, `near.wav` beside the views: one
+  /// channel at 16 kHz, high-passed like the views; nothing where the clip has none.
+  /// @throws InputError naming the file if it is malformed
+  [[nodiscard]] std::optional<Waveform> near_sound(const ReplayClip& clip) const;
+
   /// @throws InputError if the camera file does not know that scene and camera
   [[nodiscard]] ReplayCamera camera(const std::string& scene, const std::string& image) const;
 

@@ -65,6 +65,8 @@ struct PairOptions {
   std::optional<double> ambient_db;
   bool separate = true;                                        ///< take the ambient sound out again
   AmbientSeparation separation = AmbientSeparation::bandpass;  ///< and how
+  /// Give recordings the near microphone's sound for dry speech (near_voice()).
+  bool near_voice = false;
   std::size_t validation_pairs = 256;  ///< of the frozen list, evenly spread; 0 takes all
   std::size_t cache_bytes = 0;
   /// Called for each example that cannot be made, which is then left out; without it that ends
@@ -112,6 +114,8 @@ class ReplayExamples : public ExampleSource {
   [[nodiscard]] std::optional<TrainingExample> validation(std::size_t index) const override;
 
  private:
+  [[nodiscard]] PairSample sample(const ReplayDataset& dataset, const ReplayClip& clip,
+                                  const ReplayChoice& choice) const;
   [[nodiscard]] PairSample training_sample(std::uint64_t number, std::uint64_t attempt) const;
 
   PairOptions options_;
