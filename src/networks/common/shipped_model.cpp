@@ -3,6 +3,8 @@
 #include <cstdlib>
 #include <system_error>
 
+#include <earpoint/core/platform/program_path.h>
+
 namespace earpoint {
 namespace fs = std::filesystem;
 
@@ -19,9 +21,7 @@ bool is_file(const fs::path& path) {
 }  // namespace
 
 std::optional<fs::path> shipped_model_path(std::string_view file_name) {
-  std::error_code error;
-  const fs::path program = fs::read_symlink("/proc/self/exe", error);
-  return shipped_model_path(file_name, program);
+  return shipped_model_path(file_name, program_path());
 }
 
 std::optional<fs::path> shipped_model_path(std::string_view file_name, const fs::path& program) {
