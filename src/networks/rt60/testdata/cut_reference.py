@@ -3,36 +3,23 @@
 
 usage: cut_reference.py FOLDER    (the folder with rt60.safetensors and rt60_weights.json)
 """
-import json
 import shutil
-import struct
 import sys
 from pathlib import Path
 
+HERE = Path(__file__).parent
+sys.path.insert(0, str(HERE.parents[3] / "src/weights/testing"))
+import safetensors_file  # noqa: E402
+
 CLIPS = 2
-NAMES = ["feature", "rt60", "wav"]
 
 
 def main():
-    whole, here = Path(sys.argv[1]), Path(__file__).parent
-    data = (whole / "rt60.safetensors").read_bytes()
-    (length,) = struct.unpack("<Q", data[:8])
-    header = json.loads(data[8 : 8 + length])
-    cut, body = {}, b""
-    for name in NAMES:
-        begin, end = header[name]["data_offsets"]
-        shape = header[name]["shape"]
-        part = data[8 + length + begin :][: (end - begin) // shape[0] * CLIPS]
-        cut[name] = {
-            "dtype": header[name]["dtype"],
-            "shape": [CLIPS] + shape[1:],
-            "data_offsets": [len(body), len(body) + len(part)],
-        }
-        body += part
-    text = json.dumps(cut).encode()
-    text += b" " * (-len(text) % 8)
-    (here / "rt60.safetensors").write_bytes(struct.pack("<Q", len(text)) + text + body)
-    shutil.copyfile(whole / "rt60_weights.json", here / "rt60_weights.json")
+    whole = Path(sys.argv[1])
+    tensors = safetensors_file.read(whole / "rt60.safetensors")
+    cut = {name: tensors[name][:CLIPS] for name in ["feature", "rt60", "wav"]}
+    safetensors_file.write(HERE / "rt60.safetensors", cut)
+    shutil.copyfile(whole / "rt60_weights.json", HERE / "rt60_weights.json")
 
 
 main()
