@@ -36,3 +36,22 @@ def rows(tensor, chosen):
     dtype, shape, data = tensor
     size = len(data) // shape[0]
     return dtype, [len(chosen)] + shape[1:], b"".join(data[r * size:(r + 1) * size] for r in chosen)
+
+
+NUMPY = {"F64": "<f8", "I64": "<i8", "F32": "<f4", "I32": "<i4", "U8": "|u1"}
+
+
+def read_arrays(path):
+    """Tensors by name as NumPy arrays."""
+    import numpy as np
+    tensors, _ = read(path)
+    return {name: np.frombuffer(data, NUMPY[dtype]).reshape(shape) for name, (dtype, shape, data) in tensors.items()}
+
+
+def write_arrays(path, arrays):
+    """NumPy arrays by name, in a folder that is made where it is missing."""
+    import numpy as np
+    names = {np.dtype(kind): name for name, kind in NUMPY.items()}
+    Path(path).parent.mkdir(parents=True, exist_ok=True)
+    write(path, {name: (names[values.dtype], list(values.shape), np.ascontiguousarray(values).tobytes())
+                 for name, values in arrays.items()})

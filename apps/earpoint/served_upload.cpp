@@ -12,6 +12,7 @@
 
 #include <earpoint/audio/sound_file.h>
 #include <earpoint/core/error.h>
+#include <earpoint/core/platform/program_path.h>
 #include <earpoint/core/progress.h>
 #include <earpoint/media/image_file.h>
 #include <earpoint/render_files/picture_stream.h>
@@ -100,7 +101,7 @@ ServedClip open_upload(const fs::path& file, const std::string& name, const GtfW
                        const std::string& detector) {
   const fs::path folder = file.parent_path();
   const ProcessEnd end =
-      run_limited("/proc/self/exe", {kUnpack, file.string(), folder.string()}, {});
+      run_limited(running_program(), {kUnpack, file.string(), folder.string()}, {});
   if (end.is_out_of_time) throw InputError(name, "takes too long to decode", "cut it");
   if (end.exit_code != 0) {
     const std::string complaint = complaint_of(end, file);

@@ -18,6 +18,7 @@
 
 #include <earpoint/core/error.h>
 #include <earpoint/core/parallel.h>
+#include <earpoint/core/platform/memory.h>
 #include <earpoint/core/progress.h>
 #include <earpoint/train/process_group.h>
 #include <earpoint/train/trainer.h>

@@ -9,13 +9,14 @@
 #include <unistd.h>
 
 #include <earpoint/core/error.h>
+#include <earpoint/core/platform/program_path.h>
 
 namespace {
 
 namespace fs = std::filesystem;
 
 void hand_over(char** argv) {
-  const fs::path program = fs::read_symlink("/proc/self/exe").parent_path() / "earpoint-train";
+  const fs::path program = earpoint::program_path().parent_path() / "earpoint-train";
   // OpenMP reads it once, when a program starts. By default its threads wait for work by spinning,
   // which takes the cores from the thread that makes examples, and from whatever else runs.
   constexpr int kKeepTheUsers = 0;

@@ -123,6 +123,7 @@ TEST_F(PairSamplerTest, KnowsWherePeopleAreAndWhatIsInSight) {
   EXPECT_NEAR(norm(world_from_target.position_m - from_soundspaces(clip.viewpoints[2].location)),
               0.0, 1e-9);
   ASSERT_TRUE(sample.speaker_box.has_value());
+  // Boxes are stored in whole pixels of 256.
   EXPECT_NEAR(sample.speaker_box->y_min, 0.25, 1.0 / 256);
   EXPECT_EQ(sample.picture->width(), 64);
   EXPECT_FALSE(

@@ -1,6 +1,7 @@
 #include "mannequin.h"
 #include "simplify.h"
 
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <string>
@@ -9,6 +10,7 @@
 
 #include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
+#include <earpoint/core/random.h>
 #include <earpoint/scene/material_table.h>
 #include <earpoint/scene/model_pack.h>
 #include <earpoint/scene/sweet_home.h>
@@ -106,16 +108,66 @@ TEST_F(ModelPackFile, RefusesDamage) {
   EXPECT_NE(refusal(file("other.pack")).find("it is of another version"), std::string::npos);
 }
 
-TEST_F(ModelPackFile, SurvivesAnyFlippedByteOfItsHeader) {
+/// A pack of one chair and one figure that can be furnished with: what its reader promises.
+void expect_usable(const ModelPack& pack) {
+  ASSERT_EQ(pack.furniture.size(), 1U);
+  ASSERT_EQ(pack.figures.size(), 1U);
+  for (const Scene* scene : {&pack.furniture[0].scene, &pack.figures[0].scene}) {
+    const Mesh& mesh = scene->mesh;
+    EXPECT_FALSE(mesh.triangles.empty());
+    EXPECT_EQ(mesh.triangle_material.size(), mesh.triangles.size());
+    EXPECT_EQ(mesh.triangle_instance.size(), mesh.triangles.size());
+    for (const auto& position : mesh.positions) {
+      for (const float value : position) EXPECT_TRUE(std::isfinite(value));
+    }
+    for (const auto& triangle : mesh.triangles) {
+      for (const std::uint32_t index : triangle) EXPECT_LT(index, mesh.positions.size());
+    }
+    for (const std::uint32_t index : mesh.triangle_material)
+      EXPECT_LT(index, scene->materials.size());
+    for (const Material& material : scene->materials) {
+      EXPECT_NE(standard_materials().find(material.acoustic.name), nullptr)
+          << material.acoustic.name;
+      EXPECT_LT(material.look.texture, static_cast<int>(scene->textures.size()));
+    }
+  }
+  for (const Image& texture : pack.furniture[0].scene.textures) {
+    EXPECT_EQ(texture.width() * texture.height(), 6) << "as many as pixels are stored";
+  }
+  EXPECT_GT(pack.furniture[0].size_m.z, 0.0);
+  EXPECT_GT(pack.figures[0].size_m.z, 0.0);
+}
+
+TEST_F(ModelPackFile, AnotherByteInItsHeaderIsRefusedOrLeavesAUsablePack) {
   write_model_pack(small_pack(), file("models.pack"));
   const std::string whole = read_text_file(file("models.pack"));
+  const std::size_t header = whole.find('\n');
   RandomStream random(5);
+  int refused = 0, accepted = 0;
   for (int i = 0; i < 500; ++i) {
-    std::string flipped = whole;
-    flipped[random.index(whole.find('\n'))] = static_cast<char>(random.index(256));
-    write_file(file("flipped.pack"), std::string_view(flipped));
-    refusal(file("flipped.pack"));  // reads or refuses; anything else would end the test
+    // Any byte, or one of a number, which stays a number.
+    std::string changed = whole;
+    std::size_t place = random.index(header);
+    char byte = static_cast<char>(random.index(256));
+    if (i % 2 == 1) {
+      place = whole.find_first_of("123456789", place);
+      if (place >= header) continue;
+      byte = static_cast<char>('0' + random.index(10));
+    }
+    changed[place] = byte;
+    write_file(file("changed.pack"), std::string_view(changed));
+    SCOPED_TRACE(changed.substr(place < 40 ? 0 : place - 40, 80));
+    if (refusal(file("changed.pack")) != "accepted") {
+      ++refused;
+      continue;
+    }
+    ++accepted;
+    expect_usable(read_model_pack(file("changed.pack")));
   }
+  // Names of fields, punctuation, places and counts of numbers are most; sizes, colours and names
+  // of things the rest.
+  EXPECT_GT(refused, 200);
+  EXPECT_GT(accepted, 50);
 }
 
 /// An open book of n by n squares, 2 m wide, 1 m deep, 0.5 m high, in the file's axes and units.

@@ -7,14 +7,12 @@
 #include <array>
 #include <chrono>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <span>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
-#include <malloc.h>
 
 #include <earpoint/core/error.h>
 
@@ -273,15 +271,6 @@ TrainingSummary train(Learner& learner, const ExampleSource& examples,
                       const TrainerOptions& options, const SafetensorsFile* checkpoint,
                       ProgressSink& progress) {
   return Run(learner, examples, options, checkpoint, progress).go();
-}
-
-void keep_freed_memory() {
-  // Without mmap all comes from one heap, whose top is never given back; other threads' arenas are
-  // made of maps, so all share this one.
-  mallopt(M_MMAP_MAX, 0);
-  mallopt(M_ARENA_MAX, 1);
-  mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
-  mallopt(M_TOP_PAD, 64 << 20);
 }
 
 }  // namespace earpoint

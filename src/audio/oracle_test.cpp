@@ -2,7 +2,6 @@
 // testdata/ holds a part of the reference data; the whole is read where EARPOINT_ORACLE_DIR says.
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -14,6 +13,7 @@
 #include <earpoint/audio/resample.h>
 #include <earpoint/audio/stft.h>
 #include <earpoint/weights/safetensors.h>
+#include <earpoint/weights_testing/reference_folders.h>
 
 namespace earpoint {
 namespace {
@@ -21,13 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// The folders that hold a file of reference data: ours, and the whole set if it is there.
-std::vector<fs::path> folders() {
-  std::vector<fs::path> result{fs::path(EARPOINT_SOURCE_DIR) / "src/audio/testdata"};
-  if (const char* whole = std::getenv("EARPOINT_ORACLE_DIR")) {
-    result.push_back(fs::path(whole) / "D_signal");
-  }
-  return result;
-}
+std::vector<fs::path> folders() { return reference_folders("src/audio/testdata", "D_signal"); }
 
 std::vector<SafetensorsFile> files(const std::string& name) {
   std::vector<SafetensorsFile> result;
@@ -127,26 +121,37 @@ TEST(ResampleOracle, SincFollowsTheReference) {
   }
 }
 
-TEST(StftOracle, ValuesAreTheReferences) {
-  const char* whole = std::getenv("EARPOINT_ORACLE_DIR");
-  if (whole == nullptr) GTEST_SKIP() << "EARPOINT_ORACLE_DIR is not set";
-  const SafetensorsFile file = read_safetensors(fs::path(whole) / "D_signal/metrics.safetensors");
-  const std::span<const float> target = file.tensors.at("tgt").as<float>();
-  const std::span<const float> expected = file.tensors.at("stft0").as<float>();
+/// @param sound     [channels][samples]
+/// @param expected  [channels][bins][frames][real and imaginary part]
+void expect_transforms(std::span<const float> sound, std::int64_t samples,
+                       std::span<const float> expected) {
   Stft stft;
   for (std::size_t c = 0; c < 2; ++c) {
-    const Spectrogram found = stft.forward(target.subspan(c * 16000, 16000));
-    ASSERT_EQ(found.frames, 101);
+    const Spectrogram found = stft.forward(sound.subspan(c * samples, samples));
+    ASSERT_EQ(found.frames, 1 + samples / 160);
     ASSERT_EQ(found.bins, 257);
+    ASSERT_EQ(expected.size(), std::size_t{2} * 257 * found.frames * 2);
     for (int frame = 0; frame < found.frames; ++frame) {
       for (int bin = 0; bin < found.bins; ++bin) {
-        // The reference has bins first, then frames, then real and imaginary part.
-        const std::size_t at = ((c * 257 + bin) * 101 + frame) * 2;
+        const std::size_t at = ((c * 257 + bin) * found.frames + frame) * 2;
         // Values of up to 100 in float.
         ASSERT_NEAR(found.frame(frame)[bin].real(), expected[at], 2e-5F);
         ASSERT_NEAR(found.frame(frame)[bin].imag(), expected[at + 1], 2e-5F);
       }
     }
+  }
+}
+
+TEST(StftOracle, ValuesAreNumpysAndTheReferences) {
+  std::vector<fs::path> paths{folders()[0] / "stft.safetensors"};
+  if (folders().size() > 1) paths.push_back(folders()[1] / "metrics.safetensors");
+  for (const fs::path& path : paths) {
+    SCOPED_TRACE(path);
+    const SafetensorsFile file = read_safetensors(path);
+    const Tensor& sounds = file.tensors.at("tgt");  // of the first pair
+    const std::int64_t samples = sounds.shape[2];
+    expect_transforms(sounds.as<float>().first(2 * samples), samples,
+                      file.tensors.at("stft0").as<float>());
   }
 }
 

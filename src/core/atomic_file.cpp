@@ -17,6 +17,7 @@
 
 #include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
+#include <earpoint/core/platform/range_locks.h>
 
 namespace earpoint {
 namespace fs = std::filesystem;
@@ -74,12 +75,7 @@ bool is_stream(const fs::path& path) {
 /// Takes the lock that says that this file is being written. @return false if another has it, or
 /// has just renamed or removed the file
 bool take(int descriptor, const fs::path& path) {
-  struct flock whole = {};
-  whole.l_type = F_WRLCK;
-  whole.l_whence = SEEK_SET;
-  if (::fcntl(descriptor, F_OFD_SETLK, &whole) != 0 && (errno == EAGAIN || errno == EACCES)) {
-    return false;
-  }
+  if (!try_lock_range(descriptor, 0, kToTheEnd)) return false;
   struct stat opened {};
   struct stat named {};
   return ::fstat(descriptor, &opened) == 0 && ::stat(path.c_str(), &named) == 0 &&

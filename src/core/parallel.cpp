@@ -8,9 +8,8 @@
 #include <thread>
 #include <vector>
 
-#include <sched.h>
-
 #include <earpoint/core/error.h>
+#include <earpoint/core/platform/usable_processors.h>
 
 namespace earpoint {
 
@@ -98,11 +97,6 @@ void ThreadPool::run(std::ptrdiff_t tasks, FunctionRef<void(std::ptrdiff_t, int)
   if (state.error) std::rethrow_exception(std::exchange(state.error, nullptr));
 }
 
-int available_cores() {
-  cpu_set_t set;
-  CPU_ZERO(&set);
-  if (sched_getaffinity(0, sizeof(set), &set) == 0) return std::max(1, CPU_COUNT(&set));
-  return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-}
+int available_cores() { return usable_processors(); }
 
 }  // namespace earpoint

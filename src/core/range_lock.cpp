@@ -7,23 +7,11 @@
 #include <utility>
 
 #include <fcntl.h>
-#include <unistd.h>
 
 #include <earpoint/core/error.h>
+#include <earpoint/core/platform/range_locks.h>
 
 namespace earpoint {
-namespace {
-
-struct flock range(short type, std::int64_t first, std::int64_t count) {
-  struct flock range = {};
-  range.l_type = type;
-  range.l_whence = SEEK_SET;
-  range.l_start = first;
-  range.l_len = count;
-  return range;
-}
-
-}  // namespace
 
 RangeLock::RangeLock(std::filesystem::path file) : file_(std::move(file)) {
   descriptor_ = ::open(file_.c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0666);
@@ -39,26 +27,20 @@ RangeLock::~RangeLock() { close_lock(descriptor_); }
 
 bool RangeLock::try_lock(std::int64_t first, std::int64_t count) {
   EARPOINT_CHECK(first >= 0 && count > 0);
-  struct flock wanted = range(F_WRLCK, first, count);
-  if (::fcntl(descriptor_, F_OFD_SETLK, &wanted) == 0) return true;
-  return errno != EAGAIN && errno != EACCES;  // others: there are no locks here
+  return try_lock_range(descriptor_, first, count);
 }
 
 void RangeLock::lock(std::int64_t first, std::int64_t count) {
   EARPOINT_CHECK(first >= 0 && count > 0);
-  struct flock wanted = range(F_WRLCK, first, count);
-  while (::fcntl(descriptor_, F_OFD_SETLKW, &wanted) != 0 && errno == EINTR) {
-  }
+  lock_range(descriptor_, first, count);
 }
 
 void RangeLock::unlock(std::int64_t first, std::int64_t count) {
-  struct flock given_up = range(F_UNLCK, first, count);
-  ::fcntl(descriptor_, F_OFD_SETLK, &given_up);
+  unlock_range(descriptor_, first, count);
 }
 
 bool RangeLock::others_hold_from(std::int64_t first) const {
-  struct flock found = range(F_WRLCK, first, /*count: to the end=*/0);
-  return ::fcntl(descriptor_, F_OFD_GETLK, &found) == 0 && found.l_type != F_UNLCK;
+  return others_hold_range(descriptor_, first, kToTheEnd);
 }
 
 }  // namespace earpoint

@@ -5,16 +5,12 @@
 #include <new>
 
 #include <earpoint/core/error.h>
-
-#ifdef __linux__
-#include <sys/mman.h>
-#endif
+#include <earpoint/core/platform/memory.h>
 
 namespace earpoint {
 namespace {
 
 constexpr std::size_t kAlignment = 64;
-constexpr std::size_t kLargePage = std::size_t{2} << 20;
 
 }  // namespace
 
@@ -22,14 +18,11 @@ AlignedFloats::AlignedFloats(std::ptrdiff_t size) : size_(size) {
   EARPOINT_CHECK(size >= 0);
   if (size == 0) return;
   const std::size_t needed = static_cast<std::size_t>(size) * sizeof(float);
-  const std::size_t alignment = needed < kLargePage ? kAlignment : kLargePage;
+  const std::size_t alignment = needed < kLargePage_bytes ? kAlignment : kLargePage_bytes;
   const std::size_t bytes = (needed + alignment - 1) / alignment * alignment;
   void* memory = std::aligned_alloc(alignment, bytes);
   if (memory == nullptr) throw std::bad_alloc();
-#ifdef __linux__
-  // A wish: where it is not granted, only speed is lost.
-  if (alignment == kLargePage) static_cast<void>(madvise(memory, bytes, MADV_HUGEPAGE));
-#endif
+  if (alignment == kLargePage_bytes) prefer_large_pages(memory, bytes);
   std::memset(memory, 0, bytes);
   data_.reset(static_cast<float*>(memory));
 }

@@ -49,6 +49,21 @@ std::vector<float> samples(const Waveform& sound) {
   return {sound.planar().begin(), sound.planar().end()};
 }
 
+/// Whether every ear hears something, for comparisons that silence would pass. What goes in has a
+/// root mean square of 0.1 and the filters of random weights have gains near 1, so a tenth of it is
+/// far below what comes out.
+testing::AssertionResult is_audible(const Waveform& sound) {
+  for (int ear = 0; ear < sound.channels(); ++ear) {
+    double energy = 0.0;
+    for (const float sample : sound.channel(ear)) energy += double{sample} * sample;
+    const double level = std::sqrt(energy / static_cast<double>(sound.samples()));
+    if (!(level > 0.01)) {
+      return testing::AssertionFailure() << "ear " << ear << " has a level of " << level;
+    }
+  }
+  return testing::AssertionResult(sound.channels() == 2);
+}
+
 TEST(GtfSynthesizer, GivesWhatTheNetworkGivesForTheView) {
   const Image picture(96, 54, 3, 77);
   const Observation observation = make_observation(picture);
@@ -67,6 +82,7 @@ TEST(GtfSynthesizer, GivesWhatTheNetworkGivesForTheView) {
   std::vector<float> expected(2 * 4000);
   network.synthesize(observation.sound.planar(), expected);
   EXPECT_EQ(samples(found), expected);
+  EXPECT_TRUE(is_audible(found));
 }
 
 TEST(GtfSynthesizer, LooksAgainWhereThePictureOrTheBoxIsAnother) {
@@ -77,7 +93,9 @@ TEST(GtfSynthesizer, LooksAgainWhereThePictureOrTheBoxIsAnother) {
   beside.speaker_box = Box{0.6, 0.2, 0.8, 0.4};
   const auto heard = [&](GtfSynthesizer& synthesizer, const Observation& observation) {
     synthesizer.observe(observation);
-    return samples(synthesizer.synthesize({{1, 0, 0}, {}}));
+    const Waveform sound = synthesizer.synthesize({{1, 0, 0}, {}});
+    EXPECT_TRUE(is_audible(sound));
+    return samples(sound);
   };
   const auto at_first = [&](const Observation& observation) {
     GtfSynthesizer synthesizer(make_weights(), kFov_rad);
@@ -103,8 +121,10 @@ TEST(GtfSynthesizer, HeedsTheSpeakersPlace) {
   observation.speaker_m = Vector3{0.5, 2, 0};
   const std::vector<float> at_left = heard();
   observation.speaker_m = Vector3{0.5, -2, 0};
+  const std::vector<float> at_right = heard();
   EXPECT_NE(at_left, guessed);
-  EXPECT_NE(at_left, heard());
+  EXPECT_NE(at_left, at_right);
+  EXPECT_NE(at_right, guessed);
 }
 
 TEST(GtfSynthesizer, WorksWithoutAPictureWhereTheNetworkDoesNotLook) {
@@ -114,9 +134,9 @@ TEST(GtfSynthesizer, WorksWithoutAPictureWhereTheNetworkDoesNotLook) {
   GtfSynthesizer synthesizer(make_weights(0), kFov_rad);
   EXPECT_EQ(synthesizer.picture_use(), PictureUse::never);
   synthesizer.observe(observation);
-  for (const float sample : samples(synthesizer.synthesize({}))) {
-    ASSERT_TRUE(std::isfinite(sample));
-  }
+  const Waveform found = synthesizer.synthesize({});
+  for (const float sample : found.planar()) ASSERT_TRUE(std::isfinite(sample));
+  EXPECT_TRUE(is_audible(found));
 }
 
 /// Three seconds rendered along a path by a network that looks at nothing.
@@ -140,7 +160,10 @@ class GtfPaths : public testing::Test {
     const std::vector<RenderTarget> targets = {{path, folder_ / "out.wav"}};
     SilentProgress progress;
     static_cast<void>(render(source, synthesizer, targets, {}, progress));
-    return read_sound(folder_ / "out.wav");
+    Waveform found = read_sound(folder_ / "out.wav");
+    EXPECT_EQ(found.samples(), 48000);
+    EXPECT_TRUE(is_audible(found));
+    return found;
   }
 
   [[nodiscard]] static EarpointPath path(const std::string& rows) {

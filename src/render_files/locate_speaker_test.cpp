@@ -59,19 +59,78 @@ TEST(LocateSpeaker, HearsEveryWindowOfARecording) {
   RenderSource source;
   source.sound.path = path;
   SilentProgress progress;
-  LocatedSpeaker located = locate_speaker(source, weights, 0.5 * kPi, progress);
+  const LocatedSpeaker located = locate_speaker(source, weights, 0.5 * kPi, progress);
   std::filesystem::remove(path);
   // 2.7 s: two windows, and a rest that is more than half of one.
   ASSERT_EQ(located.sightings.size(), 3U);
   EXPECT_EQ(located.sightings[2].time_s, 2.5);
   EXPECT_FALSE(located.has_picture);
   EXPECT_FALSE(located.has_box);
+  for (const SpeakerSighting& found : located.sightings) {
+    // Resampling from 48 to 16 kHz keeps the lower third of white noise's power, but for the last
+    // twentieth of its band. The last window holds sound for 0.7 s of its second.
+    const double level = 0.1 * std::sqrt((found.time_s > 2.0 ? 0.7 : 1.0) / 3.0);
+    EXPECT_LT(found.level, level * 1.03)
+        << "five deviations of a mean of 11,200 squares or more, twice";
+    EXPECT_GT(found.level, level * 0.95);
+    EXPECT_GT(norm(found.speaker.position_m), 0.0);
+  }
+}
 
-  const Image map = plot_speaker(located, 0.5 * kPi);
-  EXPECT_EQ(map.channels(), 3);
-  // A speaker whom the map must stretch to hold.
+/// Where the speaker's dot is on a map, in pixels: the mean place of what is drawn in the speaker's
+/// colour and nothing else is.
+struct Dot {
+  double x = 0.0;
+  double y = 0.0;
+  int pixels = 0;
+};
+
+Dot speaker_dot(const Image& map) {
+  Dot dot;
+  for (int y = 0; y < map.height(); ++y) {
+    for (int x = 0; x < map.width(); ++x) {
+      if (map.at(x, y, 0) != 224 || map.at(x, y, 1) != 142 || map.at(x, y, 2) != 43) continue;
+      dot.x += x;
+      dot.y += y;
+      ++dot.pixels;
+    }
+  }
+  dot.x /= dot.pixels;
+  dot.y /= dot.pixels;
+  return dot;
+}
+
+TEST(LocateSpeaker, TheMapHasTheSpeakerWhereTheyAre) {
+  const auto map_of = [](const Vector3& speaker_m) {
+    LocatedSpeaker located;
+    located.speaker.position_m = speaker_m;
+    // One sighting at each side holds the map's scale.
+    located.sightings = {sighting(0.5 * kPi, 3.0, 0.1), sighting(-0.5 * kPi, 3.0, 0.1)};
+    return plot_speaker(located, 0.5 * kPi);
+  };
+  const Image map = map_of({1, 0, 0});
+  ASSERT_EQ(map.channels(), 3);
+  const Dot ahead = speaker_dot(map), left = speaker_dot(map_of({1, 1, 0}));
+  const Dot further = speaker_dot(map_of({2, 0, 0}));
+  // The dot is 18 pixels wide, 254 of them, of which the edge is blended with the paper.
+  ASSERT_GT(ahead.pixels, 150);
+  EXPECT_NEAR(ahead.x, map.width() / 2.0, 1.0) << "ahead of the camera is the middle of the page";
+  const double metre_px = ahead.x - left.x;
+  EXPECT_GT(metre_px, 20.0) << "left is left";
+  // Places between pixels: the mean of those that are wholly covered is within one of the centre.
+  EXPECT_NEAR(left.y, ahead.y, 1.0);
+  EXPECT_NEAR(ahead.y - further.y, metre_px, 1.0) << "front is up, at the same scale";
+  EXPECT_NEAR(further.x, ahead.x, 1.0);
+}
+
+TEST(LocateSpeaker, TheMapHoldsASpeakerFarBehindTheCamera) {
+  LocatedSpeaker located = mean_speaker({sighting(0.0, 1.0, 0.1)});
   located.speaker.position_m = {-8, 6, 0};
-  EXPECT_EQ(plot_speaker(located, 0.5 * kPi).width(), map.width());
+  const Image map = plot_speaker(located, 0.5 * kPi);
+  const Dot dot = speaker_dot(map);
+  ASSERT_GT(dot.pixels, 150) << "the whole dot";
+  EXPECT_LT(dot.x, map.width() / 2.0);
+  EXPECT_GT(dot.y, map.height() / 2.0);
 }
 
 }  // namespace

@@ -14,15 +14,19 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <earpoint/core/platform/private_pipe.h>
+
 namespace earpoint {
 namespace {
 
 constexpr std::size_t kMostErrors = 4096;
 constexpr int kNoProgram = 127;
 
-void limit(int what, rlim_t most) {
+/// @param what  RLIMIT_..., whose type is each C library's own
+template <typename Resource>
+void limit(Resource what, rlim_t most) {
   const rlimit both{most, most};
-  setrlimit(static_cast<__rlimit_resource_t>(what), &both);
+  setrlimit(what, &both);
 }
 
 /// The child's life until it is the other program. Only calls that are safe after fork().
@@ -89,10 +93,7 @@ ProcessEnd run_limited(const std::filesystem::path& program,
   for (std::string& word : words) pointers.push_back(word.data());
   pointers.push_back(nullptr);
 
-  std::array<int, 2> ends{};
-  if (pipe2(ends.data(), O_CLOEXEC) != 0) {
-    throw std::system_error(errno, std::generic_category(), "pipe");
-  }
+  const std::array<int, 2> ends = private_pipe();
   const pid_t child = fork();
   if (child == 0) become(pointers.front(), pointers.data(), limits, ends[1]);
   const int fork_error = errno;

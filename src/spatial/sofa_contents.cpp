@@ -1,5 +1,6 @@
 #include "sofa_contents.h"
 
+#include <array>
 #include <cerrno>
 #include <csignal>
 #include <cstring>
@@ -12,6 +13,7 @@
 #include <unistd.h>
 
 #include <earpoint/core/error.h>
+#include <earpoint/core/platform/private_pipe.h>
 
 namespace earpoint {
 namespace {
@@ -164,10 +166,7 @@ SofaContents parse_sofa_message(std::span<const char> message, std::string_view 
 }
 
 SofaContents load_sofa_contents(std::span<const std::byte> bytes, std::string_view where) {
-  int ends[2];
-  if (pipe2(ends, O_CLOEXEC) != 0) {
-    throw std::system_error(errno, std::generic_category(), "pipe for reading SOFA");
-  }
+  const std::array<int, 2> ends = private_pipe();
   const pid_t child = fork();
   if (child < 0) {
     const int error = errno;

@@ -75,9 +75,8 @@ TEST(Safetensors, BytesAreDeterministicAndAligned) {
 }
 
 TEST(Safetensors, ReadsWhatTheReferenceImplementationWrote) {
-  const char* folder = std::getenv("EARPOINT_ORACLE_DIR");
-  if (folder == nullptr) GTEST_SKIP() << "EARPOINT_ORACLE_DIR is not set";
-  const fs::path path = fs::path(folder) / "C_mini_noresnet" / "inputs.safetensors";
+  const fs::path path = fs::path(EARPOINT_SOURCE_DIR) /
+                        "src/networks/vigas/testdata/C_mini_noresnet/inputs.safetensors";
   const SafetensorsFile file = read_safetensors(path);
   EXPECT_EQ(expect_tensor(file, "inputs", "src_wav", DType::f32, {2, 2, kAnySize}).shape.back(),
             1600);

@@ -1,19 +1,19 @@
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include <earpoint/core/pose.h>
 #include <earpoint/network/pose_encoding.h>
 #include <earpoint/weights/safetensors.h>
+#include <earpoint/weights_testing/reference_folders.h>
 
 namespace earpoint {
 namespace {
 
-std::filesystem::path oracle(const char* name) {
-  const char* folder = std::getenv("EARPOINT_ORACLE_DIR");
-  return folder == nullptr ? std::filesystem::path() : std::filesystem::path(folder) / name;
+std::vector<std::filesystem::path> folders() {
+  return reference_folders("src/networks/common/testdata", "D_poses");
 }
 
 /// Where a viewpoint of SoundSpaces (y up, looking along -z at rotation 0, turning to the left as
@@ -24,29 +24,29 @@ Pose from_soundspaces(const double* location, double rotation_rad) {
 }
 
 TEST(PoseEncoding, SoundspacesEqualsTheReleasedLoader) {
-  const auto path = oracle("D_poses/soundspaces.safetensors");
-  if (path.empty()) GTEST_SKIP() << "EARPOINT_ORACLE_DIR is not set";
-  const SafetensorsFile file = read_safetensors(path);
-  const auto locations = file.tensors.at("location").as<double>();
-  const auto rotations = file.tensors.at("rotation").as<double>();
-  const auto poses = file.tensors.at("tgt_pose_sincos").as<float>();
-  const auto turns = file.tensors.at("tgt_rotation_sincos").as<float>();
-  for (std::size_t i = 0; i < 20; ++i) {
-    const Pose source = from_soundspaces(&locations[i * 6], rotations[i * 2]);
-    const Pose target = from_soundspaces(&locations[i * 6 + 3], rotations[i * 2 + 1]);
-    if (std::hypot(target.position_m.x - source.position_m.x,
-                   target.position_m.y - source.position_m.y) == 0.0) {
-      // The loader's angle of a coincident point depends on the world's axes; a relative pose
-      // cannot know it. The distance of zero says the same.
-      continue;
-    }
-    const EncodedPose encoded = encode_pose(PoseEncoding::soundspaces, inverse(source) * target);
-    for (std::size_t k = 0; k < 3; ++k) {
-      // Rounding to float of numbers up to 10.
-      EXPECT_NEAR(encoded.tgt_pose[k], poses[i * 3 + k], 2e-6) << i << ", " << k;
-    }
-    for (std::size_t k = 0; k < 2; ++k) {
-      EXPECT_NEAR(encoded.tgt_rotation[k], turns[i * 2 + k], 2e-6) << i << ", " << k;
+  for (const auto& folder : folders()) {
+    const SafetensorsFile file = read_safetensors(folder / "soundspaces.safetensors");
+    const auto locations = file.tensors.at("location").as<double>();
+    const auto rotations = file.tensors.at("rotation").as<double>();
+    const auto poses = file.tensors.at("tgt_pose_sincos").as<float>();
+    const auto turns = file.tensors.at("tgt_rotation_sincos").as<float>();
+    for (std::size_t i = 0; i < 20; ++i) {
+      const Pose source = from_soundspaces(&locations[i * 6], rotations[i * 2]);
+      const Pose target = from_soundspaces(&locations[i * 6 + 3], rotations[i * 2 + 1]);
+      if (std::hypot(target.position_m.x - source.position_m.x,
+                     target.position_m.y - source.position_m.y) == 0.0) {
+        // The loader's angle of a coincident point depends on the world's axes; a relative pose
+        // cannot know it. The distance of zero says the same.
+        continue;
+      }
+      const EncodedPose encoded = encode_pose(PoseEncoding::soundspaces, inverse(source) * target);
+      for (std::size_t k = 0; k < 3; ++k) {
+        // Rounding to float of numbers up to 10.
+        EXPECT_NEAR(encoded.tgt_pose[k], poses[i * 3 + k], 2e-6) << i << ", " << k;
+      }
+      for (std::size_t k = 0; k < 2; ++k) {
+        EXPECT_NEAR(encoded.tgt_rotation[k], turns[i * 2 + k], 2e-6) << i << ", " << k;
+      }
     }
   }
 }
@@ -75,28 +75,29 @@ Pose from_replay(const double* centre, const double* direction) {
 }
 
 TEST(PoseEncoding, ReplayEqualsTheReleasedLoaderWhereverTheSourceLooks) {
-  const auto path = oracle("D_poses/replay.safetensors");
-  if (path.empty()) GTEST_SKIP() << "EARPOINT_ORACLE_DIR is not set";
-  const SafetensorsFile file = read_safetensors(path);
-  const auto centres = file.tensors.at("centers").as<double>();
-  const auto directions = file.tensors.at("directions").as<double>();
-  const auto pairs = file.tensors.at("pairs").as<std::int64_t>();
-  const auto poses = file.tensors.at("fixed_rotrel_tgt_pose").as<double>();
-  const auto turns = file.tensors.at("fixed_rotrel_tgt_rotation_sincos").as<float>();
-  ASSERT_EQ(pairs.size(), 40U);
-  for (std::size_t i = 0; i < 20; ++i) {
-    // Cameras are numbered from 1.
-    const auto from = 3 * static_cast<std::size_t>(pairs[2 * i] - 1);
-    const auto to = 3 * static_cast<std::size_t>(pairs[2 * i + 1] - 1);
-    const Pose source = from_replay(&centres[from], &directions[from]);
-    const Pose target = from_replay(&centres[to], &directions[to]);
-    const EncodedPose encoded = encode_pose(PoseEncoding::replay, inverse(source) * target, source);
-    for (std::size_t k = 0; k < 3; ++k) {
-      // Float rounding of hundreds of centimetres.
-      EXPECT_NEAR(encoded.tgt_pose[k], poses[i * 3 + k], 1e-4) << i << ", " << k;
-    }
-    for (std::size_t k = 0; k < 6; ++k) {
-      EXPECT_NEAR(encoded.tgt_rotation[k], turns[i * 6 + k], 2e-6) << i << ", " << k;
+  for (const auto& folder : folders()) {
+    const SafetensorsFile file = read_safetensors(folder / "replay.safetensors");
+    const auto centres = file.tensors.at("centers").as<double>();
+    const auto directions = file.tensors.at("directions").as<double>();
+    const auto pairs = file.tensors.at("pairs").as<std::int64_t>();
+    const auto poses = file.tensors.at("fixed_rotrel_tgt_pose").as<double>();
+    const auto turns = file.tensors.at("fixed_rotrel_tgt_rotation_sincos").as<float>();
+    ASSERT_EQ(pairs.size(), 40U);
+    for (std::size_t i = 0; i < 20; ++i) {
+      // Cameras are numbered from 1.
+      const auto from = 3 * static_cast<std::size_t>(pairs[2 * i] - 1);
+      const auto to = 3 * static_cast<std::size_t>(pairs[2 * i + 1] - 1);
+      const Pose source = from_replay(&centres[from], &directions[from]);
+      const Pose target = from_replay(&centres[to], &directions[to]);
+      const EncodedPose encoded =
+          encode_pose(PoseEncoding::replay, inverse(source) * target, source);
+      for (std::size_t k = 0; k < 3; ++k) {
+        // Float rounding of hundreds of centimetres.
+        EXPECT_NEAR(encoded.tgt_pose[k], poses[i * 3 + k], 1e-4) << i << ", " << k;
+      }
+      for (std::size_t k = 0; k < 6; ++k) {
+        EXPECT_NEAR(encoded.tgt_rotation[k], turns[i * 6 + k], 2e-6) << i << ", " << k;
+      }
     }
   }
 }

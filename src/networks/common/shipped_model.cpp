@@ -4,6 +4,8 @@
 #include <system_error>
 #include <utility>
 
+#include <earpoint/core/platform/program_path.h>
+
 namespace earpoint {
 namespace fs = std::filesystem;
 
@@ -20,9 +22,7 @@ bool is_file(const fs::path& path) {
 }  // namespace
 
 std::optional<fs::path> shipped_model_path(std::string_view file_name) {
-  std::error_code error;
-  const fs::path program = fs::read_symlink("/proc/self/exe", error);
-  return shipped_model_path(file_name, program);
+  return shipped_model_path(file_name, program_path());
 }
 
 std::optional<fs::path> shipped_model_path(std::string_view file_name, const fs::path& program) {

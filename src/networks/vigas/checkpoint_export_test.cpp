@@ -66,13 +66,13 @@ void expect_round_trip(const fs::path& path) {
   EXPECT_EQ(after.hparams, before.hparams);
 }
 
-TEST(CheckpointExport, RoundTripGivesTheReleasedCheckpointBack) { expect_round_trip(bundled()); }
-
-TEST(CheckpointExport, RoundTripOfThePublishedSize) {
-  const char* folder = std::getenv("EARPOINT_ORACLE_DIR");
-  if (folder == nullptr) GTEST_SKIP() << "EARPOINT_ORACLE_DIR is not set";
-  expect_round_trip(fs::path(folder) / "A_soundspaces/best_val.ckpt");
-  expect_round_trip(fs::path(folder) / "C_tiny_noresnet/best_val.ckpt");
+TEST(CheckpointExport, RoundTripGivesTheReleasedCheckpointBack) {
+  expect_round_trip(bundled());
+  // And of the published size, where they are at hand.
+  if (const char* folder = std::getenv("EARPOINT_ORACLE_DIR")) {
+    expect_round_trip(fs::path(folder) / "A_soundspaces/best_val.ckpt");
+    expect_round_trip(fs::path(folder) / "C_tiny_noresnet/best_val.ckpt");
+  }
 }
 
 TEST(CheckpointExport, TensorsThatInferenceDoesNotReadAreZero) {

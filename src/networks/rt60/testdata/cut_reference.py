@@ -7,18 +7,19 @@ import shutil
 import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[4] / "experiments"))
-from safetensors_file import read, rows, write  # noqa: E402
+HERE = Path(__file__).parent
+sys.path.insert(0, str(HERE.parents[3] / "experiments"))
+import safetensors_file  # noqa: E402
 
 CLIPS = 2
-NAMES = ["feature", "rt60", "wav"]
 
 
 def main():
-    whole, here = Path(sys.argv[1]), Path(__file__).parent
-    tensors, _ = read(whole / "rt60.safetensors")
-    write(here / "rt60.safetensors", {name: rows(tensors[name], range(CLIPS)) for name in NAMES})
-    shutil.copyfile(whole / "rt60_weights.json", here / "rt60_weights.json")
+    whole = Path(sys.argv[1])
+    tensors = safetensors_file.read_arrays(whole / "rt60.safetensors")
+    cut = {name: tensors[name][:CLIPS] for name in ["feature", "rt60", "wav"]}
+    safetensors_file.write_arrays(HERE / "rt60.safetensors", cut)
+    shutil.copyfile(whole / "rt60_weights.json", HERE / "rt60_weights.json")
 
 
 main()

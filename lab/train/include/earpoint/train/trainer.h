@@ -96,9 +96,4 @@ TrainingSummary train(Learner& learner, const ExampleSource& examples,
 [[nodiscard]] std::optional<SafetensorsFile> read_checkpoint(const std::filesystem::path& folder,
                                                              const std::string& config);
 
-/// Makes the C library keep freed memory: activations of a step are as large as those of the
-/// next, and handing the pages back and forth takes up to half of the time. Affects the whole
-/// process.
-void keep_freed_memory();
-
 }  // namespace earpoint
