@@ -173,8 +173,8 @@ void run_locate(const LocateArguments& arguments) {
   RenderSource source = parse_source(arguments.source);
   const GtfWeights weights = read_gtf_weights(model);
   if (!weights.description.geometry) {
-    throw InputError(model, "does not find speakers: it has no geometry",
-                     "give one that does with --model");
+    throw InputError(model, "cannot locate speakers: it has no geometry",
+                     "choose another one with --model");
   }
   const bool plots_movie = is_movie_path(arguments.plot);
   if (!arguments.plot.empty() && !plots_movie) check_image_path(arguments.plot);

@@ -212,11 +212,12 @@ void add_export(CLI::App& model) {
 void add_set_range(CLI::App& model) {
   auto options = std::make_shared<RangeOptions>();
   CLI::App* command = model.add_subcommand(
-      "set-range", "Write into a gtf weight file which moves and speakers it was trained on.");
+      "set-range",
+      "Write the range of moves and speakers in its training data into a gtf weight file.");
   command->add_option("file", options->file, "Weight file (.safetensors)")->required();
   command
       ->add_option("--range", options->range,
-                   R"(JSON, e.g. {"farthest_move_m": 5}; what is left out stays as it is)")
+                   R"(JSON, e.g. {"farthest_move_m": 5}; missing keys keep their values)")
       ->capture_default_str();
   command->add_option("-o,--output", options->output, "Weight file to write")->required();
   command->callback([options] { set_training_range(*options); });

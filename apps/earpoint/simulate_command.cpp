@@ -179,17 +179,18 @@ void add_how(CLI::App& command, Options& options) {
                   "Viewpoints of each conversation")
       ->capture_default_str();
   command
-      .add_option("--other-rooms", generation.conversation.other_room_share,
-                  "Share of the viewpoints, the first of a conversation aside, that stand in other "
-                  "rooms and see neither speaker")
+      .add_option(
+          "--other-rooms", generation.conversation.other_room_share,
+          "Share of the viewpoints, except the first of a conversation, in other rooms without "
+          "sight of the speakers")
       ->capture_default_str();
   command
       .add_option("--other-rooms-reach", generation.conversation.other_room_reach_m,
-                  "How far those may be from the speakers, metres")
+                  "Largest distance of those from the speakers, metres")
       ->capture_default_str();
   command
       .add_option("--height-spread", generation.conversation.height_spread_m,
-                  "How much higher or lower than 1.5 m viewpoints may be, metres")
+                  "Largest difference of the viewpoints' height to 1.5 m, metres")
       ->capture_default_str();
   command.add_option("--rays", generation.quality.rays, "Rays that leave each speaker")
       ->capture_default_str();

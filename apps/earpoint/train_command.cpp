@@ -105,7 +105,7 @@ std::vector<earpoint::ConfigSetting> settings_of(const Options& options) {
     const std::size_t equals = setting.find('=');
     if (equals == std::string::npos || equals == 0) {
       throw InputError("--set " + setting, "expected KEY=VALUE",
-                       "name the key from the outside in, as training.steps=2000");
+                       "give the path of the key, like training.steps=2000");
     }
     settings.push_back({setting.substr(0, equals), setting.substr(equals + 1)});
   }
@@ -266,14 +266,15 @@ void add_train_command(CLI::App& app) {
       ->required();
   command
       ->add_option("--set", options->settings,
-                   "KEY=VALUE: another value than the configuration's, e.g. training.steps=2000 or "
-                   "network.box=false; may be given more than once")
+                   "KEY=VALUE: override a value of the configuration, e.g. training.steps=2000 or "
+                   "network.box=false; may be repeated")
       ->allow_extra_args(false);
   command
-      ->add_option("--data", options->data,
-                   "Folder of the data set: of earpoint simulate, SoundSpaces-NVAS or Replay-NVAS. "
-                   "Given again, clips of further folders' training split join; validation is on "
-                   "the first folder's")
+      ->add_option(
+          "--data", options->data,
+          "Folder of the data set: of earpoint simulate, SoundSpaces-NVAS or Replay-NVAS. "
+          "If repeated, training clips of all folders are mixed; validation uses the first "
+          "folder")
       ->required();
   command
       ->add_option("--layout", options->layout,

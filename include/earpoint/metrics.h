@@ -8,7 +8,7 @@
 
 namespace earpoint {
 
-/// How a rendering differs from what was truly heard there. Zero is best, but for the last two.
+/// Differences of a rendering from the true sound. Zero is best, except for the last two.
 struct SoundDifference {
   /// Distance of the magnitudes of short-time spectra, mean over time and frequency, sum of ears.
   double mag = 0.0;
@@ -20,7 +20,7 @@ struct SoundDifference {
   /// Scale-invariant signal-to-distortion ratio, mean of ears, at most 100; nothing for silence.
   std::optional<double> si_sdr_db;
   /// Extended short-time objective intelligibility, mean of ears: 1 for the same sound; nothing
-  /// where there is less than 0.4 s of speech.
+  /// for less than 0.4 s of speech.
   std::optional<double> estoi;
 };
 

@@ -9,9 +9,9 @@
 
 namespace earpoint {
 
-/// What a weight file holds.
+/// Description of a weight file.
 struct NetworkInfo {
-  std::filesystem::path file;   ///< where it lies
+  std::filesystem::path file;   ///< its path
   std::string kind;             ///< "gtf", "vigas", "vam", "rt60_estimator" or "people"
   std::string description;      ///< the network's shape as JSON
   std::int64_t parameters = 0;  ///< numbers in all of its tensors
@@ -19,16 +19,16 @@ struct NetworkInfo {
   bool streams = false;         ///< Renderer::stream() too
 };
 
-/// The names of the models that are installed, sorted, e.g. "enhance", "gtf".
+/// The names of the installed models, sorted, e.g. "enhance", "gtf".
 ///
-/// They are looked for in the folder that the environment's EARPOINT_MODELS_DIR names, if it is
+/// They are searched in the folder that the environment's EARPOINT_MODELS_DIR names, if it is
 /// set; otherwise in models/ and share/earpoint/models/ beside or above the running program; last
 /// where the library's build installs them.
 [[nodiscard]] EARPOINT_API std::vector<std::string> installed_networks();
 
 /// Reads a weight file without rendering.
 /// @param model  the name of an installed model, or a file
-/// @throws InputError if there is no such model, or it is no weight file of a known network
+/// @throws InputError if there is no such model, or it is not a weight file of a known network
 [[nodiscard]] EARPOINT_API NetworkInfo describe_network(const std::string& model);
 
 }  // namespace earpoint

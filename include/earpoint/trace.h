@@ -13,21 +13,21 @@
 
 namespace earpoint {
 
-/// What listens in a traced scene.
+/// Kind of receiver in a traced scene.
 enum class TraceMicrophone {
   ears,  ///< two ears of the KEMAR head: a binaural room impulse response, left first
-  omni,  ///< one microphone that is the same in all directions
+  omni,  ///< one omnidirectional microphone
 };
 
-/// Between which places sound is traced, and how.
+/// Source, receiver and quality of a response.
 struct TraceRequest {
-  Pose source{};    ///< world_from_source; its front matters to a talker alone
+  Pose source{};    ///< world_from_source; its front matters only for a talker
   Pose listener{};  ///< world_from_listener
   TraceMicrophone microphone = TraceMicrophone::ears;
-  bool talks = false;          ///< the source is louder in front, as a talker is
+  bool talks = false;          ///< the source has a talker's directivity, louder in front
   int sample_rate_hz = 48000;  ///< from 8000 to 192000
   double duration_s = 1.0;     ///< of the response, from 0.01 to 30
-  int rays = 5000;             ///< that leave the source, > 0
+  int rays = 5000;             ///< from the source, > 0
   std::uint64_t seed = 1;      ///< the same seed gives the same samples
   int threads = 1;             ///< > 0; the samples are the same for any number
 };
@@ -35,8 +35,8 @@ struct TraceRequest {
 /// A scene to trace sound in. Const calls may be made from many threads at once.
 class EARPOINT_API TraceScene {
  public:
-  /// Reads a glTF 2.0 (.gltf, .glb), Wavefront (.obj) or Stanford (.ply) model. A surface sounds as
-  /// the standard materials say for its material's name.
+  /// Reads a glTF 2.0 (.gltf, .glb), Wavefront (.obj) or Stanford (.ply) model. Acoustic
+  /// materials are the standard ones, by material name.
   /// @throws InputError if the file is missing, damaged, or no scene of 0.5 m to 1 km
   [[nodiscard]] static TraceScene open(const std::filesystem::path& model);
 
@@ -51,13 +51,13 @@ class EARPOINT_API TraceScene {
   TraceScene(TraceScene&&) noexcept;
   TraceScene& operator=(TraceScene&&) noexcept;
 
-  /// What the importer had to decide or leave out: a line each, for people.
+  /// What the importer assumed or left out: messages, a line each.
   [[nodiscard]] const std::vector<std::string>& warnings() const;
 
   /// The impulse response from the source to the listener, as `earpoint trace` writes it. 1 is the
-  /// level of the source at 1 m in free field; the delay of the way is kept.
-  /// @throws InputError if source or listener are outside of the scene or less than 1 mm apart, a
-  ///         number is none of those, or no sound arrives
+  /// level of the source at 1 m in free field; the travel time is included.
+  /// @throws InputError if source or listener are outside the scene or less than 1 mm apart, a
+  ///         number is out of range, or no sound arrives
   [[nodiscard]] Waveform response(const TraceRequest& request) const;
 
  private:

@@ -37,7 +37,7 @@ std::string name_in(const JsonField& field) {
 /// @return the file's path from here
 fs::path file_in(const JsonField& field, const fs::path& folder) {
   fs::path path = folder / name_in(field);
-  if (!fs::is_regular_file(path)) field.refuse(fmt::format("{} is not there", path.string()));
+  if (!fs::is_regular_file(path)) field.refuse(fmt::format("{} does not exist", path.string()));
   return path;
 }
 

@@ -33,7 +33,7 @@ void check_inside(const char* what, const Vector3& place, const Bounds& box) {
                       place.y < box.high.y && place.z > box.low.z && place.z < box.high.z;
   if (inside) return;
   throw InputError(what,
-                   fmt::format("({:g}, {:g}, {:g}) is outside of the scene, which spans x {:g} to "
+                   fmt::format("({:g}, {:g}, {:g}) is outside the scene, which spans x {:g} to "
                                "{:g}, y {:g} to {:g}, z {:g} to {:g} m",
                                place.x, place.y, place.z, box.low.x, box.high.x, box.low.y,
                                box.high.y, box.low.z, box.high.z),
@@ -48,7 +48,7 @@ void check_request(const TraceRequest& request, const Bounds& box) {
   check_inside("source", request.source.position_m, box);
   check_inside("listener", request.listener.position_m, box);
   if (norm(request.listener.position_m - request.source.position_m) < kNearest_m) {
-    throw InputError("listener", "stands where the source is", "move one of them");
+    throw InputError("listener", "is at the position of the source", "move one of them");
   }
 }
 

@@ -99,7 +99,7 @@ TEST(MaterialTable, RefusesWhatItWouldHaveToGuessNamingTheField) {
       {edited("\"material\": \"soft\"", "\"material\": \"silk\""),
        "mine.json: patterns[0].material: names 'silk'"},
       {edited("\"default\": \"hard\"", "\"default\": \"hard\", \"default\": \"soft\""),
-       "mine.json: key 'default' stands twice"},
+       "mine.json: key 'default' occurs twice"},
       {edited("\"default\": \"hard\"", "\"default\": \"hard\", \"extends\": \"none\""),
        "mine.json: extends: expected 'standard', found 'none'"},
   };

@@ -18,7 +18,7 @@ constexpr std::uint32_t kValidationSeed = 0;
 PairOptions checked(PairOptions options) {
   if (!options.more_data.empty()) {
     throw InputError(options.more_data.front().string(),
-                     "recordings of Replay-NVAS are read from one folder", "name one folder");
+                     "recordings of Replay-NVAS are read from one folder", "give one folder");
   }
   const auto refuse = [](const char* key, const char* expected) {
     throw InputError(fmt::format("'data': '{}'", key),

@@ -152,8 +152,8 @@ void set_value(Json& json, const ConfigSetting& setting, const std::string& wher
   for (;;) {
     const std::size_t dot = left.find('.');
     const std::string name(left.substr(0, dot));
-    if (name.empty()) refuse("expected names with dots between them, as training.steps");
-    if (!at->is_object()) refuse(fmt::format("{} is in no object", in_quotes(name)));
+    if (name.empty()) refuse("expected names separated by dots, like training.steps");
+    if (!at->is_object()) refuse(fmt::format("{} is not in an object", in_quotes(name)));
     at = &(*at)[name];
     if (dot == std::string_view::npos) break;
     if (at->is_null()) *at = Json::object();

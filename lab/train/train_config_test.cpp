@@ -120,7 +120,7 @@ TEST(TrainConfig, SettingsOverrideTheFileByTypeAndAreKept) {
             std::string::npos);
   EXPECT_NE(refused("trainings.steps", "9").find("unknown key 'trainings'"), std::string::npos);
   EXPECT_NE(refused("training.steps", "many").find("steps"), std::string::npos);
-  EXPECT_NE(refused("training.steps.first", "9").find("'first' is in no object"),
+  EXPECT_NE(refused("training.steps.first", "9").find("'first' is not in an object"),
             std::string::npos);
   EXPECT_NE(refused("training..steps", "9").find("expected names"), std::string::npos);
   EXPECT_NE(refused("network.picture", R"({"width_px": 1, "width_px": 2})").find("width_px"),

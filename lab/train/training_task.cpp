@@ -118,7 +118,7 @@ TrainingTask make_training_task(const TrainConfig& config, std::string_view wher
   const bool learns_pairs = config.kind != "rt60" && config.kind != "people";
   if (!learns_pairs && !options.more_data.empty()) {
     throw InputError(options.more_data.front().string(),
-                     "a network of this kind learns from one folder only", "name one folder");
+                     "a network of this kind is trained on one folder only", "give one folder");
   }
   if (config.kind == "vigas") return vigas_task(config, where, options);
   if (config.kind == "gtf") return gtf_task(config, where, options);

@@ -97,7 +97,7 @@ void check_options(const RendererOptions& options) {
     return;
   }
   throw InputError("field of view",
-                   fmt::format("{:.3g} degrees is none of a camera",
+                   fmt::format("{:.3g} degrees is not a camera's",
                                degrees_from_radians(options.horizontal_fov_rad)),
                    "give radians, from 10 to 170 degrees");
 }
@@ -169,8 +169,7 @@ std::vector<std::string> Renderer::warnings(const Waveform& sound,
 
 Stream Renderer::stream(const StreamOptions& options) const {
   if (state_->opened.gtf == nullptr) {
-    throw InputError(state_->model, "renders whole clips only",
-                     "open a gtf network to stream with");
+    throw InputError(state_->model, "renders whole clips only", "open a gtf network for streams");
   }
   RenderStream::Options how;
   how.sample_rate_hz = options.sample_rate_hz;
