@@ -192,7 +192,7 @@ ReplayDataset training_recordings(const fs::path& folder) {
     return ReplayDataset(replay_options(folder, "train"));
   } catch (const InputError& error) {
     throw InputError("tf", std::string("looks up in the training split: ") + error.what(),
-                     "leave it out, or prepare a session with --split train");
+                     "leave it out, or prepare a session for the split train");
   }
 }
 
