@@ -6,6 +6,9 @@
 #include <utility>
 #include <vector>
 
+#include <earpoint/audio/gcc_phat.h>
+#include <earpoint/core/error.h>
+
 namespace earpoint {
 namespace {
 
