@@ -11,6 +11,8 @@
 
 #include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
+#include <earpoint/serve/clip_library.h>
+#include <earpoint/serve/page_server.h>
 #include <earpoint/study/simulated_participant.h>
 #include <earpoint/study/study_desk.h>
 #include <earpoint/study/study_report.h>
@@ -30,10 +32,14 @@ Examples:
   earpoint study report study -o report             # at any time, also while it is served)";
 
 constexpr const char* kServeFooter = R"(
-Participants open the page at this computer, in any number one after the other or in several tabs. The code
-that the page asks for is optional; http://127.0.0.1:PORT/?participant=CODE fills it in, and a code takes part
-once. Every answer is in answers.sqlite in the study's folder before the page goes on; a closed page, a killed
-server or a restart loses none, and the page goes on where it was. Ctrl-C ends it.)";
+Participants open the page at this computer, in any number one after the other or in several tabs; with --host
+also from others, by the address with its token that is printed. The code that the page asks for is optional;
+?participant=CODE (after a token &participant=CODE) in the address fills it in, and a code takes part once. Every answer is in answers.sqlite in the study's folder before the page goes on; a closed page, a killed
+server or a restart loses none, and the page goes on where it was. Ctrl-C ends it.
+
+Examples:
+  earpoint study serve study --port 8080
+  earpoint study serve study --host 0.0.0.0 --port 8080      # in a laboratory of several computers)";
 
 constexpr const char* kSimulateFooter = R"(
 Simulated participants open the study as a browser does, pass the headphone check and answer by what they
@@ -60,7 +66,7 @@ Examples:
 
 struct ServeArguments {
   fs::path folder;
-  int port = 0;
+  StudyServerOptions options;
 };
 
 void run_serve(const ServeArguments& arguments) {
@@ -68,9 +74,12 @@ void run_serve(const ServeArguments& arguments) {
     throw InputError("study serve", "this build has no page",
                      "install esbuild and build again (./dev build does both)");
   }
-  StudyServer server(arguments.folder);
-  const int port = server.bind(arguments.port);
-  fmt::print("The study is at http://127.0.0.1:{}/ (Ctrl-C ends it)\n", port);
+  StudyServerOptions options = arguments.options;
+  if (!is_loopback(options.host)) options.token = unguessable_name();
+  StudyServer server(arguments.folder, options);
+  const int port = server.bind();
+  fmt::print("The study is at {} (Ctrl-C ends it)\n",
+             page_address(options.host, port, options.token));
   std::fflush(stdout);
   server.run();
 }
@@ -85,7 +94,7 @@ struct SimulateArguments {
 /// A server in a thread of its own.
 class RunningServer {
  public:
-  explicit RunningServer(const fs::path& folder) : server_(folder), port_(server_.bind(0)) {
+  explicit RunningServer(const fs::path& folder) : server_(folder), port_(server_.bind()) {
     thread_ = std::thread([this] { server_.run(); });
   }
   ~RunningServer() {
@@ -151,7 +160,11 @@ void add_study_serve_command(CLI::App& study) {
   CLI::App* command =
       study.add_subcommand("serve", "Serve a study's page and store what it is answered.");
   add_folder(*command, arguments->folder);
-  command->add_option("--port", arguments->port, "Of http://127.0.0.1; 0 takes any that is free")
+  command
+      ->add_option("--host", arguments->options.host,
+                   "The address to listen at; 0.0.0.0 is every network of this computer")
+      ->capture_default_str();
+  command->add_option("--port", arguments->options.port, "0 takes any that is free")
       ->check(CLI::Range(0, 65535))
       ->capture_default_str();
   command->footer(kServeFooter);
