@@ -4,7 +4,7 @@
 usage: bench/write_results.py MEASURED RESULTS.md [--measured-only]
 
 MEASURED holds vigas.md, gtf_bench.json, training.json, training_gtf.json, oracle_errors.md, render_speed.jsonl,
-render_memory.jsonl, demo.json, trace_gates.md, learning_curves-single.md, learning_curves-novel.md,
+render_memory.jsonl, page_latency.jsonl, serve_load.jsonl, demo.json, trace_gates.md, learning_curves-single.md, learning_curves-novel.md,
 rt60_error.json, active_speaker.json, people_detection.jsonl, home_reverberation.jsonl, compare_tracers.json, kills.json,
 change_of_results.md,
 camera_bench.jsonl, simulate_cost.jsonl, session_cost.jsonl, session_sync.jsonl, evaluate-single.json, evaluate-novel.json, evaluate-recorded.json,
@@ -22,8 +22,8 @@ import sys
 
 from evaluation_tables import enhancement_table, evaluation_table
 from measurement_tables import (camera_table, demo_table, detection_table, generalisation_table,
-                                gtf_training_table, kill_table, memory_table, network_table,
-                                reverberation_table, rt60_table, session_table, simulation_table,
+                                gtf_training_table, kill_table, load_table, memory_table, network_table,
+                                page_table, reverberation_table, rt60_table, session_table, simulation_table,
                                 speaker_table, speed_table, sync_table, trace_table, tracer_comparison,
                                 training_table)
 
@@ -135,6 +135,14 @@ SECTIONS = [
     ("Memory: a ten-minute clip", "render_memory.jsonl", memory_table,
      "`bench/render_memory.py`: the bundled clip looped, rendered to an mp4 for one earpoint. "
      "The limit is 600 MB."),
+    ("The page of earpoint serve: from a drag to its sound", "page_latency.jsonl", page_table,
+     "`web/measure.mjs`: drags on the map in Chromium without a window while the bundled clip plays; from the last "
+     "movement to the first part of the sound that was made for it, the 90 ms that the page keeps ready included. The "
+     "aim is 200 ms on two cores. The share of real time is the server's, request and answer included."),
+    ("Load on the server of earpoint serve", "serve_load.jsonl", load_table,
+     "`bench/serve_load.py`: wrk on one thread beside the server. A part is 43 ms of sound for a listener who has "
+     "moved; parts of one listener wait for each other. Poses are posted until there are 10,000 or more, and the "
+     "server's resident memory is read before and after. Slow connections send a byte of a header a second."),
     ("The bundled clip: four earpoints", "demo.json", demo_table,
      "`earpoint evaluate --earpoints examples/earpoints.json`: against the true sound, at 16 kHz. dsp is told "
      "where the speaker is, gtf nothing. Level is relative to the clip's. One clip in one home: an example, no "
