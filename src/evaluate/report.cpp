@@ -260,7 +260,8 @@ void write_report(const std::filesystem::path& folder, const EvaluationSet& set,
       curves(result) + "</div>\n";
   body +=
       "<h2>Clips</h2>\n<p>Listen with headphones. The sounds of a clip share one gain, so that "
-      "they may be compared by loudness.</p>\n";
+      "they may be compared by loudness. <code>earpoint serve --data</code> walks through "
+      "them.</p>\n";
   const std::vector<ChosenClip> chosen = choose(result, options);
   progress.begin("drawing the report", static_cast<double>(chosen.size()), "clips");
   for (const ChosenClip& clip : chosen) {
