@@ -281,9 +281,9 @@ TEST_F(EvaluateCommandTest, ReportIsWritten) {
 
 TEST_F(EvaluateCommandTest, FigureShowsASourceItsTargetsAndTheVoice) {
   const fs::path figure = folder_ / "figure.svg";
-  const ProgramOutcome outcome =
-      evaluate(folder_ / "data", {"--methods", "input", "--clips", "home-0000/1:2,home-0000/2",
-                                  "--figure", figure.string()});
+  const ProgramOutcome outcome = evaluate(
+      folder_ / "data",
+      {"--methods", "input", "--clips", "home-0000/1:2,home-0000/2", "--figure", figure.string()});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
   EXPECT_EQ(outcome.output, "");
   const std::string svg = earpoint::read_text_file(figure);
