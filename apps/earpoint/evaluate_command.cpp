@@ -2,6 +2,7 @@
 
 #include "arguments.h"
 #include "evaluate_earpoints.h"
+#include "evaluate_figure.h"
 #include "evaluate_methods.h"
 #include "rt60_model.h"
 
@@ -61,6 +62,8 @@ Examples:
   earpoint evaluate --data data/homes --ablations --runs runs/ablations
   earpoint evaluate --data data/homes --boxes detected --methods input,dsp,gtf
   earpoint evaluate --earpoints examples/earpoints.json --report out
+  earpoint evaluate --earpoints examples/earpoints.json --figure clip.svg
+  earpoint evaluate --data data/homes --figure clips.svg --clips home-0/3,home-2/1:2 --methods dsp,gtf
 
 Methods:
   input    the unchanged sound of the source
@@ -95,6 +98,10 @@ position of that microphone; tf and dsp, which render for a position, have no ro
 A clip of your own (--earpoints) needs no data set: a JSON file names the clip, and earpoints with the true
 sound there (docs/formats.md). It is rendered as `earpoint render` does, by input, dsp, shipped models and
 weight files; gtf does not get the speaker's position. Without --json one table is printed.
+A figure (--figure) shows clips as in the paper: the source's picture with the speaker's box, targets, the
+left and right ear of every sound side by side, and the enhanced speech on the right. --clips names clips of
+the data set as SCENE/CLIP or SCENE/CLIP:SOURCE, e.g. SC-1027/3:5; the default is the first clip whose source
+sees the speaker, or --limit of them. The default method is gtf. Of a data set nothing is measured then.
 Every number is an error: 0 is best. Intervals have 95 % confidence, bootstrapped by home where there are
 several, else by conversation.
 )";
@@ -111,6 +118,8 @@ struct Options {
   int jobs = 0;
   fs::path rt60_model;
   std::optional<fs::path> report;
+  std::optional<fs::path> figure;
+  std::vector<std::string> clips;    ///< of the figure
   std::vector<std::string> ambient;  ///< level in dB, separation, or both
   double context_s = 0.0;
   std::string boxes = "true";
@@ -244,12 +253,29 @@ void run_on_clip(const Options& options) {
       .description = options.earpoints,
       .methods = options.methods.words,
       .report = options.report,
+      .figure = options.figure,
       .estimator = make_estimator ? make_estimator() : earpoint::ReverberationEstimator{},
       .threads = options.jobs > 0 ? options.jobs : earpoint::available_cores(),
       .json = options.json};
   earpoint::SilentProgress silent;
   earpoint::StreamProgress bar(stderr);
   evaluate_earpoints(request, options.quiet ? static_cast<earpoint::ProgressSink&>(silent) : bar);
+}
+
+/// Clips instead of numbers.
+void run_figure(const Options& options) {
+  FigureRequest request{.output = *options.figure,
+                        .methods = options.methods,
+                        .split = options.split,
+                        .clips = options.clips,
+                        .count = options.limit.value_or(1)};
+  request.methods.data = options.data;
+  request.methods.layout = layout_of(options);
+  request.methods.recorded = request.methods.layout == earpoint::DatasetLayout::replay;
+  if (request.methods.words.empty()) request.methods.words = {"gtf"};
+  earpoint::SilentProgress silent;
+  earpoint::StreamProgress bar(stderr);
+  draw_figure(request, options.quiet ? static_cast<earpoint::ProgressSink&>(silent) : bar);
 }
 
 void run(const Options& options) {
@@ -260,6 +286,7 @@ void run(const Options& options) {
   if (options.data.empty()) {
     throw InputError("--data", "missing", "give a data set, or a clip with --earpoints");
   }
+  if (options.figure) return run_figure(options);
   const std::unique_ptr<earpoint::EvaluationSet> set = evaluation_set(options);
   std::set<std::string> scenes;
   for (std::size_t pair = 0; pair < set->size(); ++pair) scenes.insert(set->scene(pair));
@@ -402,14 +429,24 @@ void add_evaluate_command(CLI::App& app) {
                       "Weight file of the estimator behind rte_s (default: the shipped one)");
   command->add_option("--report", options->report,
                       "Folder for a page with tables, curves, pictures and players");
+  auto* figure = command->add_option(
+      "--figure", options->figure,
+      "An .svg file: pictures and waveforms of clips at the source and at targets; see below");
+  command->add_option("--clips", options->clips, "Clips of the figure, separated by commas")
+      ->delimiter(',')
+      ->needs(figure);
   command->add_flag("--skip-bad", options->skip_bad,
                     "Skip pairs whose files are missing or broken, naming them");
   command->add_flag("--json", options->json, "Print the tables as JSON");
   command->add_flag("--quiet", options->quiet, "No progress");
   for (const char* name :
        {"--data", "--split", "--layout", "--pairs", "--draw", "--ablations", "--runs", "--oracles",
-        "--tf-index", "--limit", "--ambient", "--enhance", "--skip-bad"}) {
+        "--tf-index", "--limit", "--ambient", "--enhance", "--clips", "--skip-bad"}) {
     command->get_option(name)->excludes(earpoints);
+  }
+  for (const char* name : {"--pairs", "--draw", "--ablations", "--runs", "--oracles", "--ambient",
+                           "--context", "--enhance", "--boxes"}) {
+    command->get_option(name)->excludes(figure);
   }
   command->footer(kExamples);
   command->callback([options] { run(*options); });

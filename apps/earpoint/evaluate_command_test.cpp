@@ -280,6 +280,21 @@ TEST_F(EvaluateCommandTest, ReportIsWritten) {
   EXPECT_GT(fs::file_size(folder_ / "page/index.html"), 100000U);
 }
 
+TEST_F(EvaluateCommandTest, FigureShowsASourceItsTargetsAndTheVoice) {
+  const fs::path figure = folder_ / "figure.svg";
+  const ProgramOutcome outcome = evaluate(
+      folder_ / "data",
+      {"--methods", "input", "--clips", "home-0000/1:2,home-0000/2", "--figure", figure.string()});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
+  EXPECT_EQ(outcome.output, "");
+  const std::string svg = earpoint::read_text_file(figure);
+  for (const char* title : {">Source<", ">Target 1<", ">Target 3<", ">Enhancement<", ">truth<"}) {
+    EXPECT_NE(svg.find(title), std::string::npos) << title;
+  }
+  EXPECT_NE(svg.find("home-0000, clip 1"), std::string::npos);
+  EXPECT_NE(svg.find("home-0000, clip 2"), std::string::npos);
+}
+
 TEST_F(EvaluateCommandTest, BadUseIsOneLine) {
   const auto error_of = [&](const std::vector<std::string>& more) {
     const ProgramOutcome outcome = evaluate(folder_ / "data", more);
@@ -301,6 +316,14 @@ TEST_F(EvaluateCommandTest, BadUseIsOneLine) {
   EXPECT_NE(error_of({"--enhance", "--methods", "dsp"}).find("leave it out with --enhance"),
             std::string::npos);
   EXPECT_NE(error_of({"--pairs", "none.json"}).find("none.json"), std::string::npos);
+  const std::string figure = (folder_ / "no.svg").string();
+  EXPECT_NE(error_of({"--figure", "figure.png"}).find(".svg"), std::string::npos);
+  EXPECT_NE(error_of({"--figure", figure, "--clips", "home-0000/9"}).find("no clip"),
+            std::string::npos);
+  EXPECT_NE(error_of({"--figure", figure, "--methods", "oracle-gain"}).find("oracle"),
+            std::string::npos);
+  EXPECT_NE(error_of({"--clips", "home-0000/1"}).find("--figure"), std::string::npos);
+  EXPECT_FALSE(fs::exists(figure));
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include "evaluate_earpoints.h"
 
+#include "evaluate_figure.h"
+
 #include <algorithm>
 #include <cstdlib>
 #include <system_error>
@@ -87,6 +89,7 @@ class SoundFolder {
 }  // namespace
 
 void evaluate_earpoints(const EarpointsRequest& request, earpoint::ProgressSink& progress) {
+  if (request.figure) check_figure_path(*request.figure);
   const earpoint::EarpointClip clip = earpoint::read_earpoint_clip(request.description);
   const std::vector<ClipMethod> methods = methods_of(request, clip);
   const SoundFolder folder(request.report);
@@ -94,5 +97,8 @@ void evaluate_earpoints(const EarpointsRequest& request, earpoint::ProgressSink&
       compare_earpoints(clip, methods, folder.path(),
                         {.estimator = request.estimator, .threads = request.threads}, progress);
   if (request.report) write_earpoint_page(comparison, *request.report);
+  if (request.figure) {
+    draw_figure(*request.figure, comparison, folder.path(), request.threads, progress);
+  }
   fmt::print("{}", request.json ? json_of(comparison) : text_of(comparison));
 }

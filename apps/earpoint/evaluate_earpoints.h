@@ -13,6 +13,7 @@ struct EarpointsRequest {
   std::filesystem::path description;
   std::vector<std::string> methods;  ///< empty: input, dsp if the speaker is known, and gtf
   std::optional<std::filesystem::path> report;
+  std::optional<std::filesystem::path> figure;
   earpoint::ReverberationEstimator estimator;
   int threads = 1;
   bool json = false;

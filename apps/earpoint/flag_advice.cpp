@@ -8,9 +8,9 @@
 namespace {
 
 /// Settings that messages of the libraries begin with.
-constexpr std::array<std::string_view, 13> kSettings{
-    "boxes", "design", "device", "draw",    "host",  "layout", "methods",
-    "model", "pairs",  "rule",   "seconds", "shard", "unit"};
+constexpr std::array<std::string_view, 15> kSettings{
+    "boxes",   "clips", "design", "device", "draw",    "figure", "host", "layout",
+    "methods", "model", "pairs",  "rule",   "seconds", "shard",  "unit"};
 
 struct Advice {
   std::string_view phrase;  ///< as the libraries say it
@@ -41,6 +41,7 @@ constexpr std::array kAdvice{
     Advice{"folder of speech", "--speech"},
     Advice{"its own shard", "--shard"},
     Advice{"fewer clips", "--count"},
+    Advice{"name the clips", "--clips"},
     Advice{"fewer controls", "--controls"},
     Advice{"shorter clips", "--seconds"},
     Advice{"choose the layout", "--layout"},

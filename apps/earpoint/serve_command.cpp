@@ -7,7 +7,6 @@
 #include "speaker_search.h"
 
 #include <algorithm>
-#include <array>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -16,7 +15,6 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <earpoint/core/error.h>
 #include <earpoint/serve/clip_server.h>
@@ -34,6 +32,7 @@ Examples:
 
   # the test clips of a data set, with the true sound at other viewpoints
   earpoint serve --data data/homes
+  earpoint serve --data data/recorded
 
   # a clip with the true sound at other positions
   earpoint serve --earpoints examples/earpoints.json
@@ -114,14 +113,6 @@ void check(const ServeArguments& arguments) {
   }
 }
 
-/// What a browser on another computer is to call this one.
-std::string shown_host(const std::string& host) {
-  if (host.find(':') != std::string::npos) return "[" + host + "]";
-  std::array<char, 256> name{};
-  if (host != "0.0.0.0" || gethostname(name.data(), name.size() - 1) != 0) return host;
-  return name.data();
-}
-
 void run_serve(const ServeArguments& arguments) {
   check(arguments);
   const std::vector<ListenMethod> methods = methods_of(arguments);
@@ -138,17 +129,18 @@ void run_serve(const ServeArguments& arguments) {
   }
   ClipServer server(library, methods, options);
   const int port = server.bind();
-  const std::string query = options.token.empty() ? "" : "?token=" + options.token;
-  fmt::print("Listen at http://{}:{}/{} (stop with Ctrl-C)\n", shown_host(arguments.host), port,
-             query);
+  fmt::print("Listen at {} (stop with Ctrl-C)\n",
+             page_address(arguments.host, port, options.token));
   std::fflush(stdout);
   server.run();
 }
 
 void add_source_options(CLI::App& command, ServeArguments& arguments) {
   add_source_inputs(command, arguments.source)->required(false)->expected(0, 2);
-  command.add_option("--data", arguments.data,
-                     "A data set in the SoundSpaces layout, whose clips can be chosen on the page");
+  command.add_option(
+      "--data", arguments.data,
+      "A data set, of earpoint simulate or record prepare or published, whose clips can be "
+      "chosen on the page");
   command.add_option("--earpoints", arguments.earpoints,
                      "A clip with the true sound at other positions, in the format of "
                      "examples/earpoints.json");

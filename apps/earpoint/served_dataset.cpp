@@ -137,8 +137,8 @@ PairList pairs_of(const SoundSpacesDataset& dataset, const fs::path& folder) {
 
 void add_dataset(const fs::path& folder, const std::string& split, ClipLibrary& library) {
   if (dataset_layout(folder, std::nullopt) == DatasetLayout::replay) {
-    throw InputError("--data " + folder.string(), "has the Replay layout",
-                     "give a data set in the SoundSpaces layout");
+    add_replay_dataset(folder, split, library);
+    return;
   }
   const auto data = std::make_shared<OpenDataset>(soundspaces_options(folder, split));
   data->home_seed = home_seed_of(folder);

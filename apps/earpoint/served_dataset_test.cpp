@@ -1,5 +1,6 @@
 #include "served_dataset.h"
 
+#include <cmath>
 #include <filesystem>
 #include <string>
 
@@ -43,6 +44,27 @@ TEST_F(ServedDataset, ListsWhatEachViewpointHearsOnce) {
       EXPECT_EQ(place.sound.samples(), clip->sound.samples());
     }
   }
+}
+
+TEST_F(ServedDataset, PlaysRecordingsOfManyCameras) {
+  fs::remove_all(folder_);
+  write_tiny_replay_dataset(folder_, {"SC-1027/3", "SC-1044/5"});
+  ClipLibrary library;
+  add_dataset(folder_, "test", library);
+  const auto list = library.list();
+  ASSERT_EQ(list.size(), 2U);
+  EXPECT_TRUE(list[0].name.starts_with("SC-1027/3: camera ")) << list[0].name;
+  const auto clip = library.open(list[0].id);
+  ASSERT_NE(clip, nullptr);
+  ASSERT_EQ(clip->places.size(), 1U);  // the other of two cameras
+  EXPECT_EQ(clip->sound.sample_rate_hz(), 16000);
+  EXPECT_EQ(clip->places[0].sound.samples(), clip->sound.samples());
+  // One metre ahead of camera 1 and two to its left, or back from camera 2, which looks left.
+  const Vector3& at = clip->places[0].source_from_target.position_m;
+  EXPECT_NEAR(std::hypot(at.x, at.y), std::sqrt(5.0), 1e-6);
+  EXPECT_EQ(clip->people.size(), 1U);
+  EXPECT_FALSE(clip->speaker) << "recordings do not tell where the speaker stands";
+  EXPECT_FALSE(clip->picture_png.empty());
 }
 
 TEST_F(ServedDataset, SaysWhatIsNoDataSet) {

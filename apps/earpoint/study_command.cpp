@@ -11,6 +11,8 @@
 
 #include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
+#include <earpoint/serve/clip_library.h>
+#include <earpoint/serve/page_server.h>
 #include <earpoint/study/simulated_participant.h>
 #include <earpoint/study/study_desk.h>
 #include <earpoint/study/study_report.h>
@@ -30,10 +32,15 @@ Examples:
   earpoint study report study -o report             # at any time, also while it is served)";
 
 constexpr const char* kServeFooter = R"(
-Participants open the page on this computer, one after the other or in several tabs. The code that the page
-asks for is optional; http://127.0.0.1:PORT/?participant=CODE fills it in, and each code can take part once.
-Every answer is stored in answers.sqlite in the study's folder before the page continues; nothing is lost if
-the page is closed or the server killed, and the page continues where it was. Stop with Ctrl-C.)";
+Participants open the page on this computer, one after the other or in several tabs; with --host also on
+others, by the printed address with its token. The code that the page asks for is optional;
+?participant=CODE in the address (&participant=CODE after a token) fills it in, and each code can take part
+once. Every answer is stored in answers.sqlite in the study's folder before the page continues; nothing is
+lost if the page is closed or the server killed, and the page continues where it was. Stop with Ctrl-C.
+
+Examples:
+  earpoint study serve study --port 8080
+  earpoint study serve study --host 0.0.0.0 --port 8080      # for several computers)";
 
 constexpr const char* kSimulateFooter = R"(
 Simulated participants open the study as a browser does, pass the headphone check and answer by
@@ -60,7 +67,7 @@ Examples:
 
 struct ServeArguments {
   fs::path folder;
-  int port = 0;
+  StudyServerOptions options;
 };
 
 void run_serve(const ServeArguments& arguments) {
@@ -68,9 +75,12 @@ void run_serve(const ServeArguments& arguments) {
     throw InputError("study serve", "this build has no page",
                      "install esbuild and build again (./dev build does both)");
   }
-  StudyServer server(arguments.folder);
-  const int port = server.bind(arguments.port);
-  fmt::print("The study is at http://127.0.0.1:{}/ (stop with Ctrl-C)\n", port);
+  StudyServerOptions options = arguments.options;
+  if (!is_loopback(options.host)) options.token = unguessable_name();
+  StudyServer server(arguments.folder, options);
+  const int port = server.bind();
+  fmt::print("The study is at {} (stop with Ctrl-C)\n",
+             page_address(options.host, port, options.token));
   std::fflush(stdout);
   server.run();
 }
@@ -85,7 +95,7 @@ struct SimulateArguments {
 /// A server in a thread of its own.
 class RunningServer {
  public:
-  explicit RunningServer(const fs::path& folder) : server_(folder), port_(server_.bind(0)) {
+  explicit RunningServer(const fs::path& folder) : server_(folder), port_(server_.bind()) {
     thread_ = std::thread([this] { server_.run(); });
   }
   ~RunningServer() {
@@ -150,7 +160,11 @@ void add_study_serve_command(CLI::App& study) {
   auto arguments = std::make_shared<ServeArguments>();
   CLI::App* command = study.add_subcommand("serve", "Serve a study's page and store the answers.");
   add_folder(*command, arguments->folder);
-  command->add_option("--port", arguments->port, "Port at 127.0.0.1; 0 takes any that is free")
+  command
+      ->add_option("--host", arguments->options.host,
+                   "Address to listen on; 0.0.0.0 for all networks of this computer")
+      ->capture_default_str();
+  command->add_option("--port", arguments->options.port, "Port; 0 for any free one")
       ->check(CLI::Range(0, 65535))
       ->capture_default_str();
   command->footer(kServeFooter);

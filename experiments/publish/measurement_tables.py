@@ -54,6 +54,29 @@ def speed_table(text):
     return "\n".join(rows)
 
 
+def page_table(text):
+    rows = ["| method | drags | median | 95th percentile | share of real time |", "|---|---|---|---|---|"]
+    for line in text.splitlines():
+        run = json.loads(line)
+        rows.append(f"| {run['method']} | {run['drags']} | {run['median_ms']} ms | {run['p95_ms']} ms | "
+                    f"{100 * run['real_time_share']:.0f} % |")
+    return "\n".join(rows)
+
+
+def load_table(text):
+    rows = ["| load | requests/s | median | 99th percentile | failed | |", "|---|---|---|---|---|---|"]
+    for line in text.splitlines():
+        run = json.loads(line)
+        if "poses" in run:
+            rows.append(f"| {run['poses']} {run['load']} | | | | | memory {run['memory_before_mb']:.1f} MB, then "
+                        f"{run['memory_after_mb']:.1f} MB |")
+            continue
+        more = f"slow ones ended after {run['slow_ended_after_s']:.0f} s" if "slow_ended_after_s" in run else ""
+        rows.append(f"| {run['load']} | {run['requests'] / run['seconds']:.0f} | {run['p50_ms']:.0f} ms | "
+                    f"{run['p99_ms']:.0f} ms | {run['failed'] + run['timeouts']} | {more} |")
+    return "\n".join(rows)
+
+
 def memory_table(text):
     rows = ["| model | clip | peak memory | wall time |", "|---|---|---|---|"]
     for line in text.splitlines():

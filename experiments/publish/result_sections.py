@@ -4,7 +4,7 @@ from typing import Callable, NamedTuple, Optional
 
 from evaluation_tables import enhancement_table, evaluation_table
 from measurement_tables import (camera_table, demo_table, detection_table, generalisation_table,
-                                gtf_training_table, kill_table, memory_table, network_table,
+                                gtf_training_table, kill_table, load_table, memory_table, network_table, page_table,
                                 reverberation_table, rt60_table, session_table, simulation_table,
                                 speaker_table, speed_table, sync_table, trace_table, tracer_comparison,
                                 training_table)
@@ -152,6 +152,15 @@ SPEED = Page("speed-and-memory", "Speed, memory and exactness", "Timings on anot
     Section("Exactness: our engine against the authors' code", "oracle_errors.md", None,
             "The same weights and inputs through `earpoint model run` and through the released code. "
             "Tests hold every output to 1e-4, on every instruction set that the machine has."),
+    Section("The page of earpoint serve: from a move to its sound", "page_latency.jsonl", page_table,
+            "`web/measure.mjs`: moves on the map in a headless Chromium while the bundled clip plays; from the last "
+            "movement to the first part of the sound that was rendered for it, including the 90 ms that the page keeps "
+            "ready. The target is 200 ms on two cores. The share of real time is the server's, with request and response."),
+    Section("Load on the server of earpoint serve", "serve_load.jsonl", load_table,
+            "`experiments/stress/serve_load.py`: wrk on one thread beside the server. A part is 43 ms of sound for a "
+            "listener who has moved; parts of one listener are made one after the other. Poses are posted until there are "
+            "10,000 or more, and the server's resident memory is read before and after. Slow connections send one byte of "
+            "a header per second."),
     Section("Memory: a ten-minute clip", "render_memory.jsonl", memory_table,
             "`experiments/stress/render_memory.py`: the bundled clip looped, rendered to an mp4 for one earpoint. "
             "The limit is 600 MB."),

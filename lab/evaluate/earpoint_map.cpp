@@ -91,7 +91,7 @@ Image side_by_side(const Image& left, const Image& right) {
 
 }  // namespace
 
-Image drawn_map(const EarpointClip& clip) {
+Image drawn_map(const EarpointClip& clip, std::optional<std::size_t> only) {
   EARPOINT_CHECK(clip.map.has_value());
   Image image = read_image(clip.map->picture);
   const MapFrame frame(*clip.map);
@@ -109,6 +109,7 @@ Image drawn_map(const EarpointClip& clip) {
     draw_label(image, {speaker.x, speaker.y - 22.0}, "speaker");
   }
   for (std::size_t i = 0; i < clip.earpoints.size(); ++i) {
+    if (only && *only != i) continue;
     const KnownEarpoint& earpoint = clip.earpoints[i];
     const Point at = frame.at(earpoint.source_from_target.position_m);
     draw_head(image, at, radians_from_degrees(earpoint.yaw_deg), kEarpointColor);

@@ -263,7 +263,7 @@ void write_report(const std::filesystem::path& folder, const EvaluationSet& set,
       curves(result) + "</div>\n";
   body +=
       "<h2>Clips</h2>\n<p>Listen with headphones. The sounds of a clip share one gain, so "
-      "their loudness can be compared.</p>\n";
+      "their loudness can be compared. <code>earpoint serve</code> walks through them.</p>\n";
   const std::vector<ChosenClip> chosen = choose(result, options);
   progress.begin("drawing the report", static_cast<double>(chosen.size()), "clips");
   for (const ChosenClip& clip : chosen) {

@@ -1,5 +1,6 @@
 #include "report_sounds.h"
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <vector>
@@ -50,6 +51,21 @@ std::string spectrogram_plot(std::span<const NamedSound> sounds, int ear) {
   const char* title = ear == 0 ? "left ear" : "right ear";
   return img_tag(plot_spectrograms(panels, title, top_level_db(panels), 70.0, kPlotWidth),
                  fmt::format("spectrograms, {}", title), "plot");
+}
+
+Image cut_out(const Image& picture, const Box& box) {
+  const double side = std::max((box.x_max - box.x_min) * picture.width(),
+                               (box.y_max - box.y_min) * picture.height());
+  const int size = std::clamp(static_cast<int>(std::lround(side)), 1,
+                              std::min(picture.width(), picture.height()));
+  const auto begin = [&](double low, double high, int pixels) {
+    const auto middle = static_cast<int>(std::lround(0.5 * (low + high) * pixels));
+    return std::clamp(middle - size / 2, 0, pixels - size);
+  };
+  Image part(size, size, picture.channels());
+  paste(part, picture, -begin(box.x_min, box.x_max, picture.width()),
+        -begin(box.y_min, box.y_max, picture.height()));
+  return part;
 }
 
 Image boxed(Image picture, const std::optional<Box>& speaker_box) {

@@ -1,6 +1,5 @@
 #include <earpoint/study/study_server.h>
 
-#include "local_server.h"
 #include "study_page_bytes.h"
 
 #include <cstddef>
@@ -8,20 +7,16 @@
 #include <string>
 #include <vector>
 
+#include <httplib.h>
+
 #include <earpoint/core/file.h>
+#include <earpoint/serve/page_server.h>
 #include <earpoint/study/study_desk.h>
 
 namespace earpoint {
 namespace {
 
 constexpr std::size_t kMostBody = 16384;  // of a request, bytes
-
-const char* type_of(std::string_view name) {
-  if (name.ends_with(".html")) return "text/html; charset=utf-8";
-  if (name.ends_with(".js")) return "text/javascript; charset=utf-8";
-  if (name.ends_with(".css")) return "text/css; charset=utf-8";
-  return "application/octet-stream";
-}
 
 void send(const DeskReply& reply, httplib::Response& response) {
   response.status = reply.status;
@@ -35,19 +30,17 @@ void send_file(const std::optional<std::filesystem::path>& file, const char* typ
   response.set_content(reinterpret_cast<const char*>(bytes.data()), bytes.size(), type);
 }
 
-void send_page(const std::string& path, httplib::Response& response) {
-  const std::string name = path == "/" ? "index.html" : path.substr(1);
-  for (const study_page::PageBytes& file : study_page::page_bytes()) {
-    if (file.name != name) continue;
-    return response.set_content(file.bytes.data(), file.bytes.size(), type_of(name));
-  }
-  refuse(response, 404, "there is no such page");
-}
-
 }  // namespace
 
 struct StudyServer::State {
-  explicit State(const std::filesystem::path& folder) : desk(folder), server(kMostBody) { route(); }
+  State(const std::filesystem::path& folder, const StudyServerOptions& options)
+      : desk(folder),
+        server({.host = options.host,
+                .port = options.port,
+                .token = options.token,
+                .most_body = kMostBody}) {
+    route();
+  }
 
   void route() {
     using httplib::Request;
@@ -77,9 +70,7 @@ struct StudyServer::State {
     routes.Post(participant + "/finish", [this](const Request& request, Response& response) {
       send(desk.finish(request.matches[1], request.body), response);
     });
-    routes.Get(".*", [](const Request& request, Response& response) {
-      send_page(request.path, response);
-    });
+    server.route_page(study_page::page_bytes());
   }
 
   static std::size_t step_of(const httplib::Request& request) {
@@ -87,14 +78,14 @@ struct StudyServer::State {
   }
 
   StudyDesk desk;
-  LocalServer server;
+  PageServer server;
 };
 
-StudyServer::StudyServer(const std::filesystem::path& folder)
-    : state_(std::make_unique<State>(folder)) {}
+StudyServer::StudyServer(const std::filesystem::path& folder, const StudyServerOptions& options)
+    : state_(std::make_unique<State>(folder, options)) {}
 StudyServer::~StudyServer() = default;
 
-int StudyServer::bind(int port) { return state_->server.bind(port); }
+int StudyServer::bind() { return state_->server.bind(); }
 
 void StudyServer::run() { state_->server.run(); }
 

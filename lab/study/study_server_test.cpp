@@ -30,7 +30,7 @@ class ServedStudy {
   explicit ServedStudy(StudyDesign design) {
     study = copy_test_study(folder.path(), design);
     server = std::make_unique<StudyServer>(folder.path() / "study");
-    port = server->bind(0);
+    port = server->bind();
     thread = std::thread([this] { server->run(); });
   }
   ~ServedStudy() {
@@ -168,7 +168,7 @@ class ServerProcess {
     child_ = ::fork();
     if (child_ == 0) {
       StudyServer server(study);
-      const int port = server.bind(0);
+      const int port = server.bind();
       EXPECT_EQ(::write(ends[1], &port, sizeof(port)), static_cast<ssize_t>(sizeof(port)));
       server.run();
       ::_exit(0);
@@ -240,8 +240,33 @@ TEST(StudyServer, ServesTheStudyAndNothingElse) {
   const auto large = client.Post(self + "/steps/0", std::string(100000, ' '), "application/json");
   EXPECT_TRUE(!large || large->status == 413);
   EXPECT_THROW(StudyServer(served.folder.path()), InputError);  // holds no study
-  StudyServer other(served.folder.path() / "study");
-  EXPECT_THROW(other.bind(served.port), InputError);
+  StudyServer other(served.folder.path() / "study", {.port = served.port});
+  EXPECT_THROW(other.bind(), InputError);
+}
+
+TEST(StudyServer, TakesParticipantsOfOtherComputersWithTheTokenAlone) {
+  const TestFolder folder;
+  copy_test_study(folder.path(), StudyDesign::choice);
+  const std::filesystem::path place = folder.path() / "study";
+  EXPECT_THROW(StudyServer(place, {.host = "0.0.0.0"}), InputError);
+  const std::string token(32, 'a');
+  StudyServer server(place, {.host = "0.0.0.0", .token = token});
+  const int port = server.bind();
+  std::thread thread([&] { server.run(); });
+  httplib::Client client("127.0.0.1", port);
+  for (const char* path : {"/", "/api/study", "/?token=b"}) {
+    EXPECT_EQ(client.Get(path)->status, 401) << path;
+  }
+  EXPECT_EQ(client.Post("/api/participants")->status, 401);
+  // The token becomes a cookie; the participant's code stays in the address.
+  const auto first = client.Get("/?token=" + token + "&participant=p7");
+  EXPECT_EQ(first->status, 302);
+  EXPECT_EQ(first->get_header_value("Location"), "/?participant=p7");
+  const std::string cookie = first->get_header_value("Set-Cookie");
+  const httplib::Headers with{{"Cookie", cookie.substr(0, cookie.find(';'))}};
+  EXPECT_EQ(client.Get("/api/study", with)->status, 200);
+  server.stop();
+  thread.join();
 }
 
 }  // namespace

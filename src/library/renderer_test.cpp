@@ -14,10 +14,10 @@
 #include <earpoint/core/random.h>
 #include <earpoint/gtf/description.h>
 #include <earpoint/network.h>
+#include <earpoint/network/weights.h>
 #include <earpoint/network_testing/random_weights.h>
 #include <earpoint/version.h>
 #include <earpoint/weights/safetensors.h>
-#include <earpoint/network/weights.h>
 
 namespace earpoint {
 namespace {

@@ -14,10 +14,10 @@
 #include <earpoint/core/waveform.h>
 #include <earpoint/core_testing/allocation_count.h>
 #include <earpoint/gtf/description.h>
+#include <earpoint/network/weights.h>
 #include <earpoint/network_testing/random_weights.h>
 #include <earpoint/renderer.h>
 #include <earpoint/weights/safetensors.h>
-#include <earpoint/network/weights.h>
 
 namespace earpoint {
 namespace {

@@ -177,13 +177,21 @@ Image read_image(const std::filesystem::path& path) {
   return decode_image(read_file(path), path.string());
 }
 
-std::vector<std::byte> encode_png(const Image& image) {
+namespace {
+
+std::vector<std::byte> encode(const Image& image, AVCodecID codec) {
   EARPOINT_CHECK(!image.empty() && (image.channels() == 1 || image.channels() == 3));
   listen_to_log();
-  const PacketPtr packet = encode_picture(image, AV_CODEC_ID_PNG);
+  const PacketPtr packet = encode_picture(image, codec);
   const auto bytes = std::as_bytes(std::span(packet->data, static_cast<std::size_t>(packet->size)));
   return {bytes.begin(), bytes.end()};
 }
+
+}  // namespace
+
+std::vector<std::byte> encode_png(const Image& image) { return encode(image, AV_CODEC_ID_PNG); }
+
+std::vector<std::byte> encode_jpeg(const Image& image) { return encode(image, AV_CODEC_ID_MJPEG); }
 
 void check_image_path(const std::filesystem::path& path) {
   (void)codec_of(path);
@@ -191,11 +199,7 @@ void check_image_path(const std::filesystem::path& path) {
 }
 
 void write_image(const std::filesystem::path& path, const Image& image) {
-  EARPOINT_CHECK(!image.empty() && (image.channels() == 1 || image.channels() == 3));
-  const AVCodecID codec = codec_of(path);
-  listen_to_log();
-  const PacketPtr packet = encode_picture(image, codec);
-  write_file(path, std::as_bytes(std::span(packet->data, static_cast<std::size_t>(packet->size))));
+  write_file(path, encode(image, codec_of(path)));
 }
 
 }  // namespace earpoint

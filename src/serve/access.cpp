@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include <earpoint/serve/clip_server.h>
+#include <earpoint/serve/page_server.h>
 
 namespace earpoint {
 
@@ -52,7 +52,8 @@ std::optional<Access::Refusal> Access::refusal(const httplib::Request& request) 
     at = end + 1;
     while (at < cookies.size() && cookies[at] == ' ') ++at;
   }
-  return Refusal{401, "open the whole address that earpoint serve has printed, with its token"};
+  return Refusal{401,
+                 "open the whole address that was printed when the server started, with its token"};
 }
 
 std::optional<std::string> Access::cookie(const httplib::Request& request) const {

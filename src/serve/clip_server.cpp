@@ -1,8 +1,7 @@
 #include <earpoint/serve/clip_server.h>
 
-#include "access.h"
 #include "clip_json.h"
-#include "page_files.h"
+#include "page_bytes.h"
 #include "temporary_folder.h"
 
 #include <algorithm>
@@ -32,10 +31,6 @@ using httplib::Request;
 using httplib::Response;
 using nlohmann::json;
 
-// Every open connection has a thread, busy or not. So many may be idle or slow before others wait.
-constexpr int kThreads = 256;
-constexpr int kReadTimeout_s = 5;
-constexpr int kWriteTimeout_s = 10;
 constexpr std::size_t kMostBody = 4096;                   // of a request, bytes
 constexpr std::size_t kMostWalk = std::size_t{4} << 20U;  // 20 minutes are 1.5 MB
 constexpr std::chrono::seconds kLongestBody{30};
@@ -45,11 +40,6 @@ constexpr const char* kOneListener = "/api/listeners/([0-9a-f]{32})";
 
 void answer(Response& response, const json& document) {
   response.set_content(text_of(document), "application/json");
-}
-
-void refuse(Response& response, int status, const std::string& why) {
-  response.status = status;
-  answer(response, {{"error", why}});
 }
 
 /// Left and right in turns, as float32.
@@ -96,32 +86,12 @@ struct ClipServer::State {
       : library(library_in),
         methods(methods_in),
         options(std::move(options_in)),
-        access(options.host, options.token),
-        listeners(methods, static_cast<std::size_t>(options.most_listeners)) {
-    server.new_task_queue = [] { return new httplib::ThreadPool(kThreads); };
-    server.set_payload_max_length(options.most_upload_bytes);
-    server.set_read_timeout(kReadTimeout_s, 0);
-    server.set_write_timeout(kWriteTimeout_s, 0);
-    server.set_tcp_nodelay(true);
-    server.set_keep_alive_max_count(1000);
-    // httplib would let two servers share a port (SO_REUSEPORT).
-    server.set_socket_options([](socket_t socket) {
-      const int yes = 1;
-      setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof(yes));
-    });
-    server.set_default_headers(
-        {{"Cache-Control", "no-store"},
-         {"X-Content-Type-Options", "nosniff"},
-         {"Referrer-Policy", "no-referrer"},
-         {"Content-Security-Policy",
-          "default-src 'self'; img-src 'self' data:; frame-ancestors 'none'"}});
-    server.set_pre_routing_handler([this](const Request& request, Response& response) {
-      return admit(request, response) ? httplib::Server::HandlerResponse::Unhandled
-                                      : httplib::Server::HandlerResponse::Handled;
-    });
-    server.set_exception_handler([](const Request&, Response& response, const std::exception_ptr&) {
-      refuse(response, 500, "the server failed: an internal error");
-    });
+        listeners(methods, static_cast<std::size_t>(options.most_listeners)),
+        pages({.host = options.host,
+               .port = options.port,
+               .token = options.token,
+               .most_body = options.most_upload_bytes}),
+        server(pages.routes()) {
     route_pages();
     route_clips();
     route_listeners();
@@ -129,28 +99,6 @@ struct ClipServer::State {
     server.Post(".*", [](const Request&, Response& response, const httplib::ContentReader&) {
       refuse(response, 404, "there is nothing to send to");
     });
-  }
-
-  /// Whether the request goes on to its handler.
-  bool admit(const Request& request, Response& response) const {
-    if (const auto refusal = access.refusal(request)) {
-      refuse(response, refusal->status, refusal->why);
-      return false;
-    }
-    if (request.method != "GET" && request.method != "POST" && request.method != "HEAD") {
-      refuse(response, 405, "GET and POST are answered");
-      return false;
-    }
-    if (request.is_multipart_form_data()) {
-      refuse(response, 415, "send the file itself, not a form");
-      return false;
-    }
-    if (const auto cookie = access.cookie(request); cookie && request.path == "/") {
-      response.set_header("Set-Cookie", *cookie);
-      response.set_redirect("/");
-      return false;
-    }
-    return true;
   }
 
   void route_pages() {
@@ -176,11 +124,7 @@ struct ClipServer::State {
         response.set_content(reinterpret_cast<const char*>(png.data()), png.size(), "image/png");
       });
     });
-    server.Get(".*", [](const Request& request, Response& response) {
-      const std::optional<PageFile> file = page_file(request.path);
-      if (!file) return refuse(response, 404, "there is no such page");
-      response.set_content(file->bytes.data(), file->bytes.size(), file->type);
-    });
+    pages.route_page(page_bytes());
   }
 
   void route_clips() {
@@ -312,41 +256,24 @@ struct ClipServer::State {
   ClipLibrary& library;
   std::span<const ListenMethod> methods;
   ServeOptions options;
-  Access access;
   ListenerRegistry listeners;
   std::mutex exporting;
   std::mutex uploading;
-  httplib::Server server;
+  PageServer pages;
+  httplib::Server& server;
 };
 
 ClipServer::ClipServer(ClipLibrary& library, std::span<const ListenMethod> methods,
-                       ServeOptions options) {
-  if (!is_loopback(options.host) && options.token.empty()) {
-    throw InputError("host " + options.host, "the address is public, and there is no token");
-  }
-  state_ = std::make_unique<State>(library, methods, std::move(options));
-}
+                       ServeOptions options)
+    : state_(std::make_unique<State>(library, methods, std::move(options))) {}
 ClipServer::~ClipServer() = default;
 
-int ClipServer::bind() {
-  State& s = *state_;
-  const auto fail = [&] {
-    throw InputError(fmt::format("{}:{}", s.options.host, s.options.port), "cannot be served",
-                     "choose another port; 0 takes any that is free");
-  };
-  int port = s.options.port;
-  if (port == 0) {
-    port = s.server.bind_to_any_port(s.options.host);
-    if (port < 0) fail();
-  } else if (!s.server.bind_to_port(s.options.host, port)) {
-    fail();
-  }
-  s.access.set_port(port);
-  return port;
-}
+int ClipServer::bind() { return state_->pages.bind(); }
 
-void ClipServer::run() { state_->server.listen_after_bind(); }
+void ClipServer::run() { state_->pages.run(); }
 
-void ClipServer::stop() { state_->server.stop(); }
+void ClipServer::stop() { state_->pages.stop(); }
+
+bool has_page() { return !page_bytes().empty(); }
 
 }  // namespace earpoint

@@ -24,6 +24,7 @@ class ClipServerTest : public testing::Test {
     port_ = server_.bind();
     thread_ = std::thread([this] { server_.run(); });
     client_ = std::make_unique<httplib::Client>("127.0.0.1", port_);
+    client_->set_read_timeout(60);  // a busy machine may take long to open the clip
   }
   void TearDown() override {
     server_.stop();

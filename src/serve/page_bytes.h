@@ -1,14 +1,10 @@
 #pragma once
 
 #include <span>
-#include <string_view>
+
+#include <earpoint/serve/page_server.h>
 
 namespace earpoint {
-
-struct PageBytes {
-  std::string_view name;
-  std::string_view bytes;
-};
 
 /// The files of web/, bundled, as the build wrote them; none where esbuild was missing.
 [[nodiscard]] std::span<const PageBytes> page_bytes();

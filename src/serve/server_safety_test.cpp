@@ -1,6 +1,8 @@
 // What others may try with a server: it refuses, and goes on.
 #include "test_clip.h"
 
+#include <atomic>
+#include <cerrno>
 #include <chrono>
 #include <filesystem>
 #include <fstream>
@@ -70,6 +72,12 @@ class RawConnection {
   void say(const std::string& text) const {
     (void)send(socket_, text.data(), text.size(), MSG_NOSIGNAL);
   }
+  /// Whether the other end has closed it.
+  [[nodiscard]] bool is_closed() const {
+    char byte = 0;
+    const ssize_t count = recv(socket_, &byte, 1, MSG_DONTWAIT);
+    return count == 0 || (count < 0 && errno != EAGAIN);
+  }
 
  private:
   int socket_;
@@ -137,6 +145,48 @@ TEST(ServerSafety, AnswersBesideTwoHundredConnectionsThatSayNothingOrLittle) {
   expect_answers(server);
   // With fewer threads than connections it takes until they time out: 5 s and more.
   EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(4));
+}
+
+TEST(ServerSafety, CutsOffHeadersAndBodiesThatDrip) {
+  PageServer server({.limits = {.grace = std::chrono::milliseconds(100)}});
+  std::atomic<int> answered = 0;
+  server.routes().Post("/take", [&](const httplib::Request&, httplib::Response&) { ++answered; });
+  const int port = server.bind();
+  std::thread thread([&] { server.run(); });
+  for (const std::string start : {"POST /take HT", "POST /take HTTP/1.1\r\nHost: localhost\r\n",
+                                  "POST /take HTTP/1.1\r\nHost: localhost\r\n"
+                                  "Content-Length: 10000\r\n\r\n"}) {
+    const RawConnection slow(port);
+    slow.say(start);
+    // A byte every 5 ms: no wait for a single one is long. A minute of it would be a failure.
+    const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(1);
+    while (!slow.is_closed() && std::chrono::steady_clock::now() < end) {
+      slow.say("x");
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    EXPECT_TRUE(slow.is_closed()) << start;
+  }
+  EXPECT_EQ(answered, 0);
+  httplib::Client client("127.0.0.1", port);
+  EXPECT_EQ(client.Post("/take", "x", "text/plain")->status, 200);
+  EXPECT_EQ(answered, 1);
+  server.stop();
+  thread.join();
+}
+
+TEST(ServerSafety, TakesNoEndOfHeaders) {
+  RunningServer server({});
+  const RawConnection greedy(server.port());
+  greedy.say("GET / HTTP/1.1\r\n");
+  for (int i = 0; i < 10'000 && !greedy.is_closed(); ++i) {
+    greedy.say(fmt::format("X-{}: {}\r\n", i, std::string(1000, 'x')));
+  }
+  const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(1);
+  while (!greedy.is_closed() && std::chrono::steady_clock::now() < end) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  EXPECT_TRUE(greedy.is_closed());
+  expect_answers(server);
 }
 
 TEST(ServerSafety, GoesOnAfterStreamsThatAreBrokenOff) {

@@ -107,7 +107,7 @@ test('keys walk, turn and play', async () => {
   assert.equal(await page.evaluate(() => window.earpoint.player.playing), false);
 });
 
-test('a recorded walk gives the same sound on the page and by the command line', async () => {
+test('a recorded walk is replayed, and gives the same files on the page and by the command line', async () => {
   const { page } = opened;
   const folder = mkdtempSync(join(tmpdir(), 'earpoint-walk-'));
   const save = async (name) => {
@@ -118,17 +118,37 @@ test('a recorded walk gives the same sound on the page and by the command line',
   };
   try {
     await page.click('#record');
+    await until(page, () => window.earpoint.player?.playing);
+    await settle(page);
     await dragTo(page, 1.4, 0.9);
     await settle(page);
     await page.click('#record');
     await page.click('#play');
     const csv = await save('CSV');
-    assert.ok(readFileSync(csv, 'utf8').split('\n').length > 8);
-    const wav = await save('WAV');
-    const again = join(folder, 'again.wav');
-    await runProgram('render', CLIP, ...TOLD, '--path', csv, '--model', 'gtf', '--quiet',
-      '-o', again);
-    assert.ok(readFileSync(wav).equals(readFileSync(again)), 'the two files differ');
+    const steps = readFileSync(csv, 'utf8').trim().split('\n').slice(1).map((line) => line.split(',').map(Number));
+    assert.ok(steps.length > 8);
+
+    // Somewhere else, and then once more from the first step to the last.
+    await page.click('#home');
+    await dragTo(page, -1, -1);
+    await page.click('#replay');
+    const isAt = ([, x, y]) => until(page, ([px, py]) => {
+      const { pose } = window.earpoint.map;
+      return Math.hypot(pose.x - px, pose.y - py) < 0.02;
+    }, [x, y]);
+    await isAt(steps[0]);
+    await isAt(steps[steps.length - 1]);
+    const moved = steps.find(([, x, y]) => Math.hypot(x - steps[0][1], y - steps[0][2]) > 0.1);
+    assert.ok(moved, 'the walk stands still');
+    await until(page, (time_s) => window.earpoint.player.time_s >= time_s, moved[0]);
+    await page.click('#play');
+
+    for (const name of ['WAV', 'MP4']) {
+      const saved = await save(name);
+      const again = join(folder, `again.${name.toLowerCase()}`);
+      await runProgram('render', CLIP, ...TOLD, '--path', csv, '--model', 'gtf', '--quiet', '-o', again);
+      assert.ok(readFileSync(saved).equals(readFileSync(again)), `the two ${name} files differ`);
+    }
   } finally {
     rmSync(folder, { recursive: true });
   }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -8,6 +9,7 @@
 #include <earpoint/core/progress.h>
 #include <earpoint/evaluate/clip_metrics.h>
 #include <earpoint/evaluate/earpoint_clip.h>
+#include <earpoint/evaluate/view_figure.h>
 
 namespace earpoint {
 
@@ -72,5 +74,12 @@ struct ComparisonOptions {
 /// page plays the files beside it.
 /// @param folder  the one that compare_earpoints() has filled
 void write_earpoint_page(const EarpointComparison& comparison, const std::filesystem::path& folder);
+
+/// The comparison as a row of a figure: the clip, what every method made of each earpoint beside
+/// the truth, and the enhanced speech at the right.
+/// @param enhanced  a sound file of one channel; nothing: no such column
+/// @throws InputError if a sound or picture cannot be read
+[[nodiscard]] FigureRow figure_row(const EarpointComparison& comparison,
+                                   const std::optional<std::filesystem::path>& enhanced);
 
 }  // namespace earpoint

@@ -2,11 +2,17 @@
 
 #include <filesystem>
 #include <memory>
+#include <string>
 
 namespace earpoint {
 
-/// Serves a study's page and takes its answers, to this computer alone (StudyDesk says what is in
-/// them):
+struct StudyServerOptions {
+  std::string host = "127.0.0.1";
+  int port = 0;         ///< 0: any that is free
+  std::string token{};  ///< what every request must bring; empty: this computer alone is answered
+};
+
+/// Serves a study's page and takes its answers (StudyDesk says what is in them), by a PageServer:
 ///
 ///   GET  /                                   the page and its files
 ///   GET  /api/study
@@ -18,14 +24,13 @@ namespace earpoint {
 ///   POST /api/participants/ID/finish
 class StudyServer {
  public:
-  /// @throws InputError as StudyDesk
-  explicit StudyServer(const std::filesystem::path& folder);
+  /// @throws InputError as StudyDesk, as PageServer
+  explicit StudyServer(const std::filesystem::path& folder, const StudyServerOptions& options = {});
   ~StudyServer();
 
-  /// @param port  of 127.0.0.1; 0 takes any that is free
   /// @return the port
-  /// @throws InputError if it cannot be had
-  int bind(int port);
+  /// @throws InputError if the address cannot be had
+  int bind();
   /// Serves until stop(); after bind().
   void run();
   /// From any thread.

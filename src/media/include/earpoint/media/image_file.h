@@ -30,6 +30,10 @@ namespace earpoint {
 /// @return the bytes of a PNG file
 [[nodiscard]] std::vector<std::byte> encode_png(const Image& image);
 
+/// @param image  as encode_png()
+/// @return the bytes of a JPEG file, as write_image() writes it
+[[nodiscard]] std::vector<std::byte> encode_jpeg(const Image& image);
+
 /// Finds out before long work whether write_image() can write there.
 /// @throws InputError as write_image
 void check_image_path(const std::filesystem::path& path);

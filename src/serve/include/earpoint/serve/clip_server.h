@@ -10,6 +10,7 @@
 
 #include <earpoint/serve/clip_library.h>
 #include <earpoint/serve/listen_method.h>
+#include <earpoint/serve/page_server.h>
 
 namespace earpoint {
 
@@ -61,9 +62,6 @@ class ClipServer {
   struct State;
   std::unique_ptr<State> state_;
 };
-
-/// Whether an address to listen at is reached from this computer alone.
-[[nodiscard]] bool is_loopback(std::string_view host);
 
 /// Whether this build holds the page: esbuild was there when it was configured.
 [[nodiscard]] bool has_page();

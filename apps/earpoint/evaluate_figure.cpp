@@ -1,0 +1,108 @@
+#include "evaluate_figure.h"
+
+#include <algorithm>
+#include <set>
+
+#include <fmt/format.h>
+
+#include <earpoint/core/error.h>
+#include <earpoint/core/file.h>
+#include <earpoint/evaluate/view_figure.h>
+#include <earpoint/evaluate/viewed_clip.h>
+#include <earpoint/network/shipped_model.h>
+#include <earpoint/render/make_synthesizer.h>
+#include <earpoint/render_files/render.h>
+
+namespace {
+
+namespace fs = std::filesystem;
+using earpoint::InputError;
+using earpoint::MethodEntry;
+
+constexpr const char* kEnhancer = "enhance";
+constexpr double kAssumedFovDegrees = 90.0;
+
+std::optional<fs::path> enhancing_model() {
+  return earpoint::shipped_model_path(std::string(kEnhancer) + ".safetensors");
+}
+
+/// The speech of the clip's speaker; nothing where no model for that is shipped.
+std::optional<fs::path> enhanced(const earpoint::EarpointClip& clip, const fs::path& folder,
+                                 int threads, earpoint::ProgressSink& progress) {
+  const auto model = enhancing_model();
+  if (!model) return std::nullopt;
+  earpoint::RenderSource source;
+  source.sound.path = clip.clip;
+  if (clip.speaker_box) source.speaker_track = earpoint::SpeakerTrack(*clip.speaker_box);
+  earpoint::SynthesizerOptions how;
+  how.threads = threads;
+  how.enhances = true;
+  how.horizontal_fov_rad =
+      earpoint::radians_from_degrees(clip.fov_deg.value_or(kAssumedFovDegrees));
+  earpoint::ClipRenderOptions options;
+  options.answer = earpoint::RenderAnswer::voice;
+  options.threads = threads;
+  const fs::path output = folder / "enhanced.flac";
+  const earpoint::RenderTarget target{earpoint::EarpointPath(earpoint::Pose{}), output};
+  (void)render(source, *earpoint::make_synthesizer(model->string(), how), {&target, 1}, options,
+               progress);
+  return output;
+}
+
+}  // namespace
+
+void check_figure_path(const fs::path& path) {
+  if (path.extension() != ".svg") {
+    throw InputError("--figure " + path.string(), "figures are written as .svg",
+                     "convert it afterwards, or name a file that ends in .svg");
+  }
+  const earpoint::AtomicFile probe(path);
+}
+
+void draw_figure(const FigureRequest& request, earpoint::ProgressSink& progress) {
+  check_figure_path(request.output);
+  const std::vector<earpoint::ViewedClip> clips =
+      earpoint::read_viewed_clips({.data = request.methods.data,
+                                   .layout = request.methods.layout,
+                                   .split = request.split,
+                                   .names = request.clips,
+                                   .count = request.count});
+  std::set<std::string> scenes;
+  MethodRequest wanted = request.methods;
+  for (const earpoint::ViewedClip& clip : clips) {
+    scenes.insert(clip.scene);
+    wanted.knows_speaker = wanted.knows_speaker && clip.knows_speaker;
+  }
+  const std::vector<MethodEntry> methods = methods_of(wanted, scenes);
+  for (const MethodEntry& method : methods) {
+    if (method.is_oracle) {
+      throw InputError("--methods " + method.name, "figures show no oracles", "leave it out");
+    }
+    if (method.needs_speaker && !wanted.knows_speaker) {
+      throw InputError("--methods " + method.name,
+                       "must know where the speaker stands, which these clips do not tell",
+                       "leave it out");
+    }
+  }
+  std::vector<MethodEntry> enhancers;
+  if (enhancing_model()) {
+    wanted.words = {kEnhancer};
+    wanted.enhance = true;
+    enhancers = methods_of(wanted, scenes);
+  }
+  std::vector<earpoint::FigureRow> rows;
+  progress.begin("rendering", static_cast<double>(clips.size()), "clips");
+  for (const earpoint::ViewedClip& clip : clips) {
+    rows.push_back(figure_row(clip, methods, enhancers.empty() ? nullptr : &enhancers.front()));
+    progress.advance(1.0);
+  }
+  progress.finish();
+  earpoint::write_file(request.output, earpoint::view_figure_svg(rows));
+}
+
+void draw_figure(const fs::path& output, const earpoint::EarpointComparison& comparison,
+                 const fs::path& folder, int threads, earpoint::ProgressSink& progress) {
+  const earpoint::FigureRow row =
+      figure_row(comparison, enhanced(comparison.clip, folder, threads, progress));
+  earpoint::write_file(output, earpoint::view_figure_svg({&row, 1}));
+}

@@ -1,0 +1,303 @@
+#include <earpoint/evaluate/viewed_clip.h>
+
+#include "report_sounds.h"
+
+#include <algorithm>
+#include <charconv>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include <earpoint/audio/sound_file.h>
+#include <earpoint/core/error.h>
+#include <earpoint/dataset/numpy_random.h>
+#include <earpoint/dataset/pair_list.h>
+#include <earpoint/dataset/replay_pair.h>
+
+namespace earpoint {
+namespace {
+
+constexpr std::size_t kCacheBytes = std::size_t{64} << 20U;
+constexpr std::uint64_t kDrawSeed = 1;  // of pairs where the data set has no list
+constexpr std::uint32_t kReleasedSeed = 0;
+constexpr const char* kNearMicrophone = "near.wav";  // beside the views of prepared recordings
+
+/// "home-100/3:2" is the clip "home-100/3" and the source "2".
+struct AskedClip {
+  explicit AskedClip(const std::string& words) : name(words) {
+    if (const auto colon = words.rfind(':'); colon != std::string::npos) {
+      name = words.substr(0, colon);
+      source = words.substr(colon + 1);
+    }
+  }
+  std::string name;
+  std::optional<std::string> source;
+};
+
+[[noreturn]] void refuse(const std::string& words, const std::string& why) {
+  throw InputError("clips " + words, why, "expected SCENE/CLIP or SCENE/CLIP:SOURCE");
+}
+
+std::optional<int> number_in(const std::string& word) {
+  int number = 0;
+  const char* const end = word.data() + word.size();
+  const auto [rest, error] = std::from_chars(word.data(), end, number);
+  if (error != std::errc{} || rest != end || number < 0) return std::nullopt;
+  return number;
+}
+
+/// Both channels are alike: one is enough.
+Waveform one_channel(const Waveform& sound) {
+  Waveform mono(1, sound.samples(), sound.sample_rate_hz());
+  std::ranges::copy(sound.channel(0), mono.channel(0).begin());
+  return mono;
+}
+
+/// All viewpoints but the source, or `most` of them spread evenly.
+std::vector<int> other_views(std::size_t views, int source, std::size_t most) {
+  std::vector<int> others;
+  for (int view = 0; view < static_cast<int>(views); ++view) {
+    if (view != source) others.push_back(view);
+  }
+  const std::size_t count = std::min(most, others.size());
+  std::vector<int> chosen;
+  for (std::size_t i = 0; i < count; ++i) chosen.push_back(others[i * others.size() / count]);
+  return chosen;
+}
+
+class SoundSpacesViews {
+ public:
+  explicit SoundSpacesViews(const ViewedClipChoice& choice)
+      : most_targets_(choice.most_targets),
+        dataset_(soundspaces_options(choice.data, choice.split)),
+        sampler_(dataset_, kCacheBytes),
+        near_(dataset_, kCacheBytes, ResponseDelays::dropped, PairTarget::near_microphone) {
+    const auto found = find_pair_list(choice.data, choice.split);
+    pairs_ = found ? read_pair_list(*found).pairs
+                   : draw_pair_list(dataset_, PairDraw::every_target, kDrawSeed).pairs;
+  }
+
+  [[nodiscard]] ViewedClip named(const std::string& words) const {
+    const AskedClip asked(words);
+    std::optional<ViewPair> chosen;
+    for (const ViewPair& pair : pairs_) {
+      if (fmt::format("{}/{}", pair.scene, pair.clip) != asked.name) continue;
+      if (!chosen || (!sees_speaker(*chosen) && sees_speaker(pair))) chosen = pair;
+    }
+    if (!chosen) refuse(words, "names no clip of the split");
+    if (asked.source) {
+      const auto source = number_in(*asked.source);
+      if (!source || *source >= std::ssize(clip(*chosen).viewpoints)) {
+        refuse(words, "has no such source");
+      }
+      chosen->choice.source = *source;
+    }
+    return read(*chosen);
+  }
+
+  [[nodiscard]] std::vector<ViewedClip> first(std::size_t count) const {
+    std::vector<ViewedClip> clips;
+    std::string last;
+    for (const ViewPair& pair : pairs_) {
+      const std::string name = fmt::format("{}/{}", pair.scene, pair.clip);
+      if (clips.size() == count) break;
+      if (name == last || !sees_speaker(pair)) continue;
+      clips.push_back(read(pair));
+      last = name;
+    }
+    if (clips.empty()) {
+      throw InputError("figure", "no source of the split sees its speaker", "name the clips");
+    }
+    return clips;
+  }
+
+ private:
+  [[nodiscard]] const SoundSpacesClip& clip(const ViewPair& pair) const {
+    return clip_of(pair, dataset_.clips(), "the pair list");
+  }
+
+  [[nodiscard]] std::vector<FigureBox> people(const ViewPair& pair, int view) const {
+    const SoundSpacesClip& clip_seen = clip(pair);
+    std::vector<FigureBox> seen;
+    for (int person = 0; person < std::ssize(clip_seen.speakers); ++person) {
+      const auto& boxes = clip_seen.viewpoints.at(static_cast<std::size_t>(view)).bboxes;
+      const auto found = boxes.find(clip_seen.speakers[static_cast<std::size_t>(person)].id);
+      if (found == boxes.end()) continue;
+      if (const auto box = from_soundspaces_box(found->second)) {
+        seen.push_back({*box, person == pair.choice.speaker});
+      }
+    }
+    return seen;
+  }
+
+  [[nodiscard]] bool sees_speaker(const ViewPair& pair) const {
+    return std::ranges::any_of(people(pair, pair.choice.source), &FigureBox::speaks);
+  }
+
+  [[nodiscard]] ViewedClip read(const ViewPair& pair) const {
+    const SoundSpacesClip& from = clip(pair);
+    SoundSpacesChoice choice = pair.choice;
+    ViewedClip viewed;
+    viewed.scene = pair.scene;
+    viewed.name = fmt::format("{}, clip {}, at {:.2f} s", pair.scene, pair.clip,
+                              static_cast<double>(choice.window_start) / 16000.0);
+    viewed.source = {sampler_.picture(from, choice.source), people(pair, choice.source)};
+    for (const int view : other_views(from.viewpoints.size(), choice.source, most_targets_)) {
+      choice.target = view;
+      viewed.targets.push_back({fmt::format("{}", view),
+                                sampler_.sample(from, choice),
+                                {sampler_.picture(from, view), people(pair, view)}});
+    }
+    if (viewed.targets.empty()) throw InputError(viewed.name, "has one viewpoint alone");
+    viewed.near_microphone = one_channel(near_.sample(from, choice).target);
+    return viewed;
+  }
+
+  std::size_t most_targets_;
+  SoundSpacesDataset dataset_;
+  PairSampler sampler_;
+  PairSampler near_;
+  std::vector<ViewPair> pairs_;
+};
+
+/// "data/appen_dataset/v3/SC-1027/3" is called SC-1027/3.
+std::string short_name(const ReplayClip& clip) {
+  const std::filesystem::path folder = clip.folder;
+  return fmt::format("{}/{}", clip.scene, folder.filename().string());
+}
+
+class ReplayViews {
+ public:
+  explicit ReplayViews(const ViewedClipChoice& choice)
+      : most_targets_(choice.most_targets),
+        options_(replay_options(choice.data, choice.split)),
+        dataset_(options_) {}
+
+  [[nodiscard]] ViewedClip named(const std::string& words) const {
+    const AskedClip asked(words);
+    const auto found = std::ranges::find_if(
+        dataset_.clips(), [&](const ReplayClip& clip) { return short_name(clip) == asked.name; });
+    if (found == dataset_.clips().end()) refuse(words, "names no clip of the split");
+    if (!asked.source) return read(*found, drawn_source(*found));
+    for (int i = 0; i < std::ssize(found->images); ++i) {
+      const std::filesystem::path image = found->images[static_cast<std::size_t>(i)];
+      if (image.stem() == *asked.source) return read(*found, i);
+    }
+    refuse(words, "has no such source");
+  }
+
+  [[nodiscard]] std::vector<ViewedClip> first(std::size_t count) const {
+    std::vector<ViewedClip> clips;
+    for (const ReplayClip& clip : dataset_.clips()) {
+      if (clips.size() == count) break;
+      ViewedClip viewed = read(clip, drawn_source(clip));
+      if (!viewed.source.people.empty()) clips.push_back(std::move(viewed));
+    }
+    if (clips.empty()) {
+      throw InputError("figure", "no source of the split sees its speaker", "name the clips");
+    }
+    return clips;
+  }
+
+ private:
+  [[nodiscard]] int drawn_source(const ReplayClip& clip) const {
+    NumpyRandom random(kReleasedSeed);
+    return dataset_.draw(clip, random).source;
+  }
+
+  /// A view as the source of a pair: the layout tells pictures and boxes of sources.
+  [[nodiscard]] SeenView seen(const ReplayClip& clip, int view, int other) const {
+    const PairSample sample = replay_pair(dataset_, clip, {view, other}, false);
+    SeenView result{sample.picture, {}};
+    if (sample.speaker_box) result.people.push_back({*sample.speaker_box, true});
+    return result;
+  }
+
+  [[nodiscard]] ViewedClip read(const ReplayClip& clip, int source) const {
+    ViewedClip viewed;
+    viewed.scene = clip.scene;
+    viewed.name = short_name(clip);
+    viewed.knows_speaker = clip.mouth_m.has_value();
+    for (const int view : other_views(clip.images.size(), source, most_targets_)) {
+      viewed.targets.push_back(
+          {std::filesystem::path(clip.images[static_cast<std::size_t>(view)]).stem().string(),
+           replay_pair(dataset_, clip, {source, view}, false), seen(clip, view, source)});
+    }
+    if (viewed.targets.empty()) throw InputError(clip.folder, "has one viewpoint alone");
+    const PairSample& sample = viewed.targets.front().sample;
+    viewed.source = {sample.picture, {}};
+    if (sample.speaker_box) viewed.source.people.push_back({*sample.speaker_box, true});
+    const auto near = options_.root / clip.folder / kNearMicrophone;
+    if (std::filesystem::exists(near)) viewed.near_microphone = read_sound(near);
+    return viewed;
+  }
+
+  std::size_t most_targets_;
+  ReplayDataset::Options options_;
+  ReplayDataset dataset_;
+};
+
+template <typename Views>
+std::vector<ViewedClip> read_from(const Views& views, const ViewedClipChoice& choice) {
+  if (choice.names.empty()) return views.first(choice.count);
+  std::vector<ViewedClip> clips;
+  for (const std::string& name : choice.names) clips.push_back(views.named(name));
+  return clips;
+}
+
+FigureView picture_of(const std::string& title, const SeenView& seen) {
+  FigureView view;
+  view.title = title;
+  if (seen.picture) view.picture = *seen.picture;
+  view.boxes = seen.people;
+  return view;
+}
+
+}  // namespace
+
+std::vector<ViewedClip> read_viewed_clips(const ViewedClipChoice& choice) {
+  EARPOINT_CHECK(choice.count > 0 && choice.most_targets > 0);
+  if (choice.layout == DatasetLayout::replay) return read_from(ReplayViews(choice), choice);
+  return read_from(SoundSpacesViews(choice), choice);
+}
+
+FigureRow figure_row(const ViewedClip& clip, std::span<const MethodEntry> methods,
+                     const MethodEntry* enhancer) {
+  FigureRow row{.title = clip.name, .views = {}};
+  row.views.push_back(picture_of("Source", clip.source));
+  row.views.back().sounds.push_back({"recorded", clip.targets.front().sample.source});
+  int number = 0;
+  for (const ViewedClip::Target& target : clip.targets) {
+    FigureView view = picture_of(fmt::format("Target {}", ++number), target.seen);
+    view.caption = words_of(target.sample.source_from_target);
+    view.source_from_target = target.sample.source_from_target;
+    for (const MethodEntry& method : methods) {
+      EARPOINT_CHECK(!method.is_oracle);
+      view.sounds.push_back(
+          {method.name, ask(*method.make(), method, target.sample, clip.scene, nullptr)});
+    }
+    view.sounds.push_back({"truth", target.sample.target});
+    row.views.push_back(std::move(view));
+  }
+  if (enhancer == nullptr) return row;
+  // As in training: nothing is told of where the microphone is.
+  PairSample sample = clip.targets.front().sample;
+  sample.source_from_target = {};
+  FigureView voice;
+  voice.title = "Enhancement";
+  voice.has_own_scale = true;
+  const auto speaker = std::ranges::find_if(clip.source.people, &FigureBox::speaks);
+  if (clip.source.picture && speaker != clip.source.people.end()) {
+    voice.picture = cut_out(*clip.source.picture, speaker->box);
+  }
+  voice.sounds.push_back(
+      {"enhanced from the source",
+       one_channel(ask(*enhancer->make(), *enhancer, sample, clip.scene, nullptr))});
+  if (clip.near_microphone) {
+    voice.sounds.push_back({"truth, at the speaker's microphone", *clip.near_microphone});
+  }
+  row.views.push_back(std::move(voice));
+  return row;
+}
+
+}  // namespace earpoint

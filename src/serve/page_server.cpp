@@ -1,0 +1,205 @@
+#include <earpoint/serve/page_server.h>
+
+#include "access.h"
+#include "timed_stream.h"
+
+#include <array>
+#include <exception>
+#include <utility>
+
+#include <fmt/format.h>
+#include <httplib.h>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+#include <earpoint/core/error.h>
+
+namespace earpoint {
+namespace {
+
+using httplib::Request;
+using httplib::Response;
+
+// Every open connection has a thread, busy or not. So many may be idle or slow before others wait.
+constexpr int kThreads = 256;
+constexpr std::size_t kMostRequests = 1000;  // of a connection
+constexpr int kWaiting = 256;                // connections that are not accepted yet
+constexpr std::chrono::milliseconds kIdle{5000};
+
+/// httplib's server with connections that nobody can hold on to.
+class TimedServer : public httplib::Server {
+ public:
+  explicit TimedServer(const StreamLimits& limits) : limits_(limits) {}
+
+  /// After binding: httplib lets five connections wait, and the system lets the others try again
+  /// after a second and more.
+  void let_many_wait() { (void)::listen(svr_sock_, kWaiting); }
+
+ private:
+  bool process_and_close_socket(socket_t socket) override {
+    TimedStream stream(socket, limits_, [this] { return svr_sock_ == INVALID_SOCKET; });
+    bool is_answered = false;
+    for (std::size_t left = kMostRequests; left > 0 && stream.wait_for_request(kIdle); --left) {
+      bool is_closed = false;
+      is_answered =
+          process_request(stream, left == 1, is_closed, [&](Request&) { stream.begin_body(); });
+      // What follows headers that are none cannot be told.
+      if (!is_answered || is_closed || stream.is_in_headers()) break;
+    }
+    ::shutdown(socket, SHUT_RDWR);
+    ::close(socket);
+    return is_answered;
+  }
+
+  StreamLimits limits_;
+};
+
+const char* type_of(std::string_view name) {
+  if (name.ends_with(".html")) return "text/html; charset=utf-8";
+  if (name.ends_with(".js")) return "text/javascript; charset=utf-8";
+  if (name.ends_with(".css")) return "text/css; charset=utf-8";
+  return "application/octet-stream";
+}
+
+/// Where a browser goes on from the address with the token: the same without it.
+std::string without_token(const std::string& target) {
+  std::string rest;
+  for (std::size_t at = std::min(target.find('?'), target.size()); at < target.size();) {
+    const std::size_t end = std::min(target.find('&', at + 1), target.size());
+    const std::string_view pair = std::string_view(target).substr(at + 1, end - at - 1);
+    if (!pair.starts_with("token=")) rest += (rest.empty() ? "?" : "&") + std::string(pair);
+    at = end;
+  }
+  return "/" + rest;
+}
+
+void answer_failure(Response& response, std::exception_ptr failure) {
+  try {
+    std::rethrow_exception(std::move(failure));
+  } catch (const InputError& error) {
+    refuse(response, 500, error.what());
+  } catch (...) {
+    refuse(response, 500, "the server failed at this: a fault of the program");
+  }
+}
+
+}  // namespace
+
+struct PageServer::State {
+  explicit State(PageServerOptions options_in)
+      : options(std::move(options_in)),
+        access(options.host, options.token),
+        server(options.limits) {
+    server.new_task_queue = [] { return new httplib::ThreadPool(kThreads); };
+    server.set_payload_max_length(options.most_body);
+    server.set_tcp_nodelay(true);
+    // httplib would let two servers share a port (SO_REUSEPORT).
+    server.set_socket_options([](socket_t socket) {
+      const int yes = 1;
+      setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof(yes));
+    });
+    server.set_default_headers(
+        {{"Cache-Control", "no-store"},
+         {"X-Content-Type-Options", "nosniff"},
+         {"Referrer-Policy", "no-referrer"},
+         {"Content-Security-Policy",
+          "default-src 'self'; img-src 'self' data:; frame-ancestors 'none'"}});
+    server.set_pre_routing_handler([this](const Request& request, Response& response) {
+      return admit(request, response) ? httplib::Server::HandlerResponse::Unhandled
+                                      : httplib::Server::HandlerResponse::Handled;
+    });
+    server.set_exception_handler(
+        [](const Request&, Response& response, std::exception_ptr failure) {
+          answer_failure(response, std::move(failure));
+        });
+  }
+
+  /// Whether the request goes on to its handler.
+  bool admit(const Request& request, Response& response) const {
+    if (const auto refusal = access.refusal(request)) {
+      refuse(response, refusal->status, refusal->why);
+      return false;
+    }
+    if (request.method != "GET" && request.method != "POST" && request.method != "HEAD") {
+      refuse(response, 405, "GET and POST are answered");
+      return false;
+    }
+    if (request.is_multipart_form_data()) {
+      refuse(response, 415, "send the file itself, not a form");
+      return false;
+    }
+    if (const auto cookie = access.cookie(request); cookie && request.path == "/") {
+      response.set_header("Set-Cookie", *cookie);
+      response.set_redirect(without_token(request.target));
+      return false;
+    }
+    return true;
+  }
+
+  PageServerOptions options;
+  Access access;
+  TimedServer server;
+};
+
+PageServer::PageServer(PageServerOptions options) {
+  if (!is_loopback(options.host) && options.token.empty()) {
+    throw InputError("host " + options.host, "the address is public, and there is no token");
+  }
+  state_ = std::make_unique<State>(std::move(options));
+}
+PageServer::~PageServer() = default;
+
+httplib::Server& PageServer::routes() { return state_->server; }
+
+void PageServer::route_page(std::span<const PageBytes> page) {
+  state_->server.Get(".*", [page](const Request& request, Response& response) {
+    const std::string name = request.path == "/" ? "/index.html" : request.path;
+    for (const PageBytes& file : page) {
+      if (fmt::format("/{}", file.name) != name) continue;
+      return response.set_content(file.bytes.data(), file.bytes.size(), type_of(name));
+    }
+    refuse(response, 404, "there is no such page");
+  });
+}
+
+int PageServer::bind() {
+  State& s = *state_;
+  int port = s.options.port;
+  if (port == 0) {
+    port = s.server.bind_to_any_port(s.options.host);
+  } else if (!s.server.bind_to_port(s.options.host, port)) {
+    port = -1;
+  }
+  if (port < 0) {
+    throw InputError(fmt::format("{}:{}", s.options.host, s.options.port), "cannot be served",
+                     "choose another port; 0 takes any that is free");
+  }
+  s.server.let_many_wait();
+  s.access.set_port(port);
+  return port;
+}
+
+void PageServer::run() { state_->server.listen_after_bind(); }
+
+void PageServer::stop() { state_->server.stop(); }
+
+std::string page_address(const std::string& host, int port, const std::string& token) {
+  std::string shown = host;
+  std::array<char, 256> name{};
+  if (host.find(':') != std::string::npos) {
+    shown = "[" + host + "]";
+  } else if (host == "0.0.0.0" && gethostname(name.data(), name.size() - 1) == 0) {
+    shown = name.data();
+  }
+  return fmt::format("http://{}:{}/{}", shown, port, token.empty() ? "" : "?token=" + token);
+}
+
+void refuse(Response& response, int status, const std::string& why) {
+  using nlohmann::json;
+  response.status = status;
+  // File names from outside need not be UTF-8.
+  response.set_content(json{{"error", why}}.dump(-1, ' ', false, json::error_handler_t::replace),
+                       "application/json");
+}
+
+}  // namespace earpoint
