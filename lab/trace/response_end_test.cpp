@@ -52,6 +52,7 @@ TEST(ResponseEnd, SharpArrivalsCount) {
   response.arrivals[1].delay_s = 0.19;
   response.arrivals[1].gain = all_bands(0.1F);
   const ResponseEnd end = response_end(response, 0.2);
+  // Gains are floats: 1e-7 of a tenth.
   EXPECT_NEAR(end.level_db, -20.0, 1e-3);
 }
 
