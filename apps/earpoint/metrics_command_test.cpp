@@ -192,6 +192,7 @@ TEST_F(MetricsCommand, ImpulseResponsesAreComparedByTheirDecays) {
   const std::string reference = write("a.wav", decay(0.4));
   const std::string estimate = write("b.wav", decay(0.5));
   const nlohmann::json json = json_of({reference, estimate, "--impulse-responses"});
+  // The end that is cut off bends the decay: 0.1 % of either time, twice that of their ratio.
   EXPECT_NEAR(json.at("t60_error_s").get<double>(), 0.1, 1e-3);
   EXPECT_NEAR(json.at("t60_error_percent").get<double>(), 25.0, 0.3);
   EXPECT_EQ(json.at("t60_range"), "t30");

@@ -104,6 +104,7 @@ TEST(SceneRenderer, FieldOfViewEndsAtTheEdgesOfThePicture) {
 
 TEST(SceneRenderer, DepthIsMeasuredAlongTheAxis) {
   const View view = SceneRenderer(wall_in_front()).render({.width = 64, .height = 48}, {}, 1);
+  ASSERT_EQ(view.depth_m.pixels().size(), 64U * 48U);
   for (const float depth_m : view.depth_m.pixels()) {
     EXPECT_NEAR(depth_m, 4.0F, 4e-6F);  // single precision: 4 times a few 1e-7
   }

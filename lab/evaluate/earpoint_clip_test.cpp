@@ -121,6 +121,7 @@ class BundledClip : public testing::Test {
 
 TEST_F(BundledClip, TruthsAreBinauralAndAsLongAsTheClip) {
   const double clip_s = probe_media(clip_.clip).duration_s.value();
+  ASSERT_EQ(clip_.earpoints.size(), 4U);
   for (const KnownEarpoint& earpoint : clip_.earpoints) {
     const Waveform sound = read_sound(earpoint.truth);
     EXPECT_EQ(sound.channels(), 2) << earpoint.name;

@@ -166,6 +166,7 @@ TEST_F(EvaluationTest, TellsMethodsOfTheSpeakerWhatItIsAskedToAndOraclesTheTruth
   const std::vector<MethodEntry> methods{method("told", check(false)),
                                          method("oracle", check(true), true)};
   const EvaluationResult result = evaluate(*set, methods, options, silent);
+  ASSERT_EQ(result.clips.size(), 3U);
   for (const ClipResult& clip : result.clips) {
     EXPECT_EQ(clip.speaker_in_sight, set->sample(clip.pair).speaker_box.has_value());
   }
@@ -251,6 +252,7 @@ TEST_F(EvaluationTest, SignFixLeavesTheInputAlone) {
 TEST_F(EvaluationTest, ReleasedColumnTakesTheReleasedSample) {
   const auto set = test_set(3);
   const EvaluationResult result = evaluate_all(CheatingSet(*set), {input_method()});
+  ASSERT_EQ(result.clips.size(), 3U);
   for (const ClipResult& clip : result.clips) {
     EXPECT_GT(clip.honest[0][Metric::mag], 0.0);
     EXPECT_EQ(clip.released[0][Metric::mag], 0.0);
@@ -308,7 +310,9 @@ TEST_F(EvaluationTest, NetworkGetsTheWholeWindow) {
   const auto set = test_set(2);
   const EvaluationResult result =
       evaluate_all(*set, {input_method(), network_method("copy", "input")});
+  ASSERT_EQ(result.clips.size(), 2U);
   for (const ClipResult& clip : result.clips) {
+    EXPECT_GT(clip.honest[0][Metric::mag], 0.0);
     for (const Metric metric : all_metrics()) {
       EXPECT_EQ(clip.honest[0][metric], clip.honest[1][metric]) << name_of(metric).key;
     }

@@ -131,6 +131,7 @@ TEST(BinauralMetrics, FollowTheScaleOfTheDifference) {
   const Waveform silence(2, 16000, kMetricRateHz);
   const BinauralMetrics whole = binaural_metrics(wave, silence);
   const BinauralMetrics half = binaural_metrics(wave, scaled(wave, 0.5F, 0.5F));
+  // Halves of floats are exact; the sums and roots of either are doubles.
   EXPECT_NEAR(half.mag, whole.mag / 2, 1e-7 * whole.mag);
   EXPECT_NEAR(half.stft_distance, whole.stft_distance / 2, 1e-7 * whole.stft_distance);
   EXPECT_NEAR(half.l2, whole.l2 / 4, 1e-7 * whole.l2);

@@ -115,7 +115,9 @@ TEST_F(ReplayEvaluationSetTest, OnlyTheReleasedColumnIsAlignedByTheTarget) {
   const auto set = replay_evaluation_set(root_, "test", {});
   SilentProgress silent;
   const std::vector<MethodEntry> methods{input_method()};
-  for (const ClipResult& clip : evaluate(*set, methods, {}, silent).clips) {
+  const EvaluationResult result = evaluate(*set, methods, {}, silent);
+  ASSERT_FALSE(result.clips.empty());
+  for (const ClipResult& clip : result.clips) {
     EXPECT_EQ(clip.honest[0][Metric::delay], 20.0);
     EXPECT_EQ(clip.released[0][Metric::delay], 0.0);
     EXPECT_LT(clip.released[0][Metric::mag].value(), 0.1 * clip.honest[0][Metric::mag].value());

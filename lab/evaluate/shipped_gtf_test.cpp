@@ -196,6 +196,7 @@ TEST_F(ShippedGtf, KeepsTheLevelWhereNothingMovesWithAnyPictureOrNone) {
                           .speaker_box = some_box(clips[own], random),
                           .speaker_m = std::nullopt});
     const Waveform found = synthesizer_.synthesize({});
+    // What gtf_level_tolerance allows at rest.
     EXPECT_NEAR(level_db(found.planar()), level_db(clips[own].sound.planar()), 0.5) << i;
   }
 }

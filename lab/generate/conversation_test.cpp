@@ -289,6 +289,7 @@ TEST(PreparedScene, AScanIsMovedOntoItsFloor) {
   Scene scene = two_rooms();
   for (auto& position : scene.mesh.positions) position[2] -= 1.25F;
   const auto prepared = prepare_scan("scan", std::move(scene));
+  // Two roundings of floats of up to 2.5 m; the floor is the mean of many.
   EXPECT_NEAR(bounds(prepared->scene.mesh).low.z, 0.0, 1e-5);
   EXPECT_NEAR(prepared->floor.floor_m(), 0.0, 1e-5);
 }

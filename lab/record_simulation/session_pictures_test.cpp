@@ -22,6 +22,7 @@ TEST(BodyOutline, IsWhatThePictureShowsWhereNothingHidesIt) {
   const Camera camera{.world_from_camera = plan.world_from_camera[0], .width = 160, .height = 120};
   const View view =
       room->renderer.extended(peopled.scene).render(camera, {.samples_per_side = 1}, 1);
+  ASSERT_EQ(peopled.people.size(), 2U);
   for (const Person& person : peopled.people) {
     const auto outline = outline_of(peopled.scene, person.instance, camera);
     ASSERT_TRUE(outline);

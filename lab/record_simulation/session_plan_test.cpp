@@ -152,6 +152,7 @@ TEST(SpeechIntervals, LeaveOutSilence) {
   for (std::ptrdiff_t i = 2 * 16000; i < 16000 * 5 / 2; ++i) turn.speech.channel(0)[i] = 0.1F;
   const std::vector<SpeechInterval> intervals = speech_intervals(turn);
   ASSERT_EQ(intervals.size(), 2U);
+  // Loudness is told in blocks of 20 ms.
   EXPECT_NEAR(intervals[0].begin_s, 5.5, 0.021);
   EXPECT_NEAR(intervals[0].end_s, 6.0, 0.021);
   EXPECT_NEAR(intervals[1].begin_s, 7.0, 0.021);

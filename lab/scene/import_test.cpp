@@ -97,6 +97,8 @@ void expect_the_room(const Scene& scene) {
 TEST_F(Import, ReadsObjWithPolygonsTheirSurfacesAndTexture) {
   const ImportedScene room = import_scene(file("room.obj"));
   expect_the_room(room.scene);
+  // Here and below: products of floats of a few metres that are good to 1e-6, over some tens of
+  // faces.
   EXPECT_NEAR(area_m2(room.scene, "carpet_felt"), kFloor_m2, 1e-3);
   EXPECT_NEAR(area_m2(room.scene, "ceramic_tile"), 6.0 * 2.5, 1e-3);
   EXPECT_EQ(room.scene.textures.size(), 1U);

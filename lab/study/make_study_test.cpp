@@ -35,6 +35,7 @@ TEST(MakeStudy, EveryClipIsFromAnotherConversation) {
   const TestFolder folder;
   const Study study = copy_test_study(folder.path(), StudyDesign::mushra);
   std::set<std::string> conversations;
+  ASSERT_GT(study.clips.size(), 1U);
   for (const StudyClip& clip : study.clips) {
     EXPECT_TRUE(conversations.insert(clip.pair.substr(0, clip.pair.find(':'))).second) << clip.pair;
   }
@@ -63,7 +64,9 @@ TEST(MakeStudy, SameSeedSameBytesAndAnotherSeedOtherClips) {
 TEST(MakeStudy, SoundsOfAClipAreEquallyLoud) {
   const TestFolder folder;
   const Study study = copy_test_study(folder.path(), StudyDesign::mushra);
+  ASSERT_FALSE(study.clips.empty());
   for (const StudyClip& clip : study.clips) {
+    ASSERT_GT(clip.sounds.size(), 1U);
     const Waveform reference = read_sound(folder.path() / "study" / clip.reference);
     const double aim = loudness_lkfs(reference).value();
     EXPECT_LE(aim, kStudyLoudnessLkfs + 0.1) << clip.id;
@@ -81,7 +84,9 @@ TEST(MakeStudy, KeptLoudnessKeepsWhatMethodsDid) {
   StudyRequest request = test_request(StudyDesign::choice);
   request.match_loudness = false;
   const Study study = make_test_study(folder.path(), request);
+  ASSERT_FALSE(study.clips.empty());
   for (const StudyClip& clip : study.clips) {
+    ASSERT_GT(clip.sounds.size(), 1U);
     for (const StudySound& sound : clip.sounds) {
       EXPECT_DOUBLE_EQ(sound.gain_db, clip.sounds.front().gain_db);
     }

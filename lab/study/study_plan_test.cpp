@@ -52,6 +52,7 @@ TEST(StudyPlan, EverySoundIsAtEveryPlaceEquallyOften) {
       if (step.kind == StudyStep::Kind::trial) ++first[step.order.front()];
     }
   }
+  ASSERT_EQ(first.size(), 3U);
   // 400 each of 1200; five standard deviations are 82.
   for (const auto& [condition, count] : first) EXPECT_NEAR(count, 400, 82) << condition;
 }

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <complex>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -62,7 +63,9 @@ TEST(BandPulses, SoundInPhaseIsOnePulse) {
 }
 
 TEST(BandPulses, SilenceStaysSilent) {
-  for (const BandPulse& pulse : band_pulses({})) {
+  const std::vector<BandPulse> pulses = band_pulses({});
+  ASSERT_FALSE(pulses.empty());
+  for (const BandPulse& pulse : pulses) {
     for (const float gain : pulse.gain) EXPECT_EQ(gain, 0.0F);
   }
 }

@@ -119,6 +119,8 @@ TEST_F(LateFieldTest, EarsInADiffuseFieldAreAlikeInLevelAndUnlikeInPhase) {
       const std::vector<double> a = gates::band_of(ears[0], kRate_hz, centres_hz[i], 1.0);
       const std::vector<double> b = gates::band_of(ears[1], kRate_hz, centres_hz[i], 1.0);
       const double both = std::sqrt(gates::energy(a) * gates::energy(b));
+      // The octave at 250 Hz holds some 13 independent values of such a decay (177 Hz times 72 ms):
+      // its energy strays by 1.2 dB, the others' by less.
       EXPECT_NEAR(gates::decibels(gates::energy(a) / gates::energy(b)), 0.0, 3.0) << centres_hz[i];
       coherence[i] += std::inner_product(a.begin(), a.end(), b.begin(), 0.0) / both / kDraws;
     }

@@ -86,6 +86,7 @@ TEST(MovingSound, ListenerWhoLeavesHearsLowerByDoppler) {
                       .world_from_listener = straight({5, 0, 0}, {8, 0, 0})};
   const Waveform heard = play(open_air(), motion, tone(1000.0, 1.5));
   const double expected_hz = 1000.0 * (1.0 - 8.0 / kAir_m_per_s);
+  // As above.
   EXPECT_NEAR(frequency_of(heard.channel(0), expected_hz, 0.3, 1.3), expected_hz, 0.01);
 }
 

@@ -39,6 +39,7 @@ TEST(ResponseEnd, TheSlowestBandDecides) {
     response.late.at(bin, 0)[1] = static_cast<float>(std::pow(10.0, -3.0 * bin * kBin_s));
   }
   const ResponseEnd end = response_end(response, 1.0);
+  // 30 dB a second over the 0.95 s between the windows; 60 dB take two seconds.
   EXPECT_NEAR(end.level_db, -28.5, 0.5);
   EXPECT_NEAR(end.needed_s, 2.05, 0.05);
 }
@@ -52,6 +53,7 @@ TEST(ResponseEnd, SharpArrivalsCount) {
   response.arrivals[1].delay_s = 0.19;
   response.arrivals[1].gain = all_bands(0.1F);
   const ResponseEnd end = response_end(response, 0.2);
+  // Gains are floats: 1e-7 of a tenth.
   EXPECT_NEAR(end.level_db, -20.0, 1e-3);
 }
 

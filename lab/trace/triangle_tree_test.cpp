@@ -72,6 +72,7 @@ TEST_F(TriangleTreeTest, PacketsFindWhatSingleRaysFind) {
     const auto single = tree_.closest(origins[lane], directions[lane], 100.0, kAllLayers);
     ASSERT_TRUE(packet.hit(lane) && single.has_value());
     EXPECT_EQ(packet.triangles[lane], single->triangle);
+    // Packets compute in float, of distances of up to 10 m.
     EXPECT_NEAR(packet.rays.ray.tfar[lane], single->distance_m, 1e-5F);
   }
 }

@@ -39,6 +39,7 @@ TEST(LinkwitzRiley, SharesTheSpectrumWithoutGapOrBump) {
 
 TEST(LinkwitzRiley, FallsByFortyEightDecibelsAnOctave) {
   const Crossover crossover = linkwitz_riley(kCutoff_hz, kRate_hz);
+  // Half of the amplitude each is -6.0206 dB; a second of response holds all but 1e-4 of it.
   EXPECT_NEAR(db(response(crossover.low, kCutoff_hz)), -6.02, 0.01);
   EXPECT_NEAR(db(response(crossover.high, kCutoff_hz)), -6.02, 0.01);
   // 1 / (1 + x^8)^2 of power, x = 2: -48.2 dB.

@@ -178,6 +178,7 @@ TEST(GatedStack, LoudSoundSaturatesAndStaysFinite) {
     stack.run(source, z, output);
     EXPECT_TRUE(
         std::all_of(output.begin(), output.end(), [](float v) { return std::isfinite(v); }));
+    EXPECT_NE(output, std::vector<float>(source.size())) << "it was written";
   });
 }
 

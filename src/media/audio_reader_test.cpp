@@ -125,6 +125,7 @@ TEST_F(AudioReaderTest, AGapIsSilenceAndTold) {
   run_ffmpeg(fmt::format("{} -c:a pcm_s16le a.mkv", clicks(16000)));
   run_ffmpeg("-i a.mkv -af \"asetpts=PTS+if(gt(T\\,0.5)\\,3/TB\\,0)\" -c:a pcm_s16le b.mkv");
   AudioReader reader(file("b.mkv"));
+  // The gap begins at the first block of ffmpeg that starts later than 0.5 s: up to 0.1 s.
   EXPECT_NEAR(static_cast<double>(read_all(reader).left.size()), 4.0 * 16000, 0.1 * 16000);
   ASSERT_EQ(reader.warnings().size(), 1U);
   EXPECT_TRUE(mentions(reader.warnings()[0], "has no sound from")) << reader.warnings()[0];
@@ -192,6 +193,7 @@ TEST_F(AudioReaderTest, SoundThatBeginsLateBeginsWithSilence) {
         "-c:v copy -c:a {} b_{}",
         clicks(44100), std::string(name) == "a.mp4" ? "flac -strict -2" : "copy", name));
     AudioReader reader(file(fmt::format("b_{}", name)));
+    // Matroska's clock ticks in milliseconds: half of one, and rounding.
     EXPECT_NEAR(reader.info().start_s, 0.5, 0.0006);
     const Ears ears = read_all(reader);
     // Matroska's clock ticks in milliseconds.

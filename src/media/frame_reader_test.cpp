@@ -62,6 +62,7 @@ TEST_F(FrameReaderTest, FindsTheNearestFrameInEveryContainer) {
     make_numbered(fmt::format("{} {}", codec, name));
     FrameReader reader(file(name));
     SCOPED_TRACE(name);
+    // Matroska's clock ticks in milliseconds, at the beginning and at the end.
     EXPECT_NEAR(reader.duration_s(), 2.0, 0.002);
     EXPECT_DOUBLE_EQ(reader.frame_rate_hz(), 25.0);
     const std::vector<double> times_s = regular_times(50, 25.0);
@@ -198,6 +199,8 @@ TEST_F(FrameReaderTest, KnowsItsColours) {
                     "-color_range {} -c:v libx264 -crf 1 a.mp4",
                     c.size, c.matrix, c.range, c.tag, c.range));
     const Image image = FrameReader(file("a.mp4")).frame_nearest(0.0);
+    // Rounding to 8 bits as YCbCr costs 1 in each of three, which the matrix adds up; another
+    // matrix differs by 10 and more.
     EXPECT_NEAR(image.at(9, 9, 0), 0xff, 3) << c.matrix << c.tag << c.range;
     EXPECT_NEAR(image.at(9, 9, 1), 0x80, 3) << c.matrix << c.tag << c.range;
     EXPECT_NEAR(image.at(9, 9, 2), 0x20, 3) << c.matrix << c.tag << c.range;

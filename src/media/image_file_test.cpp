@@ -245,6 +245,7 @@ TEST_F(ImageFile, TheLensTellsTheFieldOfView) {
   run_ffmpeg(
       "-f lavfi -i testsrc2=s=64x48:r=25:d=0.2 -movflags use_metadata_tags -metadata "
       "com.apple.quicktime.camera.focal_length.35mm_equivalent=24 a.mov");
+  // The same focal length; the number above has five digits.
   EXPECT_NEAR(probe_media(file("a.mov")).streams.at(0).horizontal_fov_rad.value(), 1.2497, 1e-3);
 }
 

@@ -189,6 +189,8 @@ void expect_same_pictures(const std::filesystem::path& a, const std::filesystem:
     ASSERT_EQ(image.width(), copy.width());
     ASSERT_TRUE(std::equal(image.pixels().begin(), image.pixels().end(), copy.pixels().begin()))
         << t;
+    // Both containers' clocks tick in milliseconds or finer and start alike: rounding of one tick
+    // of 1/12800 s.
     ASSERT_NEAR(first.frame_time_s(), second.frame_time_s(), 1e-4) << t;
   }
 }
@@ -258,6 +260,8 @@ TEST_F(MovieWriterTest, PicturesComeBackInTheirColours) {
   EXPECT_DOUBLE_EQ(reader.frame_rate_hz(), 30000.0 / 1001.0);
   const Image read = reader.frame_nearest(0.1);
   for (const int x : {0, 17, 35}) {
+    // Rounding to 8 bits as YCbCr costs 1 in each of three, which the matrix adds up; so does the
+    // coding.
     EXPECT_NEAR(read.at(x, 14, 0), 230, 4);
     EXPECT_NEAR(read.at(x, 14, 1), 120, 4);
     EXPECT_NEAR(read.at(x, 27, 2), 30, 4);

@@ -100,6 +100,7 @@ TEST(Draw, WhatLiesOutsideIsLeftOut) {
 TEST(Draw, ColumnsHaveAntialiasedEndsAndAreNeverInvisible) {
   Image image = filled_image(3, 10, kWhite);
   draw_column(image, 1, 2.25, 6.5, kBlack);
+  // Two ends are rounded to one of 255 steps each.
   EXPECT_NEAR(ink(image), 4.25, 0.01);
   EXPECT_EQ(image.at(1, 2, 0), 64);   // three quarters covered
   EXPECT_EQ(image.at(1, 6, 0), 128);  // half covered
@@ -195,6 +196,7 @@ TEST(DrawText, CapitalsStandOnTheBaselineAtTheirHeight) {
       bottom = std::max(bottom, y);
     }
   }
+  // The pixel above the line is the last, and edges are blended over one more.
   EXPECT_NEAR(bottom, 40, 2);
   EXPECT_NEAR(top, 40 - 0.7 * 30, 2);
   EXPECT_GT(ink(picture_of("H", {.size = 30.0, .is_bold = true})), 1.3 * ink(image));

@@ -147,6 +147,7 @@ TEST(PlotWaveforms, AllPanelsShareOneScaleAndOneTimeAxis) {
   const int first_top = 16 + 28 + 26;
   const int loud = count_in(first_top, first_top + 62, 300);
   const int soft = count_in(first_top + panel_height, first_top + panel_height + 62, 300);
+  // A row at either end, and the line that a waveform is at least.
   EXPECT_NEAR(soft, 0.25 * loud, 3);
   EXPECT_LE(count_in(first_top + panel_height, first_top + panel_height + 62, 700), 2) << "a line";
 }
@@ -184,6 +185,8 @@ TEST(PlotSpectrograms, APeakStandsAtItsTimeAndFrequency) {
     }
   }
   ASSERT_GT(count, 0);
+  // A frame is a hundredth of the width and the peak in its middle; a bin is less than a row of
+  // 200.
   EXPECT_NEAR((x_sum / count - left) / (right - left), 0.255, 0.01);
   EXPECT_NEAR((y_sum / count - top) / 200.0, 0.25, 0.01);
 }

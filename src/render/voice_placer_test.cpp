@@ -71,6 +71,7 @@ TEST(VoicePlacer, TakesTheOneVoiceOutOfEveryKindOfStereo) {
   for (const auto& [kind, right] :
        {std::pair{StereoKind::one_channel, 0.0F}, std::pair{StereoKind::inverted, -1.0F}}) {
     const VoicePlacement placement{.rows = same.rows, .kind = kind};
+    // Sums of the ears in another order: rounding of floats, 6e-8 a sample.
     EXPECT_NEAR(energy(place_all(placement, head, noise_twice(3200, right)).planar()), expected,
                 1e-6 * expected);
   }

@@ -271,6 +271,7 @@ TEST_F(RenderTest, SeveralTargetsShareOneReading) {
   SilentProgress progress;
   const RenderReport report = render(source, network, targets, {}, progress);
   ASSERT_EQ(report.targets.size(), 2U);
+  // Half of the amplitude, 6.0206 dB; the flac has 16 bits, noise 70 dB below this sound.
   EXPECT_NEAR(report.targets[0].level_db(0) - report.targets[1].level_db(0), 6.02, 0.01);
   EXPECT_NEAR(report.source.level_db(1), report.survey.level_db[1], 1e-6);
   EXPECT_LT(greatest_difference(read_sound(folder_ / "a.wav"), sound), 1e-6);
@@ -305,6 +306,7 @@ TEST_F(RenderTest, OutputStaysWithinFullScaleUnlessThatIsNotWished) {
   const RenderReport whole = render(source, network, targets, options, progress);
   EXPECT_GT(whole.targets[0].peak(), 5.0);
   EXPECT_EQ(whole.limited_db[0], 0.0);
+  // Peak and gain are floats: 6e-8 of either, 1e-6 dB.
   EXPECT_NEAR(limited.limited_db[0], 20.0 * std::log10(whole.targets[0].peak()), 1e-4);
   // Limited, it is the same sound with another gain: every sample keeps its sign.
   const Waveform loud = read_sound(folder_ / "o.wav");

@@ -95,6 +95,7 @@ TEST(RenderArrivalsMono, AnImpulseAtAWholeSampleStaysOne) {
   const Waveform response = render_arrivals_mono(arrivals, kRate, 0.05);
   ASSERT_EQ(response.samples(), 800);
   for (std::ptrdiff_t i = 0; i < response.samples(); ++i) {
+    // Float sums over the bins of the whole length, whose impulse is 1.
     EXPECT_NEAR(response.channel(0)[i], i == 160 ? 0.5F : 0.0F, 3e-6F) << i;
   }
 }
@@ -174,6 +175,7 @@ TEST(RenderArrivals, LateArrivalsTakeTheNearestMeasurement) {
   arrival.order = 5;
   const Waveform response = render_arrivals({&arrival, 1}, hrtf(), 0.1);
   for (int tap = 10; tap < hrtf().taps(); ++tap) {
+    // Float sums over the bins of the whole length.
     EXPECT_NEAR(response.channel(0)[300 + tap], hrtf().response(nearest, 0)[tap], 1e-5F);
   }
 }

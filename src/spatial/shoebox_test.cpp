@@ -66,6 +66,7 @@ TEST(Shoebox, FirstOrderReflectionsMirrorTheSourceInEachWall) {
 TEST(Shoebox, DeparturesLeaveTowardsTheWallThatReflects) {
   const std::vector<Arrival> arrivals =
       shoebox_arrivals(room_of({6, 5, 3}, 0.1F), kSource, kListener, 0.1, 1);
+  ASSERT_EQ(arrivals.size(), 7U) << "straight, and by each of six walls";
   for (const Arrival& arrival : arrivals) {
     if (arrival.order == 0) continue;
     // By the time of arrival a ray along the departure, folded back at the walls, is at the

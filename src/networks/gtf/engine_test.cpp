@@ -49,6 +49,7 @@ TEST(Gtf, LouderInGivesLouderOut) {
   engine.synthesize(source, louder);
   for (std::size_t i = 0; i < first.size(); ++i)
     ASSERT_NEAR(louder[i], 0.25F * first[i], 1e-6) << i;
+  EXPECT_GT(std::ranges::max(first), 0.01F) << "a tenth of the noise that goes in";
 }
 
 TEST(Gtf, AllocatesNothingAfterTheFirstWindow) {
@@ -299,7 +300,7 @@ TEST(Gtf, AStreamOnItsOwnSettlesOnTheStatisticsOfASteadySound) {
 
 TEST(Gtf, HasAnAnswerToSilence) {
   Gtf engine = engine_that_looks(small());
-  std::vector<float> output(2 * kSamples);
+  std::vector<float> output(2 * kSamples, 1.0F);  // which the engine must write over
   engine.synthesize(std::vector<float>(2 * kSamples), output);
   for (const float sample : output) ASSERT_TRUE(std::abs(sample) < 1e-3F);
 }

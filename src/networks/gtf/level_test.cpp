@@ -65,6 +65,7 @@ TEST(GtfLevel, BringsALevelToTheEdgeOfWhatItMayBe) {
 
 TEST(GtfLevel, OnlyAGivenPlaceOfTheSpeakerMakesItLouderBy12Decibels) {
   const LevelTolerance tolerance{.louder_db = 5.0, .quieter_db = 5.0};
+  // Float samples, one quotient of two of them.
   EXPECT_NEAR(left_db(40.0, 20.0, tolerance, false), 12.0, 1e-4);
   EXPECT_NEAR(left_db(40.0, 20.0, tolerance, true), 20.0, 1e-4);
   EXPECT_NEAR(left_db(40.0, 9.0, tolerance, true), 12.0, 1e-4);
