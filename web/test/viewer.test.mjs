@@ -171,8 +171,16 @@ test('somebody brings a recording of their own, and a program that is called one
   await bring('holiday.mp4', readFileSync(process.execPath).subarray(0, 1_000_000));
   await until(page, () => document.getElementById('problem').textContent !== '');
   assert.match(await page.textContent('#problem'), /^holiday\.mp4: .*\w/);
+  // This one is dropped on the page.
   const told = page.waitForNavigation();
-  await bring('mine.mp4', readFileSync(CLIP));
+  await page.evaluate(([name, base64]) => {
+    const bytes = Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
+    const dataTransfer = new DataTransfer();
+    dataTransfer.items.add(new File([bytes], name, { type: 'video/mp4' }));
+    for (const event of ['dragover', 'drop']) {
+      document.body.dispatchEvent(new DragEvent(event, { dataTransfer, bubbles: true, cancelable: true }));
+    }
+  }, ['mine.mp4', readFileSync(CLIP).toString('base64')]);
   await told;
   await until(page, () => document.getElementById('name').textContent.startsWith('mine.mp4'));
   await page.click('#play');
