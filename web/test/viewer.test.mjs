@@ -1,7 +1,7 @@
 // The viewer in a real browser, on the clip and the networks that come with Earpoint.
 import assert from 'node:assert/strict';
 import { mkdtempSync, readFileSync, rmSync } from 'node:fs';
-import { tmpdir } from 'node:os';
+import { networkInterfaces, tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { SOURCE_DIR, dragTo, hear, openBrowser, openPage, runProgram, settle, startProgram, until } from './harness.mjs';
@@ -202,6 +202,29 @@ test('the truth is heard at the places where it is known', async () => {
   assert.ok((await hear(page, 1)).difference_db > 1);
   await page.close();
   assert.deepEqual(problems, []);
+});
+
+test('another computer plays with the token, where browsers have no worklets', async () => {
+  const shared = await startProgram('serve', CLIP, ...TOLD, '--host', '0.0.0.0', '--quiet');
+  try {
+    // What a browser calls an address of this network that is not this computer's own.
+    const { port, search } = new URL(shared.address);
+    const places = Object.values(networkInterfaces()).flat().filter(({ family, internal }) => family === 'IPv4' && !internal);
+    if (places.length === 0) return;
+    const { page, problems } = await openPage(browser, `http://${places[0].address}:${port}/${search}`);
+    assert.equal(await page.evaluate(() => window.isSecureContext), false);
+    assert.ok(!page.url().includes('token'));
+    await page.click('#play');
+    await until(page, () => window.earpoint.player?.playing);
+    assert.ok(Math.min(...(await hear(page, 0.5)).level_db) > -80);
+    await dragTo(page, SPEAKER[0] - 0.5, SPEAKER[1] - 1);
+    await settle(page);
+    assert.ok((await hear(page, 1)).difference_db > 1);
+    await page.close();
+    assert.deepEqual(problems, []);
+  } finally {
+    await shared.stop();
+  }
 });
 
 test('no other host is asked for anything, and nothing fails in the page', () => {
