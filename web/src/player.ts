@@ -1,12 +1,12 @@
 import { Clip, Pose, ServerError, Wish, fetchSound, joinAsListener, leave } from './api';
+import { Output, openOutput } from './output';
 
 const PART_S = 0.043; // sound asked for at once
 const AHEAD_S = 0.09; // sound kept ready, so that a move is heard soon
 
 /** Plays the clip as it is heard from where the listener is. */
 export class Player {
-  readonly context: AudioContext;
-  readonly output: AudioWorkletNode;
+  readonly output: AudioNode;
   /** What to ask for, for the part that ends at that time of the clip. */
   wish: (time_s: number) => Wish = () => ({
     pose: { x: 0, y: 0, z: 0, yaw_deg: 0 }, method: 'input', matches_level: false,
@@ -29,12 +29,12 @@ export class Player {
   private moved_ms?: number; // when a move was made that no part was asked for with
   private mark?: { sample: number; moved_ms: number }; // that part of the output is the first after a move
 
-  private constructor(readonly clip: Clip, private listener: string, context: AudioContext) {
-    this.context = context;
-    this.output = new AudioWorkletNode(context, 'queue', { numberOfInputs: 0, outputChannelCount: [2] });
-    this.output.connect(context.destination);
-    this.output.port.onmessage = (event) => {
-      this.played = event.data as number;
+  private constructor(
+    readonly clip: Clip, private listener: string, readonly context: AudioContext, private readonly queue: Output,
+  ) {
+    this.output = queue.node;
+    queue.onplayed = (samples) => {
+      this.played = samples;
       this.measureLatency();
       void this.pump();
     };
@@ -43,8 +43,8 @@ export class Player {
 
   static async open(clip: Clip): Promise<Player> {
     const context = new AudioContext({ sampleRate: clip.sample_rate_hz, latencyHint: 'interactive' });
-    await context.audioWorklet.addModule('worklet.js');
-    return new Player(clip, await joinAsListener(clip.id), context);
+    const queue = await openOutput(context);
+    return new Player(clip, await joinAsListener(clip.id), context, queue);
   }
 
   get time_s(): number {
@@ -66,7 +66,7 @@ export class Player {
     this.next = Math.min(Math.round(time_s * this.clip.sample_rate_hz), this.clip.samples - 1);
     this.sent = this.played;
     this.mark = this.moved_ms = undefined;
-    this.output.port.postMessage('clear');
+    this.queue.clear();
     void this.pump();
   }
 
@@ -120,7 +120,7 @@ export class Player {
     const took_s = (performance.now() - began) / 1000;
     this.load += 0.1 * (took_s / (samples / rate_hz) - this.load);
     if (this.next !== start) return; // somebody leapt meanwhile
-    this.output.port.postMessage(sound, [sound.buffer]);
+    this.queue.push(sound);
     this.sent += samples;
     this.next = start + samples;
     this.onpart(end_s, pose);

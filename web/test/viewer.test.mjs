@@ -1,7 +1,7 @@
 // The viewer in a real browser, on the clip and the networks that come with Earpoint.
 import assert from 'node:assert/strict';
 import { mkdtempSync, readFileSync, rmSync } from 'node:fs';
-import { tmpdir } from 'node:os';
+import { networkInterfaces, tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { SOURCE_DIR, dragTo, hear, openBrowser, openPage, runProgram, settle, startProgram, until } from './harness.mjs';
@@ -171,8 +171,16 @@ test('somebody brings a recording of their own, and a program that is called one
   await bring('holiday.mp4', readFileSync(process.execPath).subarray(0, 1_000_000));
   await until(page, () => document.getElementById('problem').textContent !== '');
   assert.match(await page.textContent('#problem'), /^holiday\.mp4: .*\w/);
+  // This one is dropped on the page.
   const told = page.waitForNavigation();
-  await bring('mine.mp4', readFileSync(CLIP));
+  await page.evaluate(([name, base64]) => {
+    const bytes = Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
+    const dataTransfer = new DataTransfer();
+    dataTransfer.items.add(new File([bytes], name, { type: 'video/mp4' }));
+    for (const event of ['dragover', 'drop']) {
+      document.body.dispatchEvent(new DragEvent(event, { dataTransfer, bubbles: true, cancelable: true }));
+    }
+  }, ['mine.mp4', readFileSync(CLIP).toString('base64')]);
   await told;
   await until(page, () => document.getElementById('name').textContent.startsWith('mine.mp4'));
   await page.click('#play');
@@ -194,6 +202,29 @@ test('the truth is heard at the places where it is known', async () => {
   assert.ok((await hear(page, 1)).difference_db > 1);
   await page.close();
   assert.deepEqual(problems, []);
+});
+
+test('another computer plays with the token, where browsers have no worklets', async () => {
+  const shared = await startProgram('serve', CLIP, ...TOLD, '--host', '0.0.0.0', '--quiet');
+  try {
+    // What a browser calls an address of this network that is not this computer's own.
+    const { port, search } = new URL(shared.address);
+    const places = Object.values(networkInterfaces()).flat().filter(({ family, internal }) => family === 'IPv4' && !internal);
+    if (places.length === 0) return;
+    const { page, problems } = await openPage(browser, `http://${places[0].address}:${port}/${search}`);
+    assert.equal(await page.evaluate(() => window.isSecureContext), false);
+    assert.ok(!page.url().includes('token'));
+    await page.click('#play');
+    await until(page, () => window.earpoint.player?.playing);
+    assert.ok(Math.min(...(await hear(page, 0.5)).level_db) > -80);
+    await dragTo(page, SPEAKER[0] - 0.5, SPEAKER[1] - 1);
+    await settle(page);
+    assert.ok((await hear(page, 1)).difference_db > 1);
+    await page.close();
+    assert.deepEqual(problems, []);
+  } finally {
+    await shared.stop();
+  }
 });
 
 test('no other host is asked for anything, and nothing fails in the page', () => {

@@ -1,0 +1,33 @@
+/** Sound that waits to be played, left and right in turns; silence where nothing is there yet. */
+export class SampleQueue {
+  /** Samples of each ear so far. */
+  played = 0;
+
+  private parts: Float32Array[] = [];
+  private at = 0; // samples of the first part that were played
+
+  push(part: Float32Array): void {
+    this.parts.push(part);
+  }
+
+  clear(): void {
+    this.parts = [];
+    this.at = 0;
+  }
+
+  /** Fills as much of the ears, which are silent, as there is sound. */
+  fill(left: Float32Array, right: Float32Array): void {
+    for (let i = 0; i < left.length; ++i) {
+      const part = this.parts[0];
+      if (!part) break;
+      left[i] = part[this.at];
+      right[i] = part[this.at + 1];
+      this.at += 2;
+      ++this.played;
+      if (this.at >= part.length) {
+        this.parts.shift();
+        this.at = 0;
+      }
+    }
+  }
+}
