@@ -13,6 +13,8 @@ namespace earpoint {
 namespace {
 
 constexpr double kTypicalError_s = 0.15e-3;
+constexpr double kClapError_s = 0.05e-3;    ///< of one camera
+constexpr double kClapWidth_s = 0.2e-3;     ///< the least of Cauchy's weights
 constexpr double kFits_s = 0.6e-3;          ///< a residual beyond this is another sound
 constexpr double kHeightDeviation_m = 0.3;  ///< of mouths, who sit or stand
 /// Of clocks to begin with, the reference's too: else what it mishears would move all others.
@@ -70,7 +72,8 @@ struct LeftTime {
 
 constexpr std::ptrdiff_t kSupportSpread = 3;  // bins
 constexpr double kMostDriftError = 100e-6;
-constexpr double kClearly = 1.2;  ///< more support than another drift has
+constexpr double kUsualDrift = 150e-6;  ///< less support is enough for less
+constexpr double kClearly = 1.2;        ///< more support than another drift has
 
 /// How many times of arrival support each offset of a clock, given the error of its drift.
 class OffsetSupport {
@@ -113,9 +116,11 @@ class OffsetSupport {
 class Fit {
  public:
   Fit(const std::vector<FitDevice>& devices, const std::vector<SoundEvent>& events,
-      const std::vector<Vector3>& places_m, const Vector3& centre_m)
+      const std::vector<ClapTime>& claps, const std::vector<Vector3>& places_m,
+      const Vector3& centre_m)
       : devices_(devices),
         events_(events),
+        claps_(claps),
         centre_m_(centre_m),
         places_(places_m),
         seat_of_(events.size()) {
@@ -203,6 +208,7 @@ class Fit {
     const std::size_t size = 2 * devices_.size();
     NormalEquations reduced(size);
     add_clock_priors(reduced);
+    add_claps(std::max(round.width_s, kClapWidth_s), reduced);
     std::vector<PlaceEquations> seats(seats_, PlaceEquations(size));
     for (std::size_t e = 0; e < events_.size(); ++e) {
       add_event(e, round, seats[seat_of_[e]]);
@@ -340,11 +346,15 @@ class Fit {
       for (const LeftTime& time : left) longest_s = std::max(longest_s, std::abs(time.since_s));
       const double step = bin_s / longest_s;
       const auto steps = static_cast<int>(kMostDriftError / step);
-      const double now = OffsetSupport(left, 0.0, bin_s).most();
+      const auto support_of = [&](double change) {
+        const double unusual = (rate_of(d) - 1.0 - change) / kUsualDrift;
+        return OffsetSupport(left, change, bin_s).most() / (1.0 + unusual * unusual);
+      };
+      const double now = support_of(0.0);
       double slope = 0.0;
       double most = kClearly * now;
       for (int s = -steps; s <= steps; ++s) {
-        const double support = OffsetSupport(left, s * step, bin_s).most();
+        const double support = support_of(s * step);
         if (support <= most) continue;
         most = support;
         slope = s * step;
@@ -367,6 +377,31 @@ class Fit {
     for (std::size_t d = 0; d < devices_.size(); ++d) {
       equations.add_prior(2 * d, start_[d].offset_s - clocks_[d].offset_s, kClockDeviation_s);
       equations.add_prior(2 * d + 1, -clocks_[d].slope_s, kDriftDeviation_s);
+    }
+  }
+
+  /// All cameras have the clap at one time, which is not known: so has every pair of them.
+  void add_claps(double width_s, NormalEquations& equations) const {
+    const auto count = static_cast<double>(claps_.size());
+    for (std::size_t i = 0; i < claps_.size(); ++i) {
+      for (std::size_t j = i + 1; j < claps_.size(); ++j) {
+        const ClapTime& a = claps_[i];
+        const ClapTime& b = claps_[j];
+        const double residual = session_s(a.device, a.device_s) - session_s(b.device, b.device_s);
+        const double off = residual / width_s;
+        const double weight = 1.0 / (kClapError_s * kClapError_s * (1.0 + off * off) * count);
+        const std::array<ClockTerm, 4> terms{
+            {{2 * a.device, 1.0},
+             {2 * a.device + 1, (a.device_s - devices_[a.device].middle_s) / kDriftTime_s},
+             {2 * b.device, -1.0},
+             {2 * b.device + 1, -(b.device_s - devices_[b.device].middle_s) / kDriftTime_s}}};
+        for (const ClockTerm& p : terms) {
+          equations.b(p.unknown) -= weight * p.factor * residual;
+          for (const ClockTerm& q : terms) {
+            equations.a(p.unknown, q.unknown) += weight * p.factor * q.factor;
+          }
+        }
+      }
     }
   }
 
@@ -419,6 +454,7 @@ class Fit {
 
   const std::vector<FitDevice>& devices_;
   const std::vector<SoundEvent>& events_;
+  const std::vector<ClapTime>& claps_;
   Vector3 centre_m_;
   std::vector<ClockState> start_;
   std::vector<ClockState> clocks_;
@@ -441,7 +477,8 @@ double travel_time_s(const Vector3& source_m, const Pose& world_from_head, int e
 }
 
 ClockFit fit_clocks(const std::vector<FitDevice>& devices, const std::vector<SoundEvent>& events,
-                    const std::vector<Vector3>& places_m, const Vector3& centre_m) {
+                    const std::vector<ClapTime>& claps, const std::vector<Vector3>& places_m,
+                    const Vector3& centre_m) {
   EARPOINT_CHECK(places_m.size() == events.size());
   for (const SoundEvent& event : events) {
     EARPOINT_CHECK(event.anchor < devices.size());
@@ -449,7 +486,7 @@ ClockFit fit_clocks(const std::vector<FitDevice>& devices, const std::vector<Sou
       EARPOINT_CHECK(heard.device < devices.size() && devices[heard.device].world_from_head);
     }
   }
-  return Fit(devices, events, places_m, centre_m).run();
+  return Fit(devices, events, claps, places_m, centre_m).run();
 }
 
 }  // namespace earpoint

@@ -35,6 +35,13 @@ struct SoundEvent {
   std::vector<HeardEvent> heard;
 };
 
+/// When a camera heard the clapper, whose place is known, less the way from there: the same moment
+/// for all of them. Cauchy's weights leave out a camera that heard a reflection.
+struct ClapTime {
+  std::size_t device = 0;
+  double device_s = 0.0;  ///< when it clapped, on the camera's clock
+};
+
 /// A device of the fit.
 struct FitDevice {
   DeviceClock clock;                    ///< to begin with, good to some milliseconds
@@ -57,10 +64,12 @@ struct ClockFit {
 /// shrinks from 2 ms to 0.3 ms while the prior on places loosens. Places are eliminated from the
 /// normal equations event by event (Schur's complement).
 /// @param devices    the first is the reference, whose clock stays; all cameras calibrated
+/// @param claps      of cameras that heard it directly; any number
 /// @param places_m   of each event's source, to begin with; good to some decimetres
 /// @param centre_m   about where people are
 [[nodiscard]] ClockFit fit_clocks(const std::vector<FitDevice>& devices,
                                   const std::vector<SoundEvent>& events,
+                                  const std::vector<ClapTime>& claps,
                                   const std::vector<Vector3>& places_m, const Vector3& centre_m);
 
 /// The time from a source to an ear, by the shortest way round a spherical head.

@@ -1,5 +1,6 @@
 #include <earpoint/record/sync.h>
 
+#include "clap_times.h"
 #include "clock_fit.h"
 #include "coarse_alignment.h"
 #include "voice_alignment.h"
@@ -159,6 +160,7 @@ class Synchronizer {
                                 : kToMicrophone_m;
       return metres / kSoundMetresPerSecond;
     };
+    for (std::size_t d = 0; d < matched_.size(); ++d) find_direct_clap(d, clap_m);
     const double emitted_s = *result_.devices.front().clap_s - way_s(matched_.front());
     for (std::size_t d = 1; d < matched_.size(); ++d) {
       SyncedDevice& device = result_.devices[d];
@@ -167,6 +169,21 @@ class Synchronizer {
       device.clock.offset_s +=
           emitted_s + way_s(matched_[d]) - session_time_s(device.clock, *device.clap_s);
     }
+  }
+
+  /// The time at which a camera's ears heard the clap, less the way, where that can be told.
+  void find_direct_clap(std::size_t d, const Vector3& clap_m) {
+    SyncedDevice& device = result_.devices[d];
+    const DeviceSound& camera = matched_[d];
+    if (!device.clap_s || !camera.world_from_head) return;
+    const double left_s = travel_time_s(clap_m, *camera.world_from_head, 0);
+    const double right_s = travel_time_s(clap_m, *camera.world_from_head, 1);
+    const auto heard = clap_at_ears(camera.sound, *device.clap_s, left_s - right_s);
+    if (!heard) return;
+    const double emitted_s = 0.5 * ((*heard)[0] - left_s + (*heard)[1] - right_s);
+    claps_.push_back({d, emitted_s});
+    device.clap_s =
+        emitted_s + norm(camera.world_from_head->position_m - clap_m) / kSoundMetresPerSecond;
   }
 
   void refine() {
@@ -200,6 +217,12 @@ class Synchronizer {
     const Vector3 centre = centre_of_attention(devices);
     remove_ways_from(centre, start);
     VoiceEvents finder(devices, centre);
+    std::vector<ClapTime> claps;
+    for (const ClapTime& clap : claps_) {
+      const auto at = std::ranges::find(usable, clap.device);
+      if (at == usable.end()) continue;
+      claps.push_back({static_cast<std::size_t>(at - usable.begin()), clap.device_s});
+    }
     std::vector<SoundEvent> events;
     ClockFit found;
     for (const Pass& pass : kPasses) {
@@ -210,7 +233,7 @@ class Synchronizer {
       if (events.empty()) return;
       const VoiceAlignment about = align_voices(start, events, centre, pass.error_s);
       for (std::size_t d = 0; d < start.size(); ++d) start[d].clock = about.clocks[d];
-      found = fit_clocks(start, events, about.places, centre);
+      found = fit_clocks(start, events, claps, about.places, centre);
       for (std::size_t d = 0; d < start.size(); ++d) start[d].clock = found.clocks[d];
     }
     store(usable, events, found);
@@ -271,6 +294,7 @@ class Synchronizer {
   SyncOptions options_;
   ProgressSink& progress_;
   std::vector<DeviceSound> matched_;
+  std::vector<ClapTime> claps_;    ///< by index in matched_
   std::set<std::string> by_clap_;  ///< devices whose clocks begin by the clap
   SyncResult result_;
 };

@@ -118,7 +118,7 @@ TEST(ClockFit, FindsDriftToAFractionOfAPartInAMillion) {
   const VoiceAlignment about = align_voices(heard.devices, heard.events, {0, 0, 1.5}, 0.06);
   std::vector<FitDevice> devices = heard.devices;
   for (std::size_t d = 0; d < devices.size(); ++d) devices[d].clock = about.clocks[d];
-  const ClockFit found = fit_clocks(devices, heard.events, about.places, {0, 0, 1.5});
+  const ClockFit found = fit_clocks(devices, heard.events, {}, about.places, {0, 0, 1.5});
   // Some hundred times with 20 us of noise each tell a line to 0.02 ms and 0.02 ppm; heights of
   // mouths, which nothing tells, move it by centimetres of way.
   expect_clocks(found.clocks, heard, 0.15e-3, 0.2);
@@ -129,7 +129,7 @@ TEST(ClockFit, IsNotMisledByACameraThatHearsSomeoneByAReflection) {
   const VoiceAlignment about = align_voices(heard.devices, heard.events, {0, 0, 1.5}, 0.06);
   std::vector<FitDevice> devices = heard.devices;
   for (std::size_t d = 0; d < devices.size(); ++d) devices[d].clock = about.clocks[d];
-  const ClockFit found = fit_clocks(devices, heard.events, about.places, {0, 0, 1.5});
+  const ClockFit found = fit_clocks(devices, heard.events, {}, about.places, {0, 0, 1.5});
   // The reflection is 8 ms late: a line through it would be some 80 ppm off.
   expect_clocks(found.clocks, heard, 0.3e-3, 10.0);
 }

@@ -1,0 +1,53 @@
+#include "clap_times.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include <earpoint/core/random.h>
+
+namespace earpoint {
+namespace {
+
+constexpr int kRate_hz = 16000;
+
+/// A burst of noise that dies away within milliseconds, from that sample on.
+void add_burst(Waveform& sound, int ear, std::ptrdiff_t at, float level) {
+  RandomStream random(5);  // the same burst everywhere
+  for (std::ptrdiff_t i = 0; i < 800; ++i) {
+    const double value = i == 0 ? 2.5 : random.uniform(-2.0, 2.0);
+    sound.channel(ear)[at + i] +=
+        level * static_cast<float>(value * std::exp(-static_cast<double>(i) / 128.0));
+  }
+}
+
+/// A second of faint noise.
+Waveform quiet_room() {
+  Waveform sound(2, kRate_hz, kRate_hz);
+  RandomStream random(3);
+  for (float& x : sound.planar()) x = static_cast<float>(0.002 * random.normal());
+  return sound;
+}
+
+TEST(ClapTimes, AreThoseOfTheDirectSoundAtBothEarsThoughAReflectionIsLouder) {
+  Waveform sound = quiet_room();
+  add_burst(sound, 0, 8005, 0.2F);  // 5 samples later than the right ear
+  add_burst(sound, 1, 8000, 0.3F);
+  add_burst(sound, 0, 8090, 0.5F);  // from the other side
+  add_burst(sound, 1, 8100, 0.4F);
+  const auto found = clap_at_ears(sound, 0.502, 5.0 / kRate_hz);
+  ASSERT_TRUE(found.has_value());
+  // To the sample: the burst begins with its largest step.
+  EXPECT_NEAR((*found)[0], 8005.0 / kRate_hz, 1.0 / kRate_hz);
+  EXPECT_NEAR((*found)[1], 8000.0 / kRate_hz, 1.0 / kRate_hz);
+}
+
+TEST(ClapTimes, AreNotToldWhereOnlyAReflectionIsHeard) {
+  Waveform sound = quiet_room();
+  add_burst(sound, 0, 8090, 0.5F);
+  add_burst(sound, 1, 8100, 0.4F);
+  EXPECT_FALSE(clap_at_ears(sound, 0.502, 5.0 / kRate_hz).has_value());
+}
+
+}  // namespace
+}  // namespace earpoint
