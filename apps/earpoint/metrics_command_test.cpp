@@ -207,7 +207,7 @@ TEST_F(MetricsCommand, BadInputGivesOneLine) {
   const std::string good = write("a.wav", noise(16000));
   expect_refused({good, (folder_ / "missing.wav").string()}, "missing.wav: no such file");
   earpoint::write_file(folder_ / "text.wav", "not a sound");
-  expect_refused({(folder_ / "text.wav").string(), good}, "text.wav: is not a sound file");
+  expect_refused({(folder_ / "text.wav").string(), good}, "text.wav: is not a readable sound file");
   expect_refused({good, write("mono.wav", noise(16000, 16000, 1))}, "mono.wav: has 1 channel");
 }
 

@@ -90,7 +90,7 @@ TEST_F(ViewCommand, RefusesInOneLineWhatItCannotDo) {
             std::string::npos);
   EXPECT_NE(refusal(arguments({"--samples", "5"})).find("square number"), std::string::npos);
   EXPECT_NE(refusal(arguments({"--home", "1"})).find("several are given"), std::string::npos);
-  EXPECT_NE(refusal(arguments({"--up", "z"})).find("--up: belongs to"), std::string::npos);
+  EXPECT_NE(refusal(arguments({"--up", "z"})).find("--up: applies only to"), std::string::npos);
   EXPECT_NE(refusal(arguments({"--exposure", "0"})).find("--exposure"), std::string::npos);
   EXPECT_NE(refusal(arguments({"--depth-range", "-1"})).find("--depth-range"), std::string::npos);
   for (const char* size : {"48", "0x32", "48x", "48x32x3", "axb", "9999x2"}) {

@@ -76,7 +76,7 @@ TEST_F(EarpointClipTest, RefusalsNameTheField) {
   const std::string one = kEarpoint;
   EXPECT_NE(refusal("{").find("is not valid JSON"), std::string::npos);
   EXPECT_NE(refusal(R"({"earpoints": []})").find("the field 'clip' is missing"), std::string::npos);
-  EXPECT_NE(refusal(R"({"clip": "gone.wav", "earpoints": []})").find("gone.wav is not there"),
+  EXPECT_NE(refusal(R"({"clip": "gone.wav", "earpoints": []})").find("gone.wav does not exist"),
             std::string::npos);
   EXPECT_NE(refusal(R"({"clip": "clip.wav", "earpoints": []})").find("at least one earpoint"),
             std::string::npos);

@@ -115,8 +115,8 @@ TEST_F(Import, TakesASoundFromTheObjectWhereTheMaterialSaysNothing) {
   EXPECT_EQ(room.report.unknown_surfaces.begin()->second, 1U);
   ASSERT_EQ(room.report.warnings().size(), 1U);
   EXPECT_EQ(room.report.warnings()[0],
-            "surface 'white.001' (1 faces) matches no pattern and gets the material "
-            "plasterboard_wall; name it in the materials");
+            "the model is 250 m high; check the length of its unit and which axis points up");
+  name it in the materials ");
 }
 
 /// The colour of the texture at the corner of a textured face that lies highest.
@@ -413,7 +413,7 @@ TEST_F(Import, MovesAModelThatLiesFarFromItsOrigin) {
   EXPECT_EQ(imported.report.coordinate_step_m, 0.5);
   const std::vector<std::string> lines = imported.report.warnings();
   EXPECT_TRUE(std::ranges::any_of(lines, [](const std::string& line) {
-    return line.find("only good to 0.5 m") != std::string::npos;
+    return line.find("precision is only 0.5 m") != std::string::npos;
   }));
 }
 
