@@ -135,9 +135,10 @@ void run_serve(const ServeArguments& arguments) {
 
 void add_source_options(CLI::App& command, ServeArguments& arguments) {
   add_source_inputs(command, arguments.source)->required(false)->expected(0, 2);
-  command.add_option("--data", arguments.data,
-                     "A data set, of earpoint simulate or record prepare or published, whose clips can be "
-                     "chosen on the page");
+  command.add_option(
+      "--data", arguments.data,
+      "A data set, of earpoint simulate or record prepare or published, whose clips can be "
+      "chosen on the page");
   command.add_option("--earpoints", arguments.earpoints,
                      "A clip of which it is known what was heard elsewhere, as "
                      "examples/earpoints.json describes one");
