@@ -182,8 +182,9 @@ void write_earpoint_page(const EarpointComparison& comparison, const fs::path& f
       "is the level of the left ear less that of the right. Errors and Mag, a distance of "
       "spectrograms, are best at 0; the nearest method is blue.</p>\n<div class=\"card\">\n" +
       table(comparison) + "</div>\n<h2>Listen</h2>\n";
-  body += fmt::format("<p>To walk through the clip: <code>earpoint serve --earpoints {}</code></p>\n",
-                      escaped(comparison.clip.description.string()));
+  body +=
+      fmt::format("<p>To walk through the clip: <code>earpoint serve --earpoints {}</code></p>\n",
+                  escaped(comparison.clip.description.string()));
   for (std::size_t i = 0; i < comparison.earpoints.size(); ++i) {
     body += card(comparison, i, folder);
   }

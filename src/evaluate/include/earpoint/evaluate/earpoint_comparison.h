@@ -75,8 +75,8 @@ struct ComparisonOptions {
 /// @param folder  the one that compare_earpoints() has filled
 void write_earpoint_page(const EarpointComparison& comparison, const std::filesystem::path& folder);
 
-/// The comparison as a row of a figure: the clip, what every method made of each earpoint beside the
-/// truth, and the enhanced speech at the right.
+/// The comparison as a row of a figure: the clip, what every method made of each earpoint beside
+/// the truth, and the enhanced speech at the right.
 /// @param enhanced  a sound file of one channel; nothing: no such column
 /// @throws InputError if a sound or picture cannot be read
 [[nodiscard]] FigureRow figure_row(const EarpointComparison& comparison,
