@@ -14,6 +14,10 @@ endif()
 if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
   target_compile_options(earpoint_flags INTERFACE -Wno-string-conversion)
 endif()
+# GCC forgets of precompiled headers which are the system's, and warns of them.
+if(EARPOINT_PRECOMPILE)
+  target_compile_options(earpoint_flags INTERFACE -w)
+endif()
 if(EARPOINT_DCHECK)
   target_compile_definitions(earpoint_flags INTERFACE EARPOINT_DCHECK_ENABLED=1)
 endif()
@@ -26,6 +30,11 @@ if(EARPOINT_SANITIZE)
                          -fno-omit-frame-pointer -fno-sanitize-recover=all)
   target_link_options(earpoint_flags INTERFACE -fsanitize=${EARPOINT_SANITIZE})
 endif()
+
+# Headers that most sources parse: of the standard library here, with the command line's in apps/earpoint.
+set(EARPOINT_COMMON_HEADERS
+  <algorithm> <array> <cmath> <complex> <cstdint> <filesystem> <functional> <map> <memory> <numeric> <optional> <set>
+  <span> <string> <utility> <variant> <vector> <fmt/format.h>)
 
 # earpoint_add_module(<name>
 #   [DEPENDS <module>...]         modules whose headers it may include
@@ -58,8 +67,13 @@ function(earpoint_add_module name)
     PUBLIC ${arg_DEPENDS}
     PRIVATE earpoint_flags fmt::fmt nlohmann_json::nlohmann_json Threads::Threads
             ${arg_LIBRARIES})
+  if(EARPOINT_PRECOMPILE AND TARGET earpoint_core AND NOT name STREQUAL core)
+    target_precompile_headers(earpoint_${name} REUSE_FROM earpoint_core)
+  elseif(EARPOINT_PRECOMPILE)
+    target_precompile_headers(earpoint_${name} PRIVATE ${EARPOINT_COMMON_HEADERS})
+  endif()
 
-  if(arg_TESTS)
+  if(arg_TESTS AND BUILD_TESTING)
     add_executable(${name}_test ${arg_TESTS})
     list(TRANSFORM arg_TEST_DEPENDS PREPEND earpoint::)
     target_include_directories(${name}_test PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
@@ -80,6 +94,9 @@ endfunction()
 # from, among them every input that once broke it. With EARPOINT_FUZZ this makes the libFuzzer
 # program <name> (./dev fuzz runs it); otherwise a test that replays the seeds.
 function(earpoint_add_fuzz name)
+  if(NOT EARPOINT_FUZZ AND NOT BUILD_TESTING)
+    return()
+  endif()
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "DEPENDS;SOURCES")
   list(TRANSFORM arg_DEPENDS PREPEND earpoint::)
   set(program ${name})

@@ -4,18 +4,20 @@
 #include "metrics_command.h"
 #include "model_command.h"
 #include "pairs_command.h"
-#include "record_command.h"
 #include "render_command.h"
 #include "run_app.h"
+#if !defined(EARPOINT_RENDER_ONLY)
+#include "record_command.h"
 #include "serve_command.h"
 #include "served_upload.h"
 #include "simulate_command.h"
 #include "study_command.h"
 #include "trace_command.h"
+#include "view_command.h"
+#endif
 #if defined(EARPOINT_TRAIN)
 #include "train_program.h"
 #endif
-#include "view_command.h"
 
 #include <CLI/CLI.hpp>
 
@@ -28,9 +30,14 @@ int main(int argc, char** argv) {
   earpoint::add_locate_command(app);
   add_metrics_command(app);
   add_pairs_command(app);
+#if !defined(EARPOINT_RENDER_ONLY)
   earpoint::add_record_command(app);
+#endif
   earpoint::add_render_command(app);
   add_model_command(app);
+#if defined(EARPOINT_RENDER_ONLY)
+  app.footer("This build renders and measures alone; `./dev build` makes the whole program.");
+#else
   earpoint::add_serve_command(app);
   earpoint::add_unpack_command(app);
   add_simulate_command(app);
@@ -40,5 +47,6 @@ int main(int argc, char** argv) {
   add_train_program(app, argv);
 #endif
   add_view_command(app);
+#endif
   return run_app(app, argc, argv);
 }

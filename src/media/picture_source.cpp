@@ -47,6 +47,11 @@ class CopiedPictures : public PictureSource {
  private:
   AVStream& add_stream() {
     const AVStream& input = source_->stream(index_);
+    // The new file's header names the pixels' format; without it no player opens the file.
+    if (input.codecpar->format == AV_PIX_FMT_NONE) {
+      throw InputError(source_->where(index_), "has no picture that can be decoded",
+                       "record or export it again");
+    }
     AVStream& stream = output_.add_stream(*input.codecpar, input.time_base);
     // The name by which every player knows HEVC with its parameters kept aside, as they are here.
     const bool is_hevc =
