@@ -66,7 +66,7 @@ def rows_of(graph, arrows):
         rows[level[name]].append(name)
     place = {}
     for row in rows:
-        row.sort(key=lambda name: (sum(place[o] for o in arrows[name]) / len(arrows[name]) if arrows[name] else 0.5, name))
+        row.sort(key=lambda name: (sum(place[o] for o in sorted(arrows[name])) / len(arrows[name]) if arrows[name] else 0.5, name))
         place |= {name: (i + 0.5) / len(row) for i, name in enumerate(row)}
     return rows, place
 

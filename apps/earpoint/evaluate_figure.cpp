@@ -76,11 +76,11 @@ void draw_figure(const FigureRequest& request, earpoint::ProgressSink& progress)
   const std::vector<MethodEntry> methods = methods_of(wanted, scenes);
   for (const MethodEntry& method : methods) {
     if (method.is_oracle) {
-      throw InputError("--methods " + method.name, "figures show no oracles", "leave it out");
+      throw InputError("--methods " + method.name, "figures have no oracles", "leave it out");
     }
     if (method.needs_speaker && !wanted.knows_speaker) {
       throw InputError("--methods " + method.name,
-                       "must know where the speaker stands, which these clips do not tell",
+                       "needs the speaker's position, which these clips do not have",
                        "leave it out");
     }
   }

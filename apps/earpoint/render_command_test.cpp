@@ -236,7 +236,7 @@ TEST_F(RenderCommand, BadArgumentsGetOneLine) {
   expect_refused({at("frame.png"), "--yaw", "90"}, "is a picture without sound");
   expect_refused({at("frame.png"), input, "--yaw", "90", "--model",
                   EARPOINT_SOURCE_DIR "/models/vigas.safetensors"},
-                 "in.wav: the network must be told who speaks in it");
+                 "in.wav: the network needs the speaker's box");
 }
 
 TEST_F(RenderCommand, APathWithAGapIsRefused) {

@@ -69,7 +69,7 @@ PairSample replay_pair(const ReplayDataset& dataset, const ReplayClip& clip,
 Waveform near_voice(const ReplayDataset& dataset, const ReplayClip& clip, const Waveform& source) {
   const std::optional<Waveform> near = dataset.near_sound(clip);
   if (!near) {
-    throw InputError(clip.folder, "holds no near.wav, which stands for the dry speech",
+    throw InputError(clip.folder, "has no near.wav, which is the dry speech",
                      "prepare it from a session with near microphones");
   }
   Waveform voice(1, source.samples(), source.sample_rate_hz());

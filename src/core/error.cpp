@@ -3,12 +3,12 @@
 namespace earpoint {
 namespace {
 
-std::string compose(std::string_view where, std::string_view problem, std::string_view mend) {
+std::string compose(std::string_view where, std::string_view problem, std::string_view hint) {
   std::string message;
   message.append(where);
   if (!where.empty()) message.append(": ");
   message.append(problem);
-  if (!mend.empty()) message.append("; ").append(mend);
+  if (!hint.empty()) message.append("; ").append(hint);
   // One line, whatever a file's contents or name brought along.
   for (char& c : message) {
     if (c == '\n' || c == '\r') c = ' ';
@@ -18,8 +18,8 @@ std::string compose(std::string_view where, std::string_view problem, std::strin
 
 }  // namespace
 
-InputError::InputError(std::string_view where, std::string_view problem, std::string_view mend)
-    : std::runtime_error(compose(where, problem, mend)) {}
+InputError::InputError(std::string_view where, std::string_view problem, std::string_view hint)
+    : std::runtime_error(compose(where, problem, hint)) {}
 
 namespace detail {
 

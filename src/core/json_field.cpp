@@ -20,8 +20,8 @@ void JsonField::fail(const std::string& expected) const {
 
 std::string JsonField::where() const { return path_.empty() ? file_ : file_ + ": " + path_; }
 
-void JsonField::refuse(const std::string& problem, std::string_view mend) const {
-  throw InputError(where(), problem, mend);
+void JsonField::refuse(const std::string& problem, std::string_view hint) const {
+  throw InputError(where(), problem, hint);
 }
 
 bool JsonField::has(const std::string& key) const {

@@ -77,7 +77,7 @@ void check_outputs(std::span<const RenderTarget> targets, const RenderSource& so
 
 ClipReading reading_of(const RenderSource& source, const AcousticSynthesizer& synthesizer) {
   if (synthesizer.needs_speaker_track() && !source.speaker_track) {
-    throw InputError(source.sound.path.string(), "the network must be told who speaks in it",
+    throw InputError(source.sound.path.string(), "the network needs the speaker's box",
                      "give the speaker's box or a table of boxes");
   }
   ClipReading reading{.survey = survey_sound(source.sound),

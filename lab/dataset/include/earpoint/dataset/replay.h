@@ -62,7 +62,7 @@ class ReplayDataset {
     std::string camera_file = "camera_positions_fixed_rotation.json";  ///< beside the folder
     /// As the released loader: a view that cannot be read becomes a black picture and six seconds
     /// of silence. Without it such a view is an error, since a data set with holes should be
-    /// mended.
+    /// corrected.
     bool blank_unreadable = false;
   };
 

@@ -7,13 +7,13 @@
 namespace earpoint {
 
 /// Bad data from outside: a file, a flag, a stream. The message is one line and reads
-/// "where: problem; mend", so that a command can print it as it is and exit with 2.
+/// "where: problem; hint", so that a command can print it as it is and exit with 2.
 class InputError : public std::runtime_error {
  public:
   /// @param where    the file, field or flag, e.g. "clip.mp4: audio stream 1"
   /// @param problem  what was expected and what was found
-  /// @param mend     what the user can do about it; may be empty
-  InputError(std::string_view where, std::string_view problem, std::string_view mend = {});
+  /// @param hint     what the user can do about it; may be empty
+  InputError(std::string_view where, std::string_view problem, std::string_view hint = {});
 };
 
 namespace detail {

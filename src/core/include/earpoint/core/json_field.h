@@ -47,7 +47,7 @@ class JsonField {
   /// The file, and the path of the value in it.
   [[nodiscard]] std::string where() const;
   /// @throws InputError always
-  [[noreturn]] void refuse(const std::string& problem, std::string_view mend = {}) const;
+  [[noreturn]] void refuse(const std::string& problem, std::string_view hint = {}) const;
   /// @throws InputError always: what was expected here, and what was found
   [[noreturn]] void fail(const std::string& expected) const;
 
