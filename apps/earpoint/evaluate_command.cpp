@@ -102,7 +102,7 @@ A figure (--figure) shows clips as in the paper: the source's picture with the s
 left and right ear of every sound side by side, and the enhanced speech on the right. --clips names clips of
 the data set as SCENE/CLIP or SCENE/CLIP:SOURCE, e.g. SC-1027/3:5; the default is the first clip whose source
 sees the speaker, or --limit of them. The default method is gtf. Of a data set nothing is measured then.
-Every number is an error: 0 is best. Intervals have 95 % confidence, bootstrapped by home where there are
+Every number is an error, and 0 is best; of SI-SDR and ESTOI (--enhance) more is better. Intervals have 95 % confidence, bootstrapped by home where there are
 several, else by conversation.
 )";
 

@@ -33,9 +33,10 @@ constexpr const char* kFooter = R"(
 Frames: x points to the front of the source view, y to its left, z up; metres. A positive yaw turns
 the target's head to the left, a positive pitch looks up.
 
-If neither --speaker nor a box is given, people are detected in the picture, and the speaker among
-them is found by the interaural time difference; --json prints the certainty. The voice of a recording
-that is not binaural is first placed at the speaker's position.
+If neither --speaker nor a box is given, and a people detector is installed, people are detected in the
+picture, and the speaker among them is found by the interaural time difference; --json prints the
+certainty. Without a detector gtf estimates the position. The voice of a recording that is not binaural
+is first placed at the speaker's position.
 
 Examples:
   # one metre ahead and half a metre to the right, looking left
@@ -44,14 +45,14 @@ Examples:
   # the same, with the position of the mouth
   earpoint render clip.mp4 --translate 1.0,-0.5,0 --yaw 90 --speaker 2,0,0 -o there.wav
 
-  # three earpoints in one pass, with a picture of what each ear hears
+  # three earpoints in one pass, with a plot of both ears' waveforms
   earpoint render clip.mp4 --speaker 2,0,0 --plot ears.png \
       --translate 1,0,0 -o near.wav --translate -2,0,0 -o far.wav --translate 2,1,0 -o side.wav
 
   # a moving earpoint, with the clip's picture
   earpoint render clip.mp4 --path walk.csv --speaker-box 0.4,0.3,0.6,0.9 -o there.mp4
 
-  # a picture and its sound, with a trained network
+  # a picture and its sound, with ViGAS weights
   earpoint render frame.png sound.flac --model vigas.safetensors \
       --speaker-box 0.4,0.3,0.6,0.9 --translate 0,1,0 -o there.wav
 
@@ -312,7 +313,7 @@ void add_target_options(CLI::App& command, RenderArguments& arguments) {
   command.add_option("--pitch", arguments.pitch_deg, "Degrees up")
       ->allow_extra_args(false)
       ->group(group);
-  command.add_option("--roll", arguments.roll_deg, "Degrees to the right shoulder")
+  command.add_option("--roll", arguments.roll_deg, "Degrees, towards the right shoulder")
       ->allow_extra_args(false)
       ->group(group);
   command.add_option("--to", arguments.pose_files, "JSON file with one pose or a list")
@@ -328,7 +329,7 @@ void add_speaker_options(CLI::App& command, RenderArguments& arguments) {
   command
       .add_option("--speaker", arguments.source.speaker,
                   "x,y,z of the mouth in metres, instead of a box")
-      ->group("Who speaks");
+      ->group("Speaker");
   add_detector_option(command, arguments.detector);
 }
 
@@ -345,9 +346,9 @@ void add_model_options(CLI::App& command, RenderArguments& arguments) {
       ->check(CLI::IsMember({"natural", "mean"}));
   command.add_option("--hrtf", arguments.hrtf, "Head filters for dsp: a SOFA file");
   command
-      .add_option(
-          "--band", arguments.band,
-          "full: above the model's band, sound follows its top octave; model: drop that sound")
+      .add_option("--band", arguments.band,
+                  "full: sound above the model's band gets the gain of the band's top octave; "
+                  "model: remove it")
       ->check(CLI::IsMember({"full", "model"}))
       ->capture_default_str();
   add_ambient_option(command, arguments.ambient);
@@ -376,7 +377,7 @@ void add_render_command(CLI::App& app) {
   add_speaker_options(*command, *arguments);
   add_model_options(*command, *arguments);
   command->add_option("--plot", arguments->plot, "Draw both ears of every earpoint into a PNG");
-  command->add_flag("--json", arguments->json, "Print levels as JSON");
+  command->add_flag("--json", arguments->json, "Print levels, warnings and who speaks as JSON");
   command->add_flag("--quiet", arguments->quiet, "No progress and no table");
   command->callback([arguments] { run_render(*arguments); });
 }

@@ -38,7 +38,8 @@ RATIOS = ("Mag", "LRE (dB)", "RTE (s)")
 EVALUATION_WORDS = (
     "`earpoint evaluate --oracles --json` on the frozen pairs of the test split. Intervals are bootstrapped by home "
     "where there are several, else by conversation, because clips of one home share rooms, positions and voices. "
-    "`gtf` is the natural texture, `gtf:mean` the mean texture of the same network ([how gtf works](../method.md)). "
+    "A gtf that was trained for two textures has two rows: `gtf` is the natural one, `gtf:mean` the mean "
+    "([how gtf works](../method.md)). "
     "Oracles are given part of the answer: they show how much of the error could be removed. ")
 
 METHODS = Page("methods", "Methods", "Errors of every method on the same pairs, beside the unchanged input, baselines "

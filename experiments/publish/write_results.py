@@ -44,8 +44,8 @@ def write_index(results, pages, measured, measured_only):
                  if section.plot and section.title in measured), None)
     text = ["# Results", "",
             f"Written by `./dev results` on {machine()}. *of input*: the error as a share of that of the "
-            "unchanged input; below 1 the method improves on it. *Older* numbers were not measured again when the newest ones were; the simulator or "
-            "a network may have changed since. Each number links to the section that it stands in, with the command that "
+            "unchanged input; below 1 the method improves on it. *Older* numbers were not measured again since then; the simulator or "
+            "a network may have changed. Each number links to its section, with the command that "
             "measures it.", "", *headline_table(measured), ""]
     if plot:
         text += [f"![{plot.title}: errors as ratios to the input's](images/{plot.plot.name}.svg)", "",
