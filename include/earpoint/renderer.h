@@ -50,7 +50,8 @@ struct RenderRequest {
   double gain_db = 0.0;  ///< of the output, before the limiter
 };
 
-/// Renders a recorded moment at another position: the same samples as `earpoint render`.
+/// Renders a recorded moment at another position: the samples of `earpoint render` for the same
+/// binaural sound, picture and speaker.
 ///
 /// One caller at a time; renderers share nothing.
 class EARPOINT_API Renderer {
