@@ -17,8 +17,14 @@ namespace hn = hwy::HWY_NAMESPACE;
 /// A polynomial (minimax, relative error 9e-8) for the fraction, the exponent field for the rest.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE V power_of_two(D d, V x, float most = 100.0F) {
-  // Min and Max give their second operand when one is NaN.
-  x = hn::Min(hn::Set(d, most), hn::Max(hn::Set(d, -100.0F), x));
+  // NaN stays NaN. When one operand is NaN, Min and Max give the second on x86 and the number on
+  // ARM.
+  const V clamped = hn::Min(hn::Set(d, most), hn::Max(hn::Set(d, -100.0F), x));
+#if HWY_ARCH_X86
+  x = clamped;
+#else
+  x = hn::IfThenElse(hn::IsNaN(x), x, clamped);
+#endif
   const V round_to_integer = hn::Set(d, 12582912.0F);  // 1.5 * 2^23
   const V shifted = hn::Add(x, round_to_integer);
   const V fraction = hn::Sub(x, hn::Sub(shifted, round_to_integer));
