@@ -257,6 +257,9 @@ StreamInfo InputContainer::describe(int index) const {
 }
 
 MediaInfo InputContainer::describe() const {
+  if (format_->nb_streams == 0) {
+    throw InputError(path_.string(), "has neither sound nor pictures");
+  }
   MediaInfo info;
   info.format = format_->iformat->name;
   info.kind = MediaKind::sound;

@@ -18,6 +18,11 @@
 namespace earpoint::ffmpeg {
 namespace {
 
+/// A movie without a picture would be no movie.
+[[noreturn]] void refuse_empty(const std::string& where) {
+  throw InputError(where, "has no picture that can be decoded", "record or export it again");
+}
+
 /// Another movie's packets, as they are.
 class CopiedPictures : public PictureSource {
  public:
@@ -29,6 +34,7 @@ class CopiedPictures : public PictureSource {
         packet_(make_packet()) {
     source_->select(index_);
     has_packet_ = source_->read(*packet_);
+    if (!has_packet_) refuse_empty(source_->where(index_));
   }
 
   void write_until(double time_s) override {
@@ -48,10 +54,7 @@ class CopiedPictures : public PictureSource {
   AVStream& add_stream() {
     const AVStream& input = source_->stream(index_);
     // The new file's header names the pixels' format; without it no player opens the file.
-    if (input.codecpar->format == AV_PIX_FMT_NONE) {
-      throw InputError(source_->where(index_), "has no picture that can be decoded",
-                       "record or export it again");
-    }
+    if (input.codecpar->format == AV_PIX_FMT_NONE) refuse_empty(source_->where(index_));
     AVStream& stream = output_.add_stream(*input.codecpar, input.time_base);
     // The name by which every player knows HEVC with its parameters kept aside, as they are here.
     const bool is_hevc =
@@ -103,7 +106,9 @@ class EncodedPictures : public PictureSource {
         encoder_(output.path().string(), frames_.info().width, frames_.info().height,
                  frame_rate(frames_.info()), kTick),
         stream_(output.add_stream(encoder_.codec())),
-        next_(frames_.next()) {}
+        next_(frames_.next()) {
+    if (!next_.frame) refuse_empty(source.string());
+  }
 
   void write_until(double time_s) override {
     while (next_.frame && next_.time_s <= time_s) {
