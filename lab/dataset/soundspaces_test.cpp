@@ -62,9 +62,9 @@ class SoundSpacesMetadataTest : public ::testing::Test {
 TEST_F(SoundSpacesMetadataTest, ErrorsNameTheField) {
   EXPECT_EQ(error_of("["), "cleaned_metadata_v3.json: is not valid JSON");
   EXPECT_EQ(error_of("{}"), "cleaned_metadata_v3.json: expected a list, found {}");
-  EXPECT_EQ(error_of("[{}]"), "cleaned_metadata_v3.json[0]: the field 'viewpoints' is missing");
+  EXPECT_EQ(error_of("[{}]"), "cleaned_metadata_v3.json: [0]: the field 'viewpoints' is missing");
   EXPECT_EQ(error_of(R"([{"viewpoints": [{"location": [1, 2]}]}])"),
-            "cleaned_metadata_v3.json[0].viewpoints[0].location: expected three numbers, found "
+            "cleaned_metadata_v3.json: [0].viewpoints[0].location: expected three numbers, found "
             "[1,2]");
 }
 
