@@ -247,6 +247,7 @@ void add_train_command(CLI::App& app) {
                    "Folder of the data set: of earpoint simulate, SoundSpaces-NVAS or Replay-NVAS. "
                    "Given again, clips of further folders' training split join; validation is on "
                    "the first folder's")
+      ->allow_extra_args(false)  // what comes next may be the configuration
       ->required();
   command
       ->add_option("--layout", options->layout,

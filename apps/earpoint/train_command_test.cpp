@@ -245,6 +245,8 @@ TEST_F(TrainCommandTest, BadUseIsOneLine) {
   EXPECT_NE(error_of({"--device", "quantum"}).find("--device quantum"), std::string::npos);
   EXPECT_NE(error_of({"--minutes", "0"}).find("--minutes: expected more than 0"),
             std::string::npos);
+  // Several folders are for pairs of viewpoints; this network may have them, but they must be there.
+  EXPECT_NE(error_of({"--data", "nowhere"}).find("nowhere: no such folder"), std::string::npos);
   std::string misspelt = kTiny;
   misspelt.replace(misspelt.find("\"batch\""), 7, "\"bathc\"");
   earpoint::write_file(folder_ / "tiny.json", misspelt);
