@@ -275,6 +275,7 @@ void add_train_command(CLI::App& app) {
           "Folder of the data set: of earpoint simulate, SoundSpaces-NVAS or Replay-NVAS. "
           "If repeated, training clips of all folders are mixed; validation uses the first "
           "folder")
+      ->allow_extra_args(false)  // what comes next may be the configuration
       ->required();
   command
       ->add_option("--layout", options->layout,

@@ -268,6 +268,9 @@ TEST_F(TrainCommandTest, BadUseIsOneLine) {
   EXPECT_NE(error_of({"--set", "network.channels=few"}).find("'channels': expected"),
             std::string::npos)
       << error_of({"--set", "network.channels=few"});
+  // Several folders are for pairs of viewpoints; this network may have them, but they must be
+  // there.
+  EXPECT_NE(error_of({"--data", "nowhere"}).find("nowhere: no such folder"), std::string::npos);
   std::string misspelt = kTiny;
   misspelt.replace(misspelt.find("\"batch\""), 7, "\"bathc\"");
   earpoint::write_file(folder_ / "tiny.json", misspelt);
