@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <earpoint/audio/energy.h>
 #include <earpoint/audio/sound_file.h>
 #include <earpoint/core/file.h>
 
@@ -60,13 +61,6 @@ class TraceCommand : public ::testing::Test {
   std::string output_;
 };
 
-double energy(std::span<const float> signal) {
-  double sum = 0.0;
-  for (const float sample : signal)
-    sum += static_cast<double>(sample) * static_cast<double>(sample);
-  return sum;
-}
-
 TEST_F(TraceCommand, SourceOnTheLeftIsLouderOnTheLeft) {
   // The listener looks along x and the source is towards y: to the left.
   const ProgramOutcome outcome = run_earpoint(arguments({}));
@@ -76,7 +70,7 @@ TEST_F(TraceCommand, SourceOnTheLeftIsLouderOnTheLeft) {
   EXPECT_EQ(brir.channels(), 2);
   EXPECT_EQ(brir.sample_rate_hz(), 16000);
   EXPECT_EQ(brir.samples(), 6400);
-  EXPECT_GT(energy(brir.channel(0)), 1.5 * energy(brir.channel(1)));
+  EXPECT_GT(earpoint::energy(brir.channel(0)), 1.5 * earpoint::energy(brir.channel(1)));
 }
 
 TEST_F(TraceCommand, TurnedHeadHearsItOnTheRight) {
@@ -85,7 +79,7 @@ TEST_F(TraceCommand, TurnedHeadHearsItOnTheRight) {
                std::string("3,2,1.5,yaw=180"));
   ASSERT_EQ(run_earpoint(turned).exit_code, 0);
   const earpoint::Waveform brir = earpoint::read_sound(output_);
-  EXPECT_GT(energy(brir.channel(1)), 1.5 * energy(brir.channel(0)));
+  EXPECT_GT(earpoint::energy(brir.channel(1)), 1.5 * earpoint::energy(brir.channel(0)));
 }
 
 TEST_F(TraceCommand, MonoStartsAfterTheWayAndReportsDecays) {
@@ -208,7 +202,7 @@ TEST_F(TraceCommand, TracesAModelFileWithItsOptions) {
   EXPECT_EQ(outcome.output.find("none"), std::string::npos) << "nothing stands in the way";
   // It looks along y; the source lies along x: on the right.
   const earpoint::Waveform brir = earpoint::read_sound(output_);
-  EXPECT_GT(energy(brir.channel(1)), 1.5 * energy(brir.channel(0)));
+  EXPECT_GT(earpoint::energy(brir.channel(1)), 1.5 * earpoint::energy(brir.channel(0)));
 }
 
 TEST_F(TraceCommand, ClosesAModelWithoutACeiling) {
@@ -229,7 +223,7 @@ TEST_F(TraceCommand, ClosesAModelWithoutACeiling) {
   all.emplace_back("--close-ceiling");
   const ProgramOutcome closed = run_earpoint(all);
   EXPECT_EQ(closed.exit_code, 0) << closed.errors;
-  EXPECT_GT(energy(earpoint::read_sound(output_).channel(0)), 0.0);
+  EXPECT_GT(earpoint::energy(earpoint::read_sound(output_).channel(0)), 0.0);
 }
 
 TEST_F(TraceCommand, RefusesAListenerWhomNoSoundReaches) {
@@ -283,7 +277,7 @@ TEST_F(TraceCommand, TalkerIsLouderInFront) {
     std::replace(all.begin(), all.end(), std::string("3,4,1.5"), source);
     const ProgramOutcome outcome = run_earpoint(all);
     EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
-    return energy(earpoint::read_sound(output_).channel(0));
+    return earpoint::energy(earpoint::read_sound(output_).channel(0));
   };
   EXPECT_GT(level("3,4,1.5,yaw=-90"), 1.5 * level("3,4,1.5,yaw=90"));
 }
@@ -293,7 +287,7 @@ TEST_F(TraceCommand, TracesAHomeDrawnFromASeed) {
       run_earpoint({"trace", "--home", "3", "--source", "3,2,1.4", "--listener", "1,1,1.4",
                     "--duration", "0.2", "--rays", "100", "-o", output_});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
-  EXPECT_GT(energy(earpoint::read_sound(output_).channel(0)), 0.0);
+  EXPECT_GT(earpoint::energy(earpoint::read_sound(output_).channel(0)), 0.0);
 }
 
 TEST_F(TraceCommand, RefusesScenesThatAreNotNamedOnce) {
@@ -398,7 +392,7 @@ TEST_F(TraceMotionCommand, PlaysASoundToAListenerWhoWalks) {
   EXPECT_EQ(heard.channels(), 2);
   EXPECT_EQ(heard.sample_rate_hz(), 22050);
   EXPECT_EQ(heard.samples(), 8820 + 4410);
-  EXPECT_GT(energy(heard.channel(0)), 0.0);
+  EXPECT_GT(earpoint::energy(heard.channel(0)), 0.0);
 }
 
 TEST_F(TraceMotionCommand, RefusesPathsThatLeaveTheSceneOrAreNotAlone) {

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include <earpoint/audio/energy.h>
 #include <earpoint/audio/gcc_phat.h>
 #include <earpoint/core/error.h>
 
@@ -28,12 +29,6 @@ Image image_of(const ImagePlanes& planes) {
     }
   }
   return image;
-}
-
-double energy(std::span<const float> sound) {
-  double sum = 0.0;
-  for (const float x : sound) sum += static_cast<double>(x) * x;
-  return sum;
 }
 
 }  // namespace
