@@ -51,7 +51,7 @@ TEST(EarpointPath, RefusesPlacesAndAnglesBeyondHearing) {
       message([] {
         (void)EarpointPath::parse_csv(std::string(kHeader) + "0,0,2e4,0,0,0,0\n", "walk.csv");
       }),
-      "walk.csv: line 2: 20000 m is farther than anybody hears (10000 m); places are in metres "
+      "walk.csv: line 2: 20000 m is farther than the limit of 10000 m; positions are in metres "
       "from the camera");
   EXPECT_EQ(message([] {
               (void)EarpointPath::parse_csv(std::string(kHeader) + "0,0,0,0,1e9,0,0\n", "walk.csv");
@@ -134,11 +134,11 @@ TEST(SpeakerTrack, UnderstandsPixelsWhereThePictureIsKnown) {
   EXPECT_EQ(message([] {
               (void)SpeakerTrack(Box{64, 48, 320, 480});
             }),
-            "speaker box: the box is in pixels, and there is no picture that tells their number; "
+            "speaker box: the box is in pixels, and there is no picture with a size; "
             "give fractions of its width and height, 0 to 1, or the picture");
   EXPECT_NE(message([&] {
               (void)SpeakerTrack(Box{64, 48, 641, 480}, picture);
-            }).find("leaves the picture"),
+            }).find("extends beyond the picture"),
             std::string::npos);
 }
 
@@ -159,11 +159,12 @@ TEST(SpeakerTrack, ChoosesWhoSpeaksAmongThePeopleOfAFile) {
 }
 
 TEST(SpeakerTrack, RefusesBoxesOutsideThePictureOrEmpty) {
-  EXPECT_EQ(message([] {
-              (void)SpeakerTrack(Box{-0.1, 0, 0.5, 1});
-            }),
-            "speaker box: the box -0.1,0,0.5,1 leaves the picture; x0,y0,x1,y1 are fractions of "
-            "its width and height, or pixels of it");
+  EXPECT_EQ(
+      message([] {
+        (void)SpeakerTrack(Box{-0.1, 0, 0.5, 1});
+      }),
+      "speaker box: the box -0.1,0,0.5,1 extends beyond the picture; x0,y0,x1,y1 are fractions of "
+      "its width and height, or pixels of it");
   EXPECT_EQ(message([] {
               (void)SpeakerTrack::parse_csv("time_s,x0,y0,x1,y1\n0,0.5,0,0.5,1\n", "boxes.csv");
             }),
@@ -179,8 +180,8 @@ TEST(EarpointPath, RowsInMemoryMoveAsThoseOfAFile) {
     EXPECT_EQ(rows.at(time_s), file.at(time_s));
   EXPECT_TRUE(rows.is_moving());
   EXPECT_THROW(rows.check_covers(4.0), InputError);
-  EXPECT_THROW(EarpointPath(Rows()), InputError);
-  EXPECT_THROW(EarpointPath(Rows{{1.0, {}}, {1.0, {}}}), InputError);
+  EXPECT_THROW(EarpointPath{Rows()}, InputError);
+  EXPECT_THROW((EarpointPath{Rows{{1.0, {}}, {1.0, {}}}}), InputError);
 }
 
 }  // namespace
