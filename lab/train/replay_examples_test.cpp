@@ -217,7 +217,7 @@ TEST_F(ReplayExamplesTest, GtfNamesTheClipThatHasNoNearMicrophone) {
     static_cast<void>(task.examples->training(0));
     ADD_FAILURE() << "accepted";
   } catch (const InputError& error) {
-    EXPECT_NE(std::string(error.what()).find("holds no near.wav"), std::string::npos);
+    EXPECT_NE(std::string(error.what()).find("has no near.wav"), std::string::npos);
   }
 }
 
