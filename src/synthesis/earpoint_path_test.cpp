@@ -179,8 +179,8 @@ TEST(EarpointPath, RowsInMemoryMoveAsThoseOfAFile) {
     EXPECT_EQ(rows.at(time_s), file.at(time_s));
   EXPECT_TRUE(rows.is_moving());
   EXPECT_THROW(rows.check_covers(4.0), InputError);
-  EXPECT_THROW(EarpointPath(Rows()), InputError);
-  EXPECT_THROW(EarpointPath(Rows{{1.0, {}}, {1.0, {}}}), InputError);
+  EXPECT_THROW(EarpointPath{Rows()}, InputError);
+  EXPECT_THROW((EarpointPath{Rows{{1.0, {}}, {1.0, {}}}}), InputError);
 }
 
 }  // namespace
