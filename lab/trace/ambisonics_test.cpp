@@ -113,7 +113,8 @@ TEST(AmbisonicResponse, DiffuseFieldIsAsLoudInEveryChannel) {
   encode_ambisonics(sector_direction(left), 1, gains);
   const double cross = std::inner_product(side.channel(0).begin(), side.channel(0).end(),
                                           side.channel(1).begin(), 0.0);
-  // Float rounding of both channels, which carry the same noise: exact but for the fade between bins.
+  // Float rounding of both channels, which carry the same noise: exact but for the fade between
+  // bins.
   EXPECT_NEAR(cross / energy(side.channel(0)), gains[1], 1e-3);
 }
 

@@ -4,9 +4,10 @@
 
 namespace earpoint {
 
-/// Locks on ranges of an open file's bytes that belong to the open file, not to the process: two descriptors that one
-/// process opened exclude each other too, and closing one does not give up the other's. They end with the last copy of
-/// the descriptor, however its process ends. The bytes need not exist.
+/// Locks on ranges of an open file's bytes that belong to the open file, not to the process: two
+/// descriptors that one process opened exclude each other too, and closing one does not give up the
+/// other's. They end with the last copy of the descriptor, however its process ends. The bytes need
+/// not exist.
 ///
 /// On a file system without locks every request succeeds.
 
