@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Writes silence.json: the released evaluation's metrics where a channel is silent, computed in double precision from
-their description (docs/formats.md, "Metrics") for the pair in metrics.safetensors. Checks itself against metrics.json,
+their description (docs/released-code.md, "Metrics") for the pair in metrics.safetensors. Checks itself against metrics.json,
 which is the released evaluation's own. Needs NumPy.
 """
 import json
