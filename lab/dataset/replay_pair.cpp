@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kMetresPerCentimetre = 0.01;
 /// Sound travels 10 m in this time, at 16 kHz.
-constexpr double kLongestWay_samples = 480.0;
+constexpr double kLongestWaySamples = 480.0;
 
 Image image_of(const ImagePlanes& planes) {
   Image image(planes.width, planes.height, planes.channels);
@@ -76,7 +76,7 @@ Waveform near_voice(const ReplayDataset& dataset, const ReplayClip& clip, const 
   const double source_energy = 0.5 * energy(source.planar());
   if (near_energy <= 0.0 || source_energy <= 0.0) return voice;
   const std::ptrdiff_t later =
-      std::lround(gcc_phat_delay_samples(heard, near->channel(0), kLongestWay_samples));
+      std::lround(gcc_phat_delay_samples(heard, near->channel(0), kLongestWaySamples));
   const auto gain = static_cast<float>(std::sqrt(source_energy / near_energy));
   for (std::ptrdiff_t i = 0; i < voice.samples(); ++i) {
     const std::ptrdiff_t from = i - later;
