@@ -3,12 +3,12 @@
 #include "evaluate_figure.h"
 
 #include <algorithm>
-#include <cstdlib>
 #include <system_error>
 
 #include <fmt/format.h>
 
 #include <earpoint/core/error.h>
+#include <earpoint/core/temporary_folder.h>
 #include <earpoint/evaluate/earpoint_comparison.h>
 #include <earpoint/network/model_names.h>
 
@@ -57,34 +57,11 @@ std::vector<ClipMethod> methods_of(const EarpointsRequest& request,
   return methods;
 }
 
-/// The folder of the report, or one that is gone when this is.
-class SoundFolder {
- public:
-  explicit SoundFolder(const std::optional<fs::path>& report) : is_temporary_(!report) {
-    if (report) {
-      path_ = *report;
-      std::error_code error;
-      fs::create_directories(path_, error);
-      if (error) throw InputError(path_.string(), "cannot be created: " + error.message());
-      return;
-    }
-    std::string name = (fs::temp_directory_path() / "earpoint-XXXXXX").string();
-    if (::mkdtemp(name.data()) == nullptr) throw InputError(name, "cannot be created");
-    path_ = name;
-  }
-  ~SoundFolder() {
-    std::error_code ignored;
-    if (is_temporary_) fs::remove_all(path_, ignored);
-  }
-  SoundFolder(const SoundFolder&) = delete;
-  SoundFolder& operator=(const SoundFolder&) = delete;
-
-  [[nodiscard]] const fs::path& path() const { return path_; }
-
- private:
-  bool is_temporary_;
-  fs::path path_;
-};
+void create_folder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) throw InputError(folder.string(), "cannot be created: " + error.message());
+}
 
 }  // namespace
 
@@ -92,13 +69,20 @@ void evaluate_earpoints(const EarpointsRequest& request, earpoint::ProgressSink&
   if (request.figure) check_figure_path(*request.figure);
   const earpoint::EarpointClip clip = earpoint::read_earpoint_clip(request.description);
   const std::vector<ClipMethod> methods = methods_of(request, clip);
-  const SoundFolder folder(request.report);
+  // Without a report nobody keeps the sounds.
+  std::optional<earpoint::TemporaryFolder> passing;
+  if (request.report) {
+    create_folder(*request.report);
+  } else {
+    passing.emplace();
+  }
+  const fs::path folder = request.report ? *request.report : passing->path();
   const earpoint::EarpointComparison comparison =
-      compare_earpoints(clip, methods, folder.path(),
+      compare_earpoints(clip, methods, folder,
                         {.estimator = request.estimator, .threads = request.threads}, progress);
   if (request.report) write_earpoint_page(comparison, *request.report);
   if (request.figure) {
-    draw_figure(*request.figure, comparison, folder.path(), request.threads, progress);
+    draw_figure(*request.figure, comparison, folder, request.threads, progress);
   }
   fmt::print("{}", request.json ? json_of(comparison) : text_of(comparison));
 }

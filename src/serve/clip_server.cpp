@@ -2,7 +2,6 @@
 
 #include "clip_json.h"
 #include "page_bytes.h"
-#include "temporary_folder.h"
 
 #include <algorithm>
 #include <array>
@@ -21,6 +20,7 @@
 #include <nlohmann/json.hpp>
 
 #include <earpoint/core/error.h>
+#include <earpoint/core/temporary_folder.h>
 #include <earpoint/serve/listener_registry.h>
 #include <earpoint/serve/walk_export.h>
 

@@ -1,4 +1,6 @@
-#include "temporary_folder.h"
+#include <earpoint/core/temporary_folder.h>
+
+#include "errno_error.h"
 
 #include <cerrno>
 #include <cstdlib>
@@ -9,9 +11,7 @@ namespace earpoint {
 
 TemporaryFolder::TemporaryFolder() {
   std::string name = (std::filesystem::temp_directory_path() / "earpoint-XXXXXX").string();
-  if (mkdtemp(name.data()) == nullptr) {
-    throw std::system_error(errno, std::generic_category(), "temporary folder " + name);
-  }
+  if (mkdtemp(name.data()) == nullptr) throw_errno(name, "cannot be created", errno);
   path_ = name;
 }
 

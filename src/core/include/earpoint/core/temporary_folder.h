@@ -4,10 +4,10 @@
 
 namespace earpoint {
 
-/// A folder of its own that vanishes with this object.
+/// A folder among the temporary files that is removed with this object, and all that is in it.
 class TemporaryFolder {
  public:
-  /// @throws std::system_error if it cannot be made
+  /// @throws InputError if it cannot be created
   TemporaryFolder();
   ~TemporaryFolder();
   TemporaryFolder(const TemporaryFolder&) = delete;
