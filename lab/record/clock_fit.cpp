@@ -1,10 +1,13 @@
 #include "clock_fit.h"
 
 #include "normal_equations.h"
+#include "offset_support.h"
+#include "seats.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include <earpoint/core/error.h>
 #include <earpoint/spatial/rigid_sphere.h>
@@ -44,8 +47,6 @@ struct SeatRound {
 };
 constexpr std::array<SeatRound, 3> kSeatRounds{
     {{0.35, 2e-3, 0.1e-3}, {0.15, 0.1e-3, 0.04e-3}, {0.15, 0.1e-3, 0.04e-3}}};
-constexpr double kAbsent_s = 60.0;  ///< who is silent for longer may sit elsewhere
-constexpr std::size_t kFewestInSeat = 8;
 constexpr int kMostPasses = 3;
 constexpr int kStepsPerRound = 4;
 
@@ -63,55 +64,9 @@ struct Observation {
   Vector3 gradient;            ///< of the residual by the source's place
 };
 
-/// What is left of a time of arrival, chosen or not.
-struct LeftTime {
-  double since_s = 0.0;  ///< on the device's clock, from its middle
-  double late_s = 0.0;
-  double height = 0.0;
-};
-
-constexpr std::ptrdiff_t kSupportSpread = 3;  // bins
 constexpr double kMostDriftError = 100e-6;
 constexpr double kUsualDrift = 150e-6;  ///< less support is enough for less
 constexpr double kClearly = 1.2;        ///< more support than another drift has
-
-/// How many times of arrival support each offset of a clock, given the error of its drift.
-class OffsetSupport {
- public:
-  OffsetSupport(const std::vector<LeftTime>& left, double slope, double bin_s)
-      : bin_s_(bin_s), support_(2 * kHalf + 1) {
-    std::vector<double> histogram(support_.size());
-    for (const LeftTime& time : left) {
-      const double late_s = time.late_s - slope * time.since_s;
-      if (std::abs(late_s) >= kHalf * bin_s) continue;
-      histogram[kHalf + std::lround(late_s / bin_s)] += time.height;
-    }
-    for (std::ptrdiff_t bin = kSupportSpread; bin <= 2 * kHalf - kSupportSpread; ++bin) {
-      const auto first = histogram.begin() + bin - kSupportSpread;
-      support_[bin] = std::accumulate(first, first + 2 * kSupportSpread + 1, 0.0);
-    }
-    most_ = *std::ranges::max_element(support_);
-  }
-
-  [[nodiscard]] double most() const { return most_; }
-
-  /// A wall behind a camera reflects everybody's voice equally late, but nothing comes before the
-  /// direct sound: the first offset that much supports, up to its top.
-  [[nodiscard]] double first_s() const {
-    constexpr double kMuch = 0.6;
-    if (most_ <= 0.0) return 0.0;
-    std::ptrdiff_t first = kSupportSpread;
-    while (support_[first] < kMuch * most_) ++first;
-    while (support_[first] < most_ && support_[first + 1] >= support_[first]) ++first;
-    return static_cast<double>(first - kHalf) * bin_s_;
-  }
-
- private:
-  static constexpr std::ptrdiff_t kHalf = 120;  // bins
-  double bin_s_;
-  std::vector<double> support_;
-  double most_ = 0.0;
-};
 
 class Fit {
  public:
@@ -142,7 +97,7 @@ class Fit {
       // Who moved about a little all the time is told once clocks are good.
       part_seats();
       clocks_held_ = true;
-      gather_places();
+      places_ = gathered_places(events_, places_, centre_m_.z);
       refine(kRounds.front().width_s);
       clocks_held_ = false;
     }
@@ -246,79 +201,16 @@ class Fit {
     seats_ = events_.size();
   }
 
-  /// Lets events of a voice that stays where it is share one place: else all places together move a
-  /// little in the course of the session, and clocks with them.
   void find_seats(double reach_m) {
-    struct Seat {
-      std::size_t anchor;
-      std::vector<std::size_t> events;
-      Vector3 sum;
-      double last_s;
-    };
-    std::vector<Seat> seats;
-    for (std::size_t e = 0; e < events_.size(); ++e) {
-      Seat* nearest = nullptr;
-      double least_m = reach_m;
-      for (Seat& seat : seats) {
-        if (seat.anchor != events_[e].anchor || events_[e].anchor_s - seat.last_s > kAbsent_s) {
-          continue;
-        }
-        const Vector3 away = seat.sum / static_cast<double>(seat.events.size()) - places_[e];
-        const double away_m = std::hypot(away.x, away.y);
-        if (away_m > least_m) continue;
-        least_m = away_m;
-        nearest = &seat;
-      }
-      if (nearest == nullptr) {
-        seats.push_back({events_[e].anchor, {}, {}, 0.0});
-        nearest = &seats.back();
-      }
-      nearest->events.push_back(e);
-      nearest->sum = nearest->sum + places_[e];
-      nearest->last_s = events_[e].anchor_s;
-    }
-    seats_ = 0;
-    for (const Seat& seat : seats) {
-      const bool shared = seat.events.size() >= kFewestInSeat;
-      for (const std::size_t e : seat.events) {
-        if (shared) places_[e] = seat.sum / static_cast<double>(seat.events.size());
-        seat_of_[e] = seats_;
-        if (!shared) ++seats_;
-      }
-      if (shared) ++seats_;
-    }
+    SharedPlaces found = share_places(events_, std::move(places_), reach_m);
+    places_ = std::move(found.places_m);
+    seat_of_ = std::move(found.seat_of);
+    seats_ = found.seats;
   }
 
-  /// Moves places to the median of the same voice's around that time where they are far from it: a
-  /// few ears that agree by chance hold them there.
-  void gather_places() {
-    constexpr double kAround_s = 2.0;
-    constexpr double kFar_m = 0.7;
-    constexpr std::size_t kFewest = 4;
-    const std::vector<Vector3> found = places_;
-    for (std::size_t e = 0; e < events_.size(); ++e) {
-      std::vector<double> x;
-      std::vector<double> y;
-      for (std::size_t other = 0; other < events_.size(); ++other) {
-        if (events_[other].anchor != events_[e].anchor ||
-            std::abs(events_[other].anchor_s - events_[e].anchor_s) > kAround_s) {
-          continue;
-        }
-        x.push_back(found[other].x);
-        y.push_back(found[other].y);
-      }
-      if (x.size() < kFewest) continue;
-      const auto middle = std::ssize(x) / 2;
-      std::ranges::nth_element(x, x.begin() + middle);
-      std::ranges::nth_element(y, y.begin() + middle);
-      if (std::hypot(found[e].x - x[middle], found[e].y - y[middle]) < kFar_m) continue;
-      places_[e] = {x[middle], y[middle], centre_m_.z};
-    }
-  }
-
-  /// What is left of all times of a device, be they chosen or not.
-  [[nodiscard]] std::vector<LeftTime> left_times(std::size_t device) const {
-    std::vector<LeftTime> left;
+  /// Of all times of a device, chosen or not.
+  [[nodiscard]] std::vector<ArrivalError> arrival_errors(std::size_t device) const {
+    std::vector<ArrivalError> errors;
     for (std::size_t e = 0; e < events_.size(); ++e) {
       const SoundEvent& event = events_[e];
       const double anchor_s = session_s(event.anchor, event.anchor_s);
@@ -326,12 +218,12 @@ class Fit {
         if (heard.device != device) continue;
         const double expected = anchor_s + lateness_s(event, heard, places_[e]);
         for (const HeardTime& time : heard.times) {
-          left.push_back({time.device_s - devices_[device].middle_s,
-                          session_s(device, time.device_s) - expected, time.height});
+          errors.push_back({time.device_s - devices_[device].middle_s,
+                            session_s(device, time.device_s) - expected, time.height});
         }
       }
     }
-    return left;
+    return errors;
   }
 
   /// Moves each camera to the offset and the drift that most of its times support: the fit itself
@@ -340,15 +232,17 @@ class Fit {
   bool recentre(double bin_s) {
     bool moved = false;
     for (std::size_t d = 0; d < devices_.size(); ++d) {
-      const std::vector<LeftTime> left = left_times(d);
-      if (left.empty()) continue;  // a near microphone
+      const std::vector<ArrivalError> errors = arrival_errors(d);
+      if (errors.empty()) continue;  // a near microphone
       double longest_s = 1.0;
-      for (const LeftTime& time : left) longest_s = std::max(longest_s, std::abs(time.since_s));
+      for (const ArrivalError& error : errors) {
+        longest_s = std::max(longest_s, std::abs(error.since_s));
+      }
       const double step = bin_s / longest_s;
       const auto steps = static_cast<int>(kMostDriftError / step);
       const auto support_of = [&](double change) {
         const double unusual = (rate_of(d) - 1.0 - change) / kUsualDrift;
-        return OffsetSupport(left, change, bin_s).most() / (1.0 + unusual * unusual);
+        return OffsetSupport(errors, change, bin_s).most() / (1.0 + unusual * unusual);
       };
       const double now = support_of(0.0);
       double slope = 0.0;
@@ -359,8 +253,8 @@ class Fit {
         most = support;
         slope = s * step;
       }
-      const double offset_s = OffsetSupport(left, slope, bin_s).first_s();
-      if (slope == 0.0 && std::abs(offset_s) <= kSupportSpread * bin_s) continue;
+      const double offset_s = OffsetSupport(errors, slope, bin_s).first_s();
+      if (slope == 0.0 && std::abs(offset_s) <= OffsetSupport::kSpread * bin_s) continue;
       clocks_[d].offset_s -= offset_s;
       clocks_[d].slope_s -= slope * kDriftTime_s;
       moved = true;
