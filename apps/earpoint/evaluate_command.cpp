@@ -4,10 +4,10 @@
 #include "evaluate_earpoints.h"
 #include "evaluate_figure.h"
 #include "evaluate_methods.h"
+#include "evaluate_set.h"
 #include "rt60_model.h"
 
 #include <array>
-#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <functional>
@@ -21,14 +21,11 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
-#include <earpoint/audio/ambient_separation.h>
 #include <earpoint/core/error.h>
 #include <earpoint/core/parallel.h>
 #include <earpoint/core/progress.h>
 #include <earpoint/dataset/dataset_folder.h>
-#include <earpoint/dataset/pair_list.h>
 #include <earpoint/evaluate/evaluation.h>
 #include <earpoint/evaluate/evaluation_table.h>
 #include <earpoint/evaluate/metrics.h>
@@ -42,13 +39,9 @@ namespace {
 namespace fs = std::filesystem;
 using earpoint::InputError;
 
-constexpr std::size_t kCacheBytes = std::size_t{512} << 20U;
-
 // White noise at full scale against silence has a Mag of about 25.
 constexpr double kAbsurdMag = 100.0;
 
-// As loud as in the configurations that learn enhancement.
-constexpr double kUsualAmbientDb = -40.0;
 constexpr std::array<earpoint::Metric, 5> kEnhancementMetrics{
     earpoint::Metric::mag, earpoint::Metric::rte, earpoint::Metric::level, earpoint::Metric::si_sdr,
     earpoint::Metric::estoi};
@@ -106,30 +99,6 @@ Every number is an error, and 0 is best; of SI-SDR and ESTOI (--enhance) more is
 several, else by conversation.
 )";
 
-struct Options {
-  fs::path data;
-  fs::path earpoints;
-  std::string split = "test";
-  std::string layout;  ///< empty: whichever there is
-  std::optional<fs::path> pairs;
-  std::string draw;  ///< empty: the list
-  MethodRequest methods;
-  std::optional<std::size_t> limit;
-  int jobs = 0;
-  fs::path rt60_model;
-  std::optional<fs::path> report;
-  std::optional<fs::path> figure;
-  std::vector<std::string> clips;    ///< of the figure
-  std::vector<std::string> ambient;  ///< level in dB, separation, or both
-  double context_s = 0.0;
-  std::string boxes = "true";
-  std::optional<fs::path> detector;
-  bool enhance = false;
-  bool skip_bad = false;
-  bool json = false;
-  bool quiet = false;
-};
-
 /// Makes the estimator behind RTE, or nothing where there is none.
 std::function<earpoint::ReverberationEstimator()> estimator_maker(const fs::path& given) {
   const std::optional<fs::path> model = rt60_model(given);
@@ -143,84 +112,6 @@ std::function<earpoint::ReverberationEstimator()> estimator_maker(const fs::path
     auto estimator = std::make_shared<earpoint::Rt60Estimator>(*weights);
     return [estimator](const earpoint::Waveform& sound) { return estimator->estimate_s(sound); };
   };
-}
-
-earpoint::PairTarget target_of(const Options& options) {
-  return options.enhance ? earpoint::PairTarget::near_microphone : earpoint::PairTarget::viewpoint;
-}
-
-/// Room noise in what sources hear, and how it is separated.
-struct Ambient {
-  std::optional<double> level_db;  ///< re full scale; nothing: no noise
-  earpoint::AmbientSeparation separation = earpoint::AmbientSeparation::bandpass;
-};
-
-Ambient ambient_of(const Options& options) {
-  Ambient ambient;
-  if (options.enhance || !options.ambient.empty()) ambient.level_db = kUsualAmbientDb;
-  for (const std::string& word : options.ambient) {
-    if (const auto separation = earpoint::ambient_separation_named(word)) {
-      ambient.separation = *separation;
-      continue;
-    }
-    double level_db = 0.0;
-    if (!CLI::detail::lexical_cast(word, level_db) || !(level_db >= -120.0 && level_db <= 0.0)) {
-      throw InputError("--ambient",
-                       fmt::format("expected a level from -120 to 0 or one of {}, found '{}'",
-                                   fmt::join(earpoint::ambient_separation_names(), ", "), word));
-    }
-    ambient.level_db = level_db;
-  }
-  return ambient;
-}
-
-std::ptrdiff_t context_of(const Options& options) {
-  return std::lround(options.context_s * earpoint::kMetricRateHz);
-}
-
-std::unique_ptr<earpoint::EvaluationSet> recorded_set(const Options& options) {
-  if (options.enhance) {
-    throw InputError("--enhance", "needs simulated data, whose dry speech is known",
-                     "make some with `earpoint simulate`");
-  }
-  if (options.context_s > 0.0) {
-    throw InputError("--context", "clips of Replay-NVAS are used whole", "leave it out");
-  }
-  if (!options.ambient.empty()) {
-    throw InputError("--ambient", "recordings have their own ambient sound",
-                     "leave it out, or use simulated data");
-  }
-  if (options.pairs) {
-    throw InputError("--pairs",
-                     "Replay-NVAS has no pair lists; its pairs are drawn as the released "
-                     "test draws them",
-                     "leave it out");
-  }
-  if (options.draw == "every-target") {
-    throw InputError("--draw every-target", "Replay-NVAS is drawn as the released test draws it",
-                     "leave it out");
-  }
-  return earpoint::replay_evaluation_set(options.data, options.split, options.limit);
-}
-
-earpoint::DatasetLayout layout_of(const Options& options) {
-  std::optional<earpoint::DatasetLayout> asked;
-  if (!options.layout.empty()) asked = earpoint::layout_named(options.layout);
-  return dataset_layout(options.data, asked);
-}
-
-std::unique_ptr<earpoint::EvaluationSet> evaluation_set(const Options& options) {
-  if (layout_of(options) == earpoint::DatasetLayout::replay) {
-    return recorded_set(options);
-  }
-  earpoint::PairChoice pairs{.list = options.pairs, .draw = std::nullopt};
-  if (!options.draw.empty()) pairs.draw = earpoint::draw_named(options.draw);
-  auto set =
-      earpoint::soundspaces_evaluation_set(options.data, options.split, pairs, options.limit,
-                                           kCacheBytes, target_of(options), context_of(options));
-  const Ambient ambient = ambient_of(options);
-  return ambient.level_db ? with_ambient(std::move(set), *ambient.level_db, ambient.separation)
-                          : std::move(set);
 }
 
 /// The released loader takes the samples of 16-bit speech as integers, 32768 times too loud.
@@ -247,7 +138,7 @@ void check_boxes(earpoint::SpeakerBoxes boxes, std::span<const earpoint::MethodE
   }
 }
 
-void run_on_clip(const Options& options) {
+void run_on_clip(const EvaluateOptions& options) {
   const auto make_estimator = estimator_maker(options.rt60_model);
   const EarpointsRequest request{
       .description = options.earpoints,
@@ -263,7 +154,7 @@ void run_on_clip(const Options& options) {
 }
 
 /// Clips instead of numbers.
-void run_figure(const Options& options) {
+void run_figure(const EvaluateOptions& options) {
   FigureRequest request{.output = *options.figure,
                         .methods = options.methods,
                         .split = options.split,
@@ -278,7 +169,91 @@ void run_figure(const Options& options) {
   draw_figure(request, options.quiet ? static_cast<earpoint::ProgressSink&>(silent) : bar);
 }
 
-void run(const Options& options) {
+/// What is asked of methods_of(): the options, and what the data set holds.
+MethodRequest method_request(const EvaluateOptions& options, const earpoint::EvaluationSet& set) {
+  MethodRequest request = options.methods;
+  request.data = options.data;
+  request.enhance = options.enhance;
+  request.layout = layout_of(options);
+  request.recorded = request.layout == earpoint::DatasetLayout::replay;
+  request.knows_speaker = set.knows_speaker();
+  if (request.words.empty()) {
+    request.words = {"input"};
+    const bool is_told = earpoint::boxes_named(options.boxes) != earpoint::SpeakerBoxes::none;
+    if (!options.enhance && set.knows_speaker() && is_told) request.words.emplace_back("dsp");
+  }
+  return request;
+}
+
+earpoint::EvaluationOptions evaluation_options(const EvaluateOptions& options) {
+  earpoint::EvaluationOptions how;
+  how.jobs = options.jobs > 0 ? options.jobs : earpoint::available_cores();
+  how.skip_bad = options.skip_bad;
+  how.judges_speech = options.enhance;
+  how.make_estimator = estimator_maker(options.rt60_model);
+  how.make_telling = telling_maker(earpoint::boxes_named(options.boxes), options.detector);
+  return how;
+}
+
+/// What the report says of the data.
+earpoint::ReportOptions report_options(const EvaluateOptions& options,
+                                       const earpoint::EvaluationSet& set) {
+  earpoint::ReportOptions report;
+  report.data = options.data.string();
+  if (options.enhance) report.data += ", speech to be enhanced";
+  const EvaluateAmbient ambient = ambient_of(options);
+  if (ambient.level_db) {
+    report.data += fmt::format(", room noise {:g} dB, separated by {}", *ambient.level_db,
+                               name_of(ambient.separation));
+  }
+  if (options.context_s > 0.0) {
+    report.data += fmt::format(", {:g} s of sound before", options.context_s);
+  }
+  if (options.boxes != "true") report.data += ", boxes: " + options.boxes;
+  report.split = options.split;
+  report.pairs = set.pairs();
+  return report;
+}
+
+void print_result(const EvaluateOptions& options, const earpoint::EvaluationSet& set,
+                  const earpoint::EvaluationTable& table) {
+  if (options.json) {
+    const EvaluateAmbient ambient = ambient_of(options);
+    fmt::print("{}", json_of(table, {options.data.string(), options.split, set.pairs(),
+                                     target_of(options), ambient.level_db, ambient.separation,
+                                     options.context_s, options.boxes}));
+    return;
+  }
+  const std::span<const earpoint::Metric> told =
+      options.enhance ? kEnhancementMetrics : earpoint::told_metrics();
+  fmt::print("{}Pairs: {}.\n", text_of(table, told), set.pairs());
+}
+
+void run_on_data(const EvaluateOptions& options) {
+  const std::unique_ptr<earpoint::EvaluationSet> set = evaluation_set(options);
+  std::set<std::string> scenes;
+  for (std::size_t pair = 0; pair < set->size(); ++pair) scenes.insert(set->scene(pair));
+  const std::vector<earpoint::MethodEntry> methods =
+      methods_of(method_request(options, *set), scenes);
+  check_boxes(earpoint::boxes_named(options.boxes), methods);
+  earpoint::SilentProgress silent;
+  earpoint::StreamProgress bar(stderr);
+  earpoint::ProgressSink& progress =
+      options.quiet ? static_cast<earpoint::ProgressSink&>(silent) : bar;
+  const earpoint::EvaluationResult result =
+      evaluate(*set, methods, evaluation_options(options), progress);
+  for (const earpoint::BadPair& pair : result.skipped) {
+    fmt::print(stderr, "earpoint: left out {}: {}\n", pair.name, pair.problem);
+  }
+  if (options.report) {
+    write_report(*options.report, *set, methods, result, report_options(options, *set), progress);
+  }
+  const earpoint::EvaluationTable table = make_table(result);
+  print_result(options, *set, table);
+  warn_of_levels(table);
+}
+
+void run(const EvaluateOptions& options) {
   if (options.jobs < 0) {
     throw InputError("--jobs", fmt::format("expected 0 or more, found {}", options.jobs));
   }
@@ -287,74 +262,13 @@ void run(const Options& options) {
     throw InputError("--data", "missing", "give a data set, or a clip with --earpoints");
   }
   if (options.figure) return run_figure(options);
-  const std::unique_ptr<earpoint::EvaluationSet> set = evaluation_set(options);
-  std::set<std::string> scenes;
-  for (std::size_t pair = 0; pair < set->size(); ++pair) scenes.insert(set->scene(pair));
-  const earpoint::SpeakerBoxes boxes = earpoint::boxes_named(options.boxes);
-  MethodRequest request = options.methods;
-  request.data = options.data;
-  request.enhance = options.enhance;
-  request.layout = layout_of(options);
-  request.recorded = request.layout == earpoint::DatasetLayout::replay;
-  request.knows_speaker = set->knows_speaker();
-  if (request.words.empty()) {
-    request.words = {"input"};
-    const bool is_told = boxes != earpoint::SpeakerBoxes::none;
-    if (!options.enhance && set->knows_speaker() && is_told) request.words.emplace_back("dsp");
-  }
-  const std::vector<earpoint::MethodEntry> methods = methods_of(request, scenes);
-  check_boxes(boxes, methods);
-
-  earpoint::EvaluationOptions how;
-  how.jobs = options.jobs > 0 ? options.jobs : earpoint::available_cores();
-  how.skip_bad = options.skip_bad;
-  how.judges_speech = options.enhance;
-  how.make_estimator = estimator_maker(options.rt60_model);
-  how.make_telling = telling_maker(boxes, options.detector);
-
-  earpoint::SilentProgress silent;
-  earpoint::StreamProgress bar(stderr);
-  earpoint::ProgressSink& progress =
-      options.quiet ? static_cast<earpoint::ProgressSink&>(silent) : bar;
-  const earpoint::EvaluationResult result = evaluate(*set, methods, how, progress);
-  for (const earpoint::BadPair& pair : result.skipped) {
-    fmt::print(stderr, "earpoint: left out {}: {}\n", pair.name, pair.problem);
-  }
-  const Ambient ambient = ambient_of(options);
-  if (options.report) {
-    earpoint::ReportOptions report;
-    report.data = options.data.string();
-    if (options.enhance) report.data += ", speech to be enhanced";
-    if (ambient.level_db) {
-      report.data += fmt::format(", room noise {:g} dB, separated by {}", *ambient.level_db,
-                                 name_of(ambient.separation));
-    }
-    if (options.context_s > 0.0) {
-      report.data += fmt::format(", {:g} s of sound before", options.context_s);
-    }
-    if (options.boxes != "true") report.data += ", boxes: " + options.boxes;
-    report.split = options.split;
-    report.pairs = set->pairs();
-    write_report(*options.report, *set, methods, result, report, progress);
-  }
-  const earpoint::EvaluationTable table = make_table(result);
-  const earpoint::EvaluationSubject subject{
-      options.data.string(), options.split,      set->pairs(),      target_of(options),
-      ambient.level_db,      ambient.separation, options.context_s, options.boxes};
-  const std::span<const earpoint::Metric> told =
-      options.enhance ? kEnhancementMetrics : earpoint::told_metrics();
-  if (options.json) {
-    fmt::print("{}", json_of(table, subject));
-  } else {
-    fmt::print("{}Pairs: {}.\n", text_of(table, told), set->pairs());
-  }
-  warn_of_levels(table);
+  run_on_data(options);
 }
 
 }  // namespace
 
 void add_evaluate_command(CLI::App& app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<EvaluateOptions>();
   CLI::App* command = app.add_subcommand(
       "evaluate", "Compare methods on the frozen pairs of a data set, or on a clip of your own.");
   command->add_option(

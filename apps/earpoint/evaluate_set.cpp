@@ -1,0 +1,94 @@
+#include "evaluate_set.h"
+
+#include <cmath>
+#include <utility>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <earpoint/core/error.h>
+#include <earpoint/dataset/pair_list.h>
+#include <earpoint/evaluate/metrics.h>
+
+namespace {
+
+using earpoint::InputError;
+
+constexpr std::size_t kCacheBytes = std::size_t{512} << 20U;
+// As loud as in the configurations that learn enhancement.
+constexpr double kUsualAmbientDb = -40.0;
+
+std::ptrdiff_t context_of(const EvaluateOptions& options) {
+  return std::lround(options.context_s * earpoint::kMetricRateHz);
+}
+
+std::unique_ptr<earpoint::EvaluationSet> recorded_set(const EvaluateOptions& options) {
+  if (options.enhance) {
+    throw InputError("--enhance", "needs simulated data, whose dry speech is known",
+                     "make some with `earpoint simulate`");
+  }
+  if (options.context_s > 0.0) {
+    throw InputError("--context", "clips of Replay-NVAS are used whole", "leave it out");
+  }
+  if (!options.ambient.empty()) {
+    throw InputError("--ambient", "recordings have their own ambient sound",
+                     "leave it out, or use simulated data");
+  }
+  if (options.pairs) {
+    throw InputError("--pairs",
+                     "Replay-NVAS has no pair lists; its pairs are drawn as the released "
+                     "test draws them",
+                     "leave it out");
+  }
+  if (options.draw == "every-target") {
+    throw InputError("--draw every-target", "Replay-NVAS is drawn as the released test draws it",
+                     "leave it out");
+  }
+  return earpoint::replay_evaluation_set(options.data, options.split, options.limit);
+}
+
+}  // namespace
+
+earpoint::PairTarget target_of(const EvaluateOptions& options) {
+  return options.enhance ? earpoint::PairTarget::near_microphone : earpoint::PairTarget::viewpoint;
+}
+
+EvaluateAmbient ambient_of(const EvaluateOptions& options) {
+  EvaluateAmbient ambient;
+  if (options.enhance || !options.ambient.empty()) ambient.level_db = kUsualAmbientDb;
+  for (const std::string& word : options.ambient) {
+    if (const auto separation = earpoint::ambient_separation_named(word)) {
+      ambient.separation = *separation;
+      continue;
+    }
+    double level_db = 0.0;
+    if (!CLI::detail::lexical_cast(word, level_db) || !(level_db >= -120.0 && level_db <= 0.0)) {
+      throw InputError("--ambient",
+                       fmt::format("expected a level from -120 to 0 or one of {}, found '{}'",
+                                   fmt::join(earpoint::ambient_separation_names(), ", "), word));
+    }
+    ambient.level_db = level_db;
+  }
+  return ambient;
+}
+
+earpoint::DatasetLayout layout_of(const EvaluateOptions& options) {
+  std::optional<earpoint::DatasetLayout> asked;
+  if (!options.layout.empty()) asked = earpoint::layout_named(options.layout);
+  return dataset_layout(options.data, asked);
+}
+
+std::unique_ptr<earpoint::EvaluationSet> evaluation_set(const EvaluateOptions& options) {
+  if (layout_of(options) == earpoint::DatasetLayout::replay) {
+    return recorded_set(options);
+  }
+  earpoint::PairChoice pairs{.list = options.pairs, .draw = std::nullopt};
+  if (!options.draw.empty()) pairs.draw = earpoint::draw_named(options.draw);
+  auto set =
+      earpoint::soundspaces_evaluation_set(options.data, options.split, pairs, options.limit,
+                                           kCacheBytes, target_of(options), context_of(options));
+  const EvaluateAmbient ambient = ambient_of(options);
+  return ambient.level_db ? with_ambient(std::move(set), *ambient.level_db, ambient.separation)
+                          : std::move(set);
+}
