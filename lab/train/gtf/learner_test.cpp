@@ -1,3 +1,5 @@
+#include "test_batches.h"
+
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -7,13 +9,12 @@
 
 #include <gtest/gtest.h>
 
+#include <earpoint/audio/energy.h>
 #include <earpoint/core/error.h>
 #include <earpoint/core/pose.h>
 #include <earpoint/core/random.h>
 #include <earpoint/gtf/description.h>
 #include <earpoint/gtf/weights.h>
-#include <earpoint/rt60/description.h>
-#include <earpoint/rt60/engine.h>
 #include <earpoint/spatial/hrtf.h>
 #include <earpoint/train/gtf_learner.h>
 #include <earpoint/train/initial_weights.h>
@@ -22,71 +23,7 @@
 namespace earpoint {
 namespace {
 
-constexpr std::int64_t kSamples = 4000;
-
-const HrtfSet& head() {
-  static const HrtfSet set = HrtfSet::load(GtfDescription::kSampleRateHz);
-  return set;
-}
-
-GtfDescription small() {
-  GtfDescription d;
-  d.channels = 12;
-  d.layers = 3;
-  d.bands = 12;
-  d.past_frames = 2;
-  d.picture_px = 32;
-  d.picture_width = d.locator_width = d.summary_width = d.conditioning_width = 16;
-  return d;
-}
-
-std::vector<float> noise(std::int64_t count, double size, std::uint64_t seed) {
-  RandomStream random(seed);
-  std::vector<float> values(static_cast<std::size_t>(count));
-  for (float& value : values) value = static_cast<float>(size * random.normal());
-  return values;
-}
-
-TrainingBatch batch_for(const GtfDescription& d, std::int64_t clips,
-                        std::int64_t samples = kSamples) {
-  TrainingBatch batch;
-  batch.clips = clips;
-  batch.source = noise(clips * 2 * samples, 0.1, 1);
-  batch.target = noise(clips * 2 * samples, 0.05, 2);
-  batch.inputs["dry"] = noise(clips * samples, 0.1, 7);
-  if (d.picture_px > 0) {
-    batch.pictures = noise(clips * 3 * d.picture_px * d.picture_px, 0.2, 3);
-  }
-  for (std::int64_t clip = 0; clip < clips; ++clip) {
-    const bool is_seen = clip % 2 == 0;
-    const std::vector<float> box =
-        is_seen ? std::vector<float>{1, 0.3F, 0.4F, 0.5F, 0.9F} : std::vector<float>(5);
-    batch.inputs["speaker_box"].insert(batch.inputs["speaker_box"].end(), box.begin(), box.end());
-  }
-  batch.inputs["target_m"] = noise(clips * 3, 1.0, 4);
-  batch.inputs["target_yaw_rad"] = noise(clips, 1.0, 5);
-  batch.inputs["speaker_m"] = noise(clips * 3, 1.0, 6);
-  for (std::int64_t clip = 0; clip < clips; ++clip) {
-    batch.inputs["speaker_heading"].insert(batch.inputs["speaker_heading"].end(), {0.6F, 0.8F});
-  }
-  return batch;
-}
-
-/// Initial weights leave kernels, gains and phases at constants: here every layer takes part.
-GtfWeights stirred(const GtfDescription& d) {
-  GtfWeights weights = initial_gtf_weights(d, head(), 3);
-  std::uint64_t seed = 100;
-  for (auto& [name, tensor] : weights.tensors) {
-    if (!name.starts_with("kernel") && !name.starts_with("gain") && !name.starts_with("phase")) {
-      continue;
-    }
-    std::vector<float> values = noise(tensor.elements(), 0.05, seed++);
-    const auto old = tensor.as<float>();
-    for (std::size_t i = 0; i < values.size(); ++i) values[i] += old[i];
-    tensor = make_tensor<float>(values, tensor.shape);
-  }
-  return weights;
-}
+using namespace gtf_test;
 
 TEST(InitialGtfWeights, TablesHearTheNearEarEarlierAndLouder) {
   const GtfWeights weights = initial_gtf_weights(GtfDescription{}, head(), 1);
@@ -282,33 +219,9 @@ TEST(GtfLearner, LearnsATextureForEachOfItsLosses) {
     learner.compute_gradients(step % 2 == 0 ? clip : louder);
     learner.apply_gradients(0.01);
   }
-  const auto energy = [&](double texture) {
-    double sum = 0.0;
-    for (const float sample : learner.predict(clip, texture)) sum += double{sample} * sample;
-    return sum;
-  };
+  const auto energy_of = [&](double texture) { return energy(learner.predict(clip, texture)); };
   // 4 of power when it has learned all of it.
-  EXPECT_GT(energy(1.0), 2.0 * energy(0.0));
-}
-
-TEST(GtfLearner, TheDryVoiceIsComparedWithWhatWasSpoken) {
-  GtfDescription d = small();
-  d.dry_voice = true;
-  TrainingBatch batch = batch_for(d, 1);
-  const auto dry_loss = [&](const TrainingBatch& clip) {
-    GtfLearnerOptions without;
-    GtfLearnerOptions with = without;
-    with.loss.dry_voice = 1.0;
-    const GtfWeights weights = initial_gtf_weights(d, head(), 1);
-    return GtfLearner(weights, with).compute_gradients(clip) -
-           GtfLearner(weights, without).compute_gradients(clip);
-  };
-  // The untrained network takes the mean of both ears' magnitudes for the voice.
-  std::copy_n(batch.source.begin(), kSamples, batch.source.begin() + kSamples);
-  batch.inputs["dry"].assign(batch.source.begin(), batch.source.begin() + kSamples);
-  const double same = dry_loss(batch);
-  batch.inputs["dry"] = noise(kSamples, 0.1, 70);
-  EXPECT_LT(same, 0.1 * dry_loss(batch));
+  EXPECT_GT(energy_of(1.0), 2.0 * energy_of(0.0));
 }
 
 TEST(GtfLearner, LearnsTheSameWithAnyNumberOfThreads) {
@@ -371,88 +284,6 @@ TEST(GtfLearner, LearnsOneClipByHeart) {
   }
   // Magnitudes can be learned; phases stay a mixture of the ears', so frames interfere.
   EXPECT_LT(learner.errors(clip)[0], 0.35 * first);
-}
-
-TEST(GtfLearner, ModulationCountsGapsThatAreFilled) {
-  // The untrained network gives back its input: noise in four bursts with silence between.
-  const GtfDescription d = small();
-  TrainingBatch bursts = batch_for(d, 1);
-  for (std::int64_t i = 0; i < 2 * kSamples; ++i) {
-    if (i / 500 % 2 == 1) bursts.source[i] = 0;
-  }
-  bursts.target = bursts.source;
-  TrainingBatch filled = bursts;
-  filled.target = batch_for(d, 1).source;
-  const auto modulation = [&](const TrainingBatch& batch) {
-    GtfLearnerOptions without;
-    without.loss.modulation = 0.0;
-    GtfLearnerOptions with = without;
-    with.loss.modulation = 1.0;
-    const GtfWeights weights = initial_gtf_weights(d, head(), 1);
-    return GtfLearner(weights, with).compute_gradients(batch) -
-           GtfLearner(weights, without).compute_gradients(batch);
-  };
-  // Bursts rise by 40 dB over the floor for half of the time, a spread of 2 nepers; noise varies by
-  // half a neper. What is left between copy and truth comes from phases that are mixed.
-  EXPECT_GT(modulation(filled), 1.0);
-  EXPECT_LT(modulation(bursts), 0.3 * modulation(filled));
-}
-
-TEST(GtfLearner, DecayCountsReverberationThatIsMissing) {
-  // The untrained network gives back its input, the dry speech itself.
-  const GtfDescription d = small();
-  TrainingBatch copy = batch_for(d, 1);
-  copy.inputs["dry"].assign(copy.source.begin(), copy.source.begin() + kSamples);
-  std::copy_n(copy.source.begin(), kSamples, copy.source.begin() + kSamples);
-  copy.target = copy.source;
-  TrainingBatch reverberant = copy;
-  // Half of the energy comes 60 ms later: the curve lies at -3 dB from the direct sound until then.
-  for (std::int64_t i = 2 * kSamples - 1; i >= 0; --i) {
-    if (i % kSamples >= 960) reverberant.target[i] += reverberant.target[i - 960];
-  }
-  const auto decay = [&](const TrainingBatch& batch) {
-    GtfLearnerOptions without;
-    GtfLearnerOptions with = without;
-    with.loss.decay = 1.0;
-    const GtfWeights weights = initial_gtf_weights(d, head(), 1);
-    return GtfLearner(weights, with).compute_gradients(batch) -
-           GtfLearner(weights, without).compute_gradients(batch);
-  };
-  EXPECT_LT(decay(copy), 0.5 * decay(reverberant));
-  EXPECT_GT(decay(reverberant), 3.0);
-}
-
-TEST(GtfLearner, ReverberationTimesCountAsTheEstimatorHearsThem) {
-  // The untrained network gives back its input as far as its phases let it.
-  const GtfDescription d = small();
-  constexpr std::int64_t kSecond = Rt60Description::kWindowSamples;
-  const GtfWeights weights = initial_gtf_weights(d, head(), 1);
-  TrainingBatch copy = batch_for(d, 1, kSecond);
-  copy.target = GtfLearner(weights).predict(copy);
-  TrainingBatch faded = copy;
-  for (std::int64_t i = 0; i < 2 * kSecond; ++i) {
-    faded.target[i] *= std::exp(-6.9F * static_cast<float>(i % kSecond) / 8000.0F);
-  }
-  const GtfLearnerOptions without;
-  GtfLearnerOptions with = without;
-  with.loss.reverberation = 1.0;
-  with.estimator = initial_rt60_weights({2, 1.0}, 5);
-  const auto counted = [&](const TrainingBatch& batch) {
-    return GtfLearner(weights, with).compute_gradients(batch) -
-           GtfLearner(weights, without).compute_gradients(batch);
-  };
-  Rt60Estimator engine(*with.estimator);
-  double wanted = 0.0;
-  for (std::int64_t ear = 0; ear < 2; ++ear) {
-    const auto time_of = [&](const TrainingBatch& batch) {
-      return engine.estimate_second_s(std::span(batch.target).subspan(ear * kSecond, kSecond));
-    };
-    wanted += std::abs(time_of(copy) - time_of(faded)) / 2;
-  }
-  ASSERT_GT(wanted, 0.01);
-  // Eighteen float32 layers twice, magnitudes of 3e-4 and more, and the difference of two losses.
-  EXPECT_NEAR(counted(copy), 0.0, 1e-5);
-  EXPECT_NEAR(counted(faded), wanted, 0.02 * wanted);
 }
 
 TEST(GtfExample, HoldsWhatTheNetworkIsToldAndWhereTheSpeakerIs) {
