@@ -242,6 +242,24 @@ ReplayDataset::View ReplayDataset::read_view(const fs::path& image) const {
   }
 }
 
+std::vector<ReplayChoice> ReplayDataset::released_choices() const {
+  // The one worker of the released evaluation's loader seeds its generator with its number.
+  constexpr std::uint32_t kSeed = 0;
+  NumpyRandom random(kSeed);
+  std::vector<ReplayChoice> choices;
+  choices.reserve(clips_.size());
+  for (const ReplayClip& clip : clips_) choices.push_back(draw(clip, random));
+  return choices;
+}
+
+std::string name_of(const ReplayClip& clip) {
+  return clip.scene + "/" + fs::path(clip.folder).filename().string();
+}
+
+std::string camera_of(const ReplayClip& clip, int view) {
+  return fs::path(clip.images.at(static_cast<std::size_t>(view))).stem().string();
+}
+
 std::optional<Waveform> ReplayDataset::near_sound(const ReplayClip& clip) const {
   const fs::path path = options_.root / clip.folder / "near.wav";
   if (!fs::exists(path)) return std::nullopt;

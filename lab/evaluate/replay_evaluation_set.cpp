@@ -11,21 +11,19 @@
 namespace earpoint {
 namespace {
 
-// The one worker of the released evaluation's loader seeds its generator with its number.
-constexpr std::uint32_t kReleasedSeed = 0;
-
 class ReplayEvaluationSet : public EvaluationSet {
  public:
   ReplayEvaluationSet(const std::filesystem::path& folder, const std::string& split,
                       std::optional<std::size_t> limit)
       : dataset_(replay_options(folder, split)) {
-    NumpyRandom random(kReleasedSeed);
+    const std::vector<ReplayChoice> choices = dataset_.released_choices();
     std::map<std::string, int> sessions;
     std::vector<Entry> all;
-    for (const ReplayClip& clip : dataset_.clips()) {
+    for (std::size_t i = 0; i < choices.size(); ++i) {
+      const ReplayClip& clip = dataset_.clips()[i];
       const auto session =
           sessions.try_emplace(clip.scene, static_cast<int>(sessions.size())).first->second;
-      all.push_back({&clip, dataset_.draw(clip, random), session});
+      all.push_back({&clip, choices[i], session});
     }
     const std::size_t count = std::min(limit.value_or(all.size()), all.size());
     for (std::size_t i = 0; i < count; ++i) pairs_.push_back(all[i * all.size() / count]);

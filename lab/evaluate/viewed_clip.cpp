@@ -8,9 +8,7 @@
 
 #include <fmt/format.h>
 
-#include <earpoint/audio/sound_file.h>
 #include <earpoint/core/error.h>
-#include <earpoint/dataset/numpy_random.h>
 #include <earpoint/dataset/pair_list.h>
 #include <earpoint/dataset/replay_pair.h>
 
@@ -19,8 +17,6 @@ namespace {
 
 constexpr std::size_t kCacheBytes = std::size_t{64} << 20U;
 constexpr std::uint64_t kDrawSeed = 1;  // of pairs where the data set has no list
-constexpr std::uint32_t kReleasedSeed = 0;
-constexpr const char* kNearMicrophone = "near.wav";  // beside the views of prepared recordings
 
 /// "home-100/3:2" is the clip "home-100/3" and the source "2".
 struct AskedClip {
@@ -106,7 +102,8 @@ class SoundSpacesViews {
       last = name;
     }
     if (clips.empty()) {
-      throw InputError("figure", "no source of the split sees its speaker", "name the clips");
+      throw InputError("figure", "the speaker is visible from no source of the split",
+                       "name the clips");
     }
     return clips;
   }
@@ -139,8 +136,6 @@ class SoundSpacesViews {
     SoundSpacesChoice choice = pair.choice;
     ViewedClip viewed;
     viewed.scene = pair.scene;
-    viewed.name = fmt::format("{}, clip {}, at {:.2f} s", pair.scene, pair.clip,
-                              static_cast<double>(choice.window_start) / 16000.0);
     viewed.source = {sampler_.picture(from, choice.source), people(pair, choice.source)};
     for (const int view : other_views(from.viewpoints.size(), choice.source, most_targets_)) {
       choice.target = view;
@@ -148,7 +143,13 @@ class SoundSpacesViews {
                                 sampler_.sample(from, choice),
                                 {sampler_.picture(from, view), people(pair, view)}});
     }
-    if (viewed.targets.empty()) throw InputError(viewed.name, "has one viewpoint alone");
+    if (viewed.targets.empty()) {
+      throw InputError(fmt::format("{}/{}", pair.scene, pair.clip),
+                       "has only one viewpoint; a figure needs a target");
+    }
+    const double rate_hz = viewed.targets.front().sample.source.sample_rate_hz();
+    viewed.name = fmt::format("{}, clip {}, at {:.2f} s", pair.scene, pair.clip,
+                              static_cast<double>(choice.window_start) / rate_hz);
     viewed.near_microphone = one_channel(near_.sample(from, choice).target);
     return viewed;
   }
@@ -160,28 +161,21 @@ class SoundSpacesViews {
   std::vector<ViewPair> pairs_;
 };
 
-/// "data/appen_dataset/v3/SC-1027/3" is called SC-1027/3.
-std::string short_name(const ReplayClip& clip) {
-  const std::filesystem::path folder = clip.folder;
-  return fmt::format("{}/{}", clip.scene, folder.filename().string());
-}
-
 class ReplayViews {
  public:
   explicit ReplayViews(const ViewedClipChoice& choice)
       : most_targets_(choice.most_targets),
-        options_(replay_options(choice.data, choice.split)),
-        dataset_(options_) {}
+        dataset_(replay_options(choice.data, choice.split)),
+        choices_(dataset_.released_choices()) {}
 
   [[nodiscard]] ViewedClip named(const std::string& words) const {
     const AskedClip asked(words);
     const auto found = std::ranges::find_if(
-        dataset_.clips(), [&](const ReplayClip& clip) { return short_name(clip) == asked.name; });
+        dataset_.clips(), [&](const ReplayClip& clip) { return name_of(clip) == asked.name; });
     if (found == dataset_.clips().end()) refuse(words, "names no clip of the split");
     if (!asked.source) return read(*found, drawn_source(*found));
     for (int i = 0; i < std::ssize(found->images); ++i) {
-      const std::filesystem::path image = found->images[static_cast<std::size_t>(i)];
-      if (image.stem() == *asked.source) return read(*found, i);
+      if (camera_of(*found, i) == *asked.source) return read(*found, i);
     }
     refuse(words, "has no such source");
   }
@@ -194,15 +188,15 @@ class ReplayViews {
       if (!viewed.source.people.empty()) clips.push_back(std::move(viewed));
     }
     if (clips.empty()) {
-      throw InputError("figure", "no source of the split sees its speaker", "name the clips");
+      throw InputError("figure", "the speaker is visible from no source of the split",
+                       "name the clips");
     }
     return clips;
   }
 
  private:
   [[nodiscard]] int drawn_source(const ReplayClip& clip) const {
-    NumpyRandom random(kReleasedSeed);
-    return dataset_.draw(clip, random).source;
+    return choices_[static_cast<std::size_t>(&clip - dataset_.clips().data())].source;
   }
 
   /// A view as the source of a pair: the layout tells pictures and boxes of sources.
@@ -216,25 +210,25 @@ class ReplayViews {
   [[nodiscard]] ViewedClip read(const ReplayClip& clip, int source) const {
     ViewedClip viewed;
     viewed.scene = clip.scene;
-    viewed.name = short_name(clip);
+    viewed.name = name_of(clip);
     viewed.knows_speaker = clip.mouth_m.has_value();
     for (const int view : other_views(clip.images.size(), source, most_targets_)) {
-      viewed.targets.push_back(
-          {std::filesystem::path(clip.images[static_cast<std::size_t>(view)]).stem().string(),
-           replay_pair(dataset_, clip, {source, view}, false), seen(clip, view, source)});
+      viewed.targets.push_back({camera_of(clip, view),
+                                replay_pair(dataset_, clip, {source, view}, false),
+                                seen(clip, view, source)});
     }
-    if (viewed.targets.empty()) throw InputError(clip.folder, "has one viewpoint alone");
+    if (viewed.targets.empty())
+      throw InputError(clip.folder, "has only one viewpoint; a figure needs a target");
     const PairSample& sample = viewed.targets.front().sample;
     viewed.source = {sample.picture, {}};
     if (sample.speaker_box) viewed.source.people.push_back({*sample.speaker_box, true});
-    const auto near = options_.root / clip.folder / kNearMicrophone;
-    if (std::filesystem::exists(near)) viewed.near_microphone = read_sound(near);
+    viewed.near_microphone = dataset_.near_sound(clip);
     return viewed;
   }
 
   std::size_t most_targets_;
-  ReplayDataset::Options options_;
   ReplayDataset dataset_;
+  std::vector<ReplayChoice> choices_;
 };
 
 template <typename Views>

@@ -47,6 +47,12 @@ struct ReplayChoice {
   int target = 0;
 };
 
+/// Scene and number of a clip: "data/appen_dataset/v3/SC-1027/3" is called SC-1027/3.
+[[nodiscard]] std::string name_of(const ReplayClip& clip);
+
+/// The camera of one of a clip's views: "3.png" is that of camera 3.
+[[nodiscard]] std::string camera_of(const ReplayClip& clip, int view);
+
 /// A split of the Replay-NVAS data set (v3 layout).
 class ReplayDataset {
  public:
@@ -73,6 +79,9 @@ class ReplayDataset {
 
   /// Draws what the released loader draws for an item.
   [[nodiscard]] ReplayChoice draw(const ReplayClip& clip, NumpyRandom& random) const;
+
+  /// The pair of every clip, in the order of clips(), as the released test draws them.
+  [[nodiscard]] std::vector<ReplayChoice> released_choices() const;
 
   /// Makes the sample as the released loader does, the source moved by the delay that it finds
   /// against the target included (`align`); a fair evaluation leaves that out.
