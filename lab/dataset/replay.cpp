@@ -83,27 +83,6 @@ std::set<std::string> scenes_of(const fs::path& splits, const std::string& split
   return scenes;
 }
 
-std::vector<float> mean_of_channels(const Waveform& sound) {
-  std::vector<float> mean(static_cast<std::size_t>(sound.samples()));
-  for (std::size_t i = 0; i < mean.size(); ++i) {
-    mean[i] = (sound.channel(0)[i] + sound.channel(1)[i]) / 2.0F;
-  }
-  return mean;
-}
-
-/// Moves a sound later by `delay` samples, or earlier if it is negative; the length stays.
-Waveform shifted(const Waveform& sound, int delay) {
-  Waveform result(sound.channels(), sound.samples(), sound.sample_rate_hz());
-  const std::ptrdiff_t from = std::max(0, -delay);
-  const std::ptrdiff_t to = std::max(0, delay);
-  const std::ptrdiff_t count = std::max<std::ptrdiff_t>(0, sound.samples() - std::abs(delay));
-  for (int c = 0; c < sound.channels(); ++c) {
-    std::copy_n(sound.channel(c).begin() + std::min(from, sound.samples() - count), count,
-                result.channel(c).begin() + std::min(to, sound.samples() - count));
-  }
-  return result;
-}
-
 fs::path beside(fs::path image, const char* extension) {
   return image.replace_extension(extension);
 }

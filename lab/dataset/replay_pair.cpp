@@ -67,21 +67,16 @@ Waveform near_voice(const ReplayDataset& dataset, const ReplayClip& clip, const 
     throw InputError(clip.folder, "has no near.wav, which is the dry speech",
                      "prepare it from a session with near microphones");
   }
-  Waveform voice(1, source.samples(), source.sample_rate_hz());
-  std::vector<float> heard(static_cast<std::size_t>(source.samples()));
-  for (std::size_t i = 0; i < heard.size(); ++i) {
-    heard[i] = 0.5F * (source.channel(0)[i] + source.channel(1)[i]);
-  }
   const double near_energy = energy(near->channel(0));
   const double source_energy = 0.5 * energy(source.planar());
-  if (near_energy <= 0.0 || source_energy <= 0.0) return voice;
-  const std::ptrdiff_t later =
-      std::lround(gcc_phat_delay_samples(heard, near->channel(0), kLongestWaySamples));
-  const auto gain = static_cast<float>(std::sqrt(source_energy / near_energy));
-  for (std::ptrdiff_t i = 0; i < voice.samples(); ++i) {
-    const std::ptrdiff_t from = i - later;
-    if (from >= 0 && from < near->samples()) voice.channel(0)[i] = gain * near->channel(0)[from];
+  if (near_energy <= 0.0 || source_energy <= 0.0) {
+    return {1, source.samples(), source.sample_rate_hz()};
   }
+  const auto later = static_cast<int>(std::lround(
+      gcc_phat_delay_samples(mean_of_channels(source), near->channel(0), kLongestWaySamples)));
+  const auto gain = static_cast<float>(std::sqrt(source_energy / near_energy));
+  Waveform voice = shifted(window_of(*near, 0, source.samples()), later);
+  for (float& sample : voice.planar()) sample *= gain;
   return voice;
 }
 

@@ -1,6 +1,7 @@
 #include <earpoint/dataset/sample.h>
 
 #include <algorithm>
+#include <cstdlib>
 
 #include <earpoint/audio/butterworth.h>
 
@@ -29,6 +30,27 @@ Waveform window_of(const Waveform& sound, std::ptrdiff_t start, std::ptrdiff_t s
     std::copy_n(sound.channel(c).begin() + start, count, window.channel(c).begin());
   }
   return window;
+}
+
+std::vector<float> mean_of_channels(const Waveform& sound) {
+  std::vector<float> mean(static_cast<std::size_t>(sound.samples()));
+  for (std::size_t i = 0; i < mean.size(); ++i) {
+    mean[i] = (sound.channel(0)[i] + sound.channel(1)[i]) / 2.0F;
+  }
+  return mean;
+}
+
+Waveform shifted(const Waveform& sound, int delay_samples) {
+  Waveform result(sound.channels(), sound.samples(), sound.sample_rate_hz());
+  const std::ptrdiff_t from = std::max(0, -delay_samples);
+  const std::ptrdiff_t to = std::max(0, delay_samples);
+  const std::ptrdiff_t count =
+      std::max<std::ptrdiff_t>(0, sound.samples() - std::abs(delay_samples));
+  for (int c = 0; c < sound.channels(); ++c) {
+    std::copy_n(sound.channel(c).begin() + std::min(from, sound.samples() - count), count,
+                result.channel(c).begin() + std::min(to, sound.samples() - count));
+  }
+  return result;
 }
 
 }  // namespace earpoint

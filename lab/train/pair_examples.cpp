@@ -7,12 +7,14 @@
 
 #include <fmt/format.h>
 
+#include <earpoint/audio/energy.h>
 #include <earpoint/audio/gcc_phat.h>
 #include <earpoint/core/error.h>
 #include <earpoint/core/random.h>
 #include <earpoint/dataset/ambient.h>
 #include <earpoint/dataset/dataset_folder.h>
 #include <earpoint/dataset/pair_list.h>
+#include <earpoint/dataset/sample.h>
 #include <earpoint/train/example_source.h>
 
 namespace earpoint {
@@ -20,19 +22,13 @@ namespace {
 
 // What the released loader clamps the delay to; the way is at most 4 m longer.
 constexpr double kLargestShift = 200.0;
+/// Of pairs outside of the limits: if only 2 % are within, one example in 10^8 finds none.
+constexpr std::uint64_t kMostDraws = 1000;
 // The seed of validation pairs that are drawn because there is no list.
 constexpr std::uint64_t kValidationDraw = 1;
 
 /// Keys of random streams: the draws of an example, and of its noise.
 enum Purpose : std::uint64_t { kDraw = 1, kNoise = 2, kValidationNoise = 3 };
-
-std::vector<float> both_ears(const Waveform& sound) {
-  std::vector<float> mean(static_cast<std::size_t>(sound.samples()));
-  for (std::size_t i = 0; i < mean.size(); ++i) {
-    mean[i] = 0.5F * (sound.channel(0)[i] + sound.channel(1)[i]);
-  }
-  return mean;
-}
 
 bool is_silent(std::span<const float> sound) {
   return std::ranges::all_of(sound, [](float sample) { return sample == 0.0F; });
@@ -40,18 +36,11 @@ bool is_silent(std::span<const float> sound) {
 
 /// The target's sound as much earlier as GCC-PHAT finds it later than the source's.
 void align_target(PairSample& sample) {
-  const std::vector<float> source = both_ears(sample.source);
-  const std::vector<float> target = both_ears(sample.target);
+  const std::vector<float> source = mean_of_channels(sample.source);
+  const std::vector<float> target = mean_of_channels(sample.target);
   if (is_silent(source) || is_silent(target)) return;
-  const auto later =
-      static_cast<std::ptrdiff_t>(gcc_phat_delay_samples(target, source, kLargestShift));
-  Waveform moved(sample.target.channels(), sample.target.samples(), sample.target.sample_rate_hz());
-  const std::ptrdiff_t kept = moved.samples() - std::abs(later);
-  for (int ear = 0; ear < moved.channels() && kept > 0; ++ear) {
-    const auto from = sample.target.channel(ear).subspan(std::max<std::ptrdiff_t>(later, 0), kept);
-    std::ranges::copy(from, moved.channel(ear).begin() + std::max<std::ptrdiff_t>(-later, 0));
-  }
-  sample.target = std::move(moved);
+  const auto later = static_cast<int>(gcc_phat_delay_samples(target, source, kLargestShift));
+  sample.target = shifted(sample.target, -later);
 }
 
 std::vector<int> speaking(const SoundSpacesClip& clip) {
@@ -78,12 +67,6 @@ struct TrainingClips {
   SoundSpacesDataset data;
   PairSampler sampler;
 };
-
-double power_of(const Waveform& sound) {
-  double power = 0.0;
-  for (const float sample : sound.planar()) power += double{sample} * sample;
-  return power;
-}
 
 }  // namespace
 
@@ -190,8 +173,8 @@ struct PairExamples::State {
       return false;
     }
     return !options.most_gain_db ||
-           power_of(sample.target) <=
-               power_of(sample.source) * std::pow(10.0, *options.most_gain_db / 10.0);
+           energy(sample.target.planar()) <=
+               energy(sample.source.planar()) * std::pow(10.0, *options.most_gain_db / 10.0);
   }
 
   /// @return nothing for a pair that is not to be learned
@@ -243,19 +226,17 @@ PairExamples::PairExamples(PairOptions options, PairEncoder encode)
 PairExamples::~PairExamples() = default;
 
 PairSample PairExamples::training_sample(std::uint64_t number) const {
-  for (std::uint64_t attempt = 0;; ++attempt) {
+  std::uint64_t bad = 0;
+  for (std::uint64_t attempt = 0; attempt < kMostDraws; ++attempt) {
     try {
-      auto sample = state_->training_sample(number, attempt);
-      if (sample) return std::move(*sample);
-      if (attempt < kMostBadExamples) continue;
-      throw InputError(state_->options.data.string(),
-                       "too few pairs are within 'farthest_move_m' and 'most_gain_db'",
-                       "allow more");
+      if (auto sample = state_->training_sample(number, attempt)) return std::move(*sample);
     } catch (const InputError& error) {
-      if (!state_->options.on_bad || attempt == kMostBadExamples) throw;
+      if (!state_->options.on_bad || bad++ == kMostBadExamples) throw;
       state_->options.on_bad(error.what());
     }
   }
+  throw InputError(state_->options.data.string(),
+                   "too few pairs are within 'farthest_move_m' and 'most_gain_db'", "raise them");
 }
 
 TrainingExample PairExamples::training(std::uint64_t number) const {

@@ -138,6 +138,24 @@ TEST_F(TaskKinds, ShippedConfigurationsOfGeometricNetworksCanStart) {
   }
 }
 
+TEST_F(TaskKinds, TrainingOnKeepsTheRangeOfTheWeightsUnlessTheConfigurationHasOne) {
+  const auto weights_of = [&](const std::string& more) {
+    const std::string text = config_of(
+        R"({"kind": "gtf", "channels": 8, "layers": 2, "bands": 8, "picture_px": 32)" + more + "}");
+    return make_training_task(train_config_from_json(text, "c.json"), "c.json",
+                              {.data = folder_ / "data", .on_bad = {}})
+        .learner->weight_file();
+  };
+  const fs::path first = folder_ / "first.safetensors";
+  write_safetensors(first, weights_of(R"(, "training_range": {"farthest_move_m": 8})"));
+  const std::string init = R"(, "init": ")" + first.string() + "\"";
+  const auto farthest_m = [&](const std::string& more) {
+    return gtf_weights(weights_of(init + more), "now").description.training_range.farthest_move_m;
+  };
+  EXPECT_EQ(farthest_m(""), 8.0);
+  EXPECT_EQ(farthest_m(R"(, "training_range": {"farthest_move_m": 6})"), 6.0);
+}
+
 TEST_F(TaskKinds, TrainsAGeometricNetworkByAnEstimatorsEar) {
   const fs::path estimator = folder_ / "estimator.safetensors";
   write_safetensors(estimator, to_weight_file(initial_rt60_weights({2, 1.0}, 1)));

@@ -51,9 +51,9 @@ GtfLossWeights loss_from(const Json& json, const std::string& where, GtfLossWeig
 struct GtfStart {
   GtfLossWeights loss;
   std::optional<GtfLossWeights> natural_loss;
-  std::optional<std::string> init;       ///< a weight file to start from
-  std::optional<std::string> estimator;  ///< the weight file of one of reverberation time
-  GtfTrainingRange range;
+  std::optional<std::string> init;        ///< a weight file to start from
+  std::optional<std::string> estimator;   ///< the weight file of one of reverberation time
+  std::optional<GtfTrainingRange> range;  ///< of the data; nothing: as the weights have it
 };
 
 /// Takes the path at `key` out of the network's section. @param what  it is the path of
@@ -151,7 +151,7 @@ TrainingTask gtf_task(const TrainConfig& config, std::string_view where,
   usual.window_samples = static_cast<int>(pairs.samples);
   GtfDescription description =
       gtf_description_from_json(description_with(section, to_json(usual), network), network);
-  description.training_range = start.range;
+  if (start.range) description.training_range = *start.range;
   if (description.texture != start.natural_loss.has_value()) {
     throw InputError(network, "'texture' and 'loss.natural' need each other", "give both or none");
   }
@@ -162,12 +162,13 @@ TrainingTask gtf_task(const TrainConfig& config, std::string_view where,
   pairs.near_voice = description.dry_voice || start.loss.decay > 0 ||
                      (start.natural_loss && start.natural_loss->decay > 0);
   TrainingTask task;
+  auto learner = std::make_unique<GtfLearner>(
+      make_learner(description, learner_options, start.init, config.training.seed, options));
+  if (!start.range) description.training_range = learner->description().training_range;
   const auto encode = [description](const PairSample& sample) {
     return gtf_example(description, sample);
   };
   task.examples = pair_examples(std::move(pairs), encode);
-  auto learner = std::make_unique<GtfLearner>(
-      make_learner(description, learner_options, start.init, config.training.seed, options));
   if (learner->description() != description) {
     throw InputError(where, "describes a different network from the weights it starts from");
   }

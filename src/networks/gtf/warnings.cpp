@@ -87,13 +87,13 @@ std::vector<std::string> gtf_warnings(const GtfDescription& description,
   }
   if (reach.height_m > range.level_move_m) {
     warnings.push_back(fmt::format(
-        "the target is {:.1f} m above or below the camera; gtf was trained at the camera's height",
-        reach.height_m));
+        "the target is {:.1f} m above or below the camera; gtf was trained for up to {:g} m",
+        reach.height_m, range.level_move_m));
   }
   if (reach.tilt_rad > radians_from_degrees(range.level_head_deg)) {
-    warnings.push_back(
-        fmt::format("the head pitches or rolls by {:.0f} degrees; gtf was trained with level heads",
-                    degrees_from_radians(reach.tilt_rad)));
+    warnings.push_back(fmt::format(
+        "the head pitches or rolls by {:.0f} degrees; gtf was trained for up to {:g} degrees",
+        degrees_from_radians(reach.tilt_rad), range.level_head_deg));
   }
   if (reach.nearest_speaker_m < GtfDescription::kNearestSpeaker_m) {
     warnings.push_back(fmt::format(

@@ -8,9 +8,8 @@
 
 namespace earpoint {
 
-/// What in a rendering lies outside gtf's training data, one line each. The limits are those of the
-/// simulated conversations that it is trained on (ConversationOptions): viewpoints within 2.5 m of
-/// the middle between two people, all at one height, all level.
+/// What in a rendering lies outside gtf's training data (GtfDescription::training_range), one line
+/// each.
 /// @param horizontal_fov_rad  of the source camera
 [[nodiscard]] std::vector<std::string> gtf_warnings(const GtfDescription& description,
                                                     const RenderOutline& outline,

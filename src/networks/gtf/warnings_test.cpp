@@ -54,6 +54,8 @@ TEST(GtfWarnings, WarnsByTheRangeOfItsTraining) {
   EXPECT_EQ(warning_of(outline, kFov_rad, far_and_tilted), "none");
   far_and_tilted.training_range.farthest_move_m = 6.5;
   EXPECT_TRUE(mentions(warning_of(outline, kFov_rad, far_and_tilted), "up to 6.5 m"));
+  far_and_tilted.training_range = {.farthest_move_m = 8.0, .level_head_deg = 20.0};
+  EXPECT_TRUE(mentions(warning_of(outline, kFov_rad, far_and_tilted), "up to 20 degrees"));
 }
 
 TEST(GtfWarnings, WarnsOfHeightAndTilt) {

@@ -27,4 +27,10 @@ Waveform highpass(const Waveform& sound, double cutoff_hz);
 /// The first `samples` of a sound from `start`; zeros where it has ended.
 Waveform window_of(const Waveform& sound, std::ptrdiff_t start, std::ptrdiff_t samples);
 
+/// Mean of the two channels. @return [samples]
+std::vector<float> mean_of_channels(const Waveform& sound);
+
+/// Later by so many samples, or earlier if negative; the length stays, zeros fill the gap.
+Waveform shifted(const Waveform& sound, int delay_samples);
+
 }  // namespace earpoint

@@ -90,7 +90,7 @@ class PairExamples : public ExampleSource {
   [[nodiscard]] std::optional<TrainingExample> validation(std::size_t index) const override;
 
   /// The sample that training(number) encodes.
-  /// @throws InputError if none of kMostBadExamples drawn pairs is within the limits of the options
+  /// @throws InputError if too few pairs are within the limits of the options, or files are bad
   [[nodiscard]] PairSample training_sample(std::uint64_t number) const;
 
  private:
