@@ -1,5 +1,7 @@
 #include "clap_times.h"
 
+#include "clock_fit.h"
+
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -66,6 +68,15 @@ std::optional<std::array<double, 2>> clap_at_ears(const Waveform& sound, double 
     }
   }
   return found;
+}
+
+std::optional<double> clap_emitted_s(const Waveform& sound, double about_s, const Vector3& clap_m,
+                                     const Pose& world_from_head) {
+  const double left_s = travel_time_s(clap_m, world_from_head, 0);
+  const double right_s = travel_time_s(clap_m, world_from_head, 1);
+  const auto heard = clap_at_ears(sound, about_s, left_s - right_s);
+  if (!heard) return std::nullopt;
+  return 0.5 * ((*heard)[0] - left_s + (*heard)[1] - right_s);
 }
 
 }  // namespace earpoint

@@ -1,9 +1,12 @@
 #include "clap_times.h"
 
+#include "clock_fit.h"
+
 #include <cmath>
 
 #include <gtest/gtest.h>
 
+#include <earpoint/core/pose.h>
 #include <earpoint/core/random.h>
 
 namespace earpoint {
@@ -47,6 +50,27 @@ TEST(ClapTimes, AreNotToldWhereOnlyAReflectionIsHeard) {
   add_burst(sound, 0, 8090, 0.5F);
   add_burst(sound, 1, 8100, 0.4F);
   EXPECT_FALSE(clap_at_ears(sound, 0.502, 5.0 / kRate_hz).has_value());
+}
+
+TEST(ClapTimes, OfAClapperAtTheLeftAreFirstAtTheLeftEar) {
+  // The camera looks along y; the clapper stands 2 m to its left, at 0.4 s.
+  const Pose head{{1, 2, 1.5}, quaternion_from_euler({.yaw_rad = 0.5 * kPi})};
+  const Vector3 clap_m{-1, 2, 1.5};
+  constexpr double kEmitted_s = 0.4;
+  const auto sample_of = [&](int ear) {
+    return std::lround((kEmitted_s + travel_time_s(clap_m, head, ear)) * kRate_hz);
+  };
+  // A head's width is 0.7 ms, 11 samples.
+  ASSERT_GT(sample_of(1), sample_of(0) + 5);
+  Waveform sound = quiet_room();
+  for (const int ear : {0, 1}) add_burst(sound, ear, sample_of(ear), 0.3F);
+  const auto found = clap_emitted_s(sound, kEmitted_s + 2.0 / 343.0, clap_m, head);
+  ASSERT_TRUE(found.has_value());
+  // Each ear's burst begins at a whole sample.
+  EXPECT_NEAR(*found, kEmitted_s, 1.0 / kRate_hz);
+  Waveform exchanged = quiet_room();
+  for (const int ear : {0, 1}) add_burst(exchanged, ear, sample_of(1 - ear), 0.3F);
+  EXPECT_FALSE(clap_emitted_s(exchanged, kEmitted_s + 2.0 / 343.0, clap_m, head).has_value());
 }
 
 }  // namespace

@@ -176,14 +176,12 @@ class Synchronizer {
     SyncedDevice& device = result_.devices[d];
     const DeviceSound& camera = matched_[d];
     if (!device.clap_s || !camera.world_from_head) return;
-    const double left_s = travel_time_s(clap_m, *camera.world_from_head, 0);
-    const double right_s = travel_time_s(clap_m, *camera.world_from_head, 1);
-    const auto heard = clap_at_ears(camera.sound, *device.clap_s, left_s - right_s);
-    if (!heard) return;
-    const double emitted_s = 0.5 * ((*heard)[0] - left_s + (*heard)[1] - right_s);
-    claps_.push_back({d, emitted_s});
+    const auto emitted_s =
+        clap_emitted_s(camera.sound, *device.clap_s, clap_m, *camera.world_from_head);
+    if (!emitted_s) return;
+    claps_.push_back({d, *emitted_s});
     device.clap_s =
-        emitted_s + norm(camera.world_from_head->position_m - clap_m) / kSoundMetresPerSecond;
+        *emitted_s + norm(camera.world_from_head->position_m - clap_m) / kSoundMetresPerSecond;
   }
 
   void refine() {

@@ -26,8 +26,6 @@ constexpr double kReflection = 0.75;
 constexpr double kNear_m = 0.2;
 constexpr double kPause_s = 0.25;
 constexpr double kSpeechRms = 0.02;  // 1 m away
-constexpr double kClap_s = 1.5;
-const Vector3 kClapPlace{0.3, -0.4, 1.3};
 
 double triangle(double phase) { return std::abs(std::fmod(phase, 2.0) - 1.0); }
 
@@ -209,8 +207,8 @@ class Renderer {
     }
     if (options_.clap) {
       add(
-          sound, clock, clap_, kClap_s - 16 / kRate,
-          [&](double, std::size_t) { return path_to_ear(kClapPlace, head, ear); }, 1);
+          sound, clock, clap_, kTestClap_s - 16 / kRate,
+          [&](double, std::size_t) { return path_to_ear(kTestClapPlace_m, head, ear); }, 1);
     }
     add_tail(sound, random);
     add_noise(sound, kSpeechRms / 2.5 * std::pow(10.0, -options_.snr_db / 20.0), random);
@@ -235,9 +233,9 @@ class Renderer {
     }
     if (options_.clap) {
       add(
-          sound, clock, clap_, kClap_s - 16 / kRate,
+          sound, clock, clap_, kTestClap_s - 16 / kRate,
           [&](double t, std::size_t) {
-            const double distance = norm(kClapPlace - place(wearer, t));
+            const double distance = norm(kTestClapPlace_m - place(wearer, t));
             return Path{distance / kSoundMetresPerSecond, 0.3 / distance};
           },
           1);

@@ -4,12 +4,17 @@
 #include <filesystem>
 #include <vector>
 
+#include <earpoint/core/vector3.h>
 #include <earpoint/core/waveform.h>
 #include <earpoint/record/device_sound.h>
 #include <earpoint/record/session.h>
 #include <earpoint/record/session_truth.h>
 
 namespace earpoint {
+
+/// When and where a test session's clapper claps, session time and the session's frame.
+inline constexpr double kTestClap_s = 1.5;
+inline constexpr Vector3 kTestClapPlace_m{0.3, -0.4, 1.3};
 
 /// A session made by arithmetic alone: cameras in a circle that look at its middle, people who sit
 /// or walk and talk in turns in a room of 6 x 6 x 2.7 m with six reflections and a decaying tail.
