@@ -20,13 +20,15 @@ struct SoundDifference {
   /// Scale-invariant signal-to-distortion ratio, mean of ears, at most 100; nothing for silence.
   std::optional<double> si_sdr_db;
   /// Extended short-time objective intelligibility, mean of ears: 1 for the same sound; nothing
-  /// for less than 0.4 s of speech.
+  /// for less than 0.4 s of speech, or a rate below 10 kHz.
   std::optional<double> estoi;
 };
 
-/// Measures as `earpoint metrics` does. Published numbers are at 16 kHz.
-/// @param reference, estimate  two ears, of one length and rate
-/// @throws InputError if the two cannot be compared
+/// The metrics of `earpoint metrics`, at the sounds' own rate: resample to 16 kHz for numbers that
+/// compare with published ones.
+/// @param reference, estimate  two ears, left first, of one length and rate
+/// @throws InputError if one has not two channels, is empty or has NaN, or if lengths or rates
+///         differ
 [[nodiscard]] EARPOINT_API SoundDifference compare_sounds(const Waveform& reference,
                                                           const Waveform& estimate);
 

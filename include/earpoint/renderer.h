@@ -76,11 +76,14 @@ class EARPOINT_API Renderer {
   [[nodiscard]] Waveform render(const Waveform& sound, const RenderRequest& request);
 
   /// What is outside the model's training data: messages, a line each.
+  /// @param sound, request  as render() takes them
+  /// @throws InputError for a sound, box or path that render() refuses
   [[nodiscard]] std::vector<std::string> warnings(const Waveform& sound,
                                                   const RenderRequest& request) const;
 
   /// Starts rendering live sound. The stream may outlive the renderer.
-  /// @throws InputError if the sample rate is not supported, or the model is not a gtf network
+  /// @throws InputError if the sample rate or the phase rounds are not supported, or the model
+  ///         is not a gtf network
   [[nodiscard]] Stream stream(const StreamOptions& options = {}) const;
 
   /// The weight file in use, or `dsp` or `input`.

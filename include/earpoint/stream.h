@@ -17,7 +17,7 @@ struct StreamOptions {
   bool extend_band = true;
   bool limit = true;  ///< keep the output within full scale
   /// Rounds that make the phases of frames consistent; each adds 20 ms of latency. Nothing: as
-  /// many as the network was trained with; 0: none, and the lowest latency.
+  /// many as the network was trained with, which is the most; 0: none, and the lowest latency.
   std::optional<int> phase_rounds{};
 };
 
@@ -35,10 +35,13 @@ class EARPOINT_API Stream {
   /// The source camera's picture from here on. Not for the audio thread.
   /// @param picture      RGB, any size
   /// @param speaker_box  box of the speaker in it; nothing: unknown
+  /// @throws InputError if the box is no box within the picture
+  /// @throws std::logic_error if the picture is not RGB
   void see(const Image& picture, const std::optional<Box>& speaker_box = std::nullopt);
 
   /// The same without a picture: the speaker's box for a camera whose picture is unknown, or
   /// nothing at all. Every stream starts like this.
+  /// @throws InputError as see()
   void see_nothing(const std::optional<Box>& speaker_box = std::nullopt);
 
   /// Position of the speaker's mouth, metres in the source's frame; nothing: located by picture
@@ -54,7 +57,7 @@ class EARPOINT_API Stream {
   /// @param in      left and right ear of the source, [2][frames]; NaN and infinity count as 0
   /// @param out     left and right ear of the earpoint, [2][frames], latency_samples() late; may be
   ///                the memory of `in`
-  /// @param frames  any number, which may change with every call
+  /// @param frames  >= 0, may change with every call
   void process(const float* const* in, float* const* out, std::ptrdiff_t frames);
 
   /// Latency of the output, in samples at the stream's rate, for any block size.

@@ -11,29 +11,9 @@
 namespace earpoint {
 namespace {
 
-const char* name_of(NetworkKind kind) {
-  switch (kind) {
-    case NetworkKind::vigas:
-      return "vigas";
-    case NetworkKind::gtf:
-      return "gtf";
-    case NetworkKind::rt60_estimator:
-      return "rt60_estimator";
-    case NetworkKind::vam:
-      return "vam";
-    case NetworkKind::people:
-      return "people";
-  }
-  EARPOINT_CHECK(false);
-}
-
 std::int64_t count_numbers(const SafetensorsFile& file) {
   std::int64_t count = 0;
-  for (const auto& [name, tensor] : file.tensors) {
-    std::int64_t numbers = 1;
-    for (const std::int64_t size : tensor.shape) numbers *= size;
-    count += numbers;
-  }
+  for (const auto& [name, tensor] : file.tensors) count += tensor.elements();
   return count;
 }
 
@@ -52,7 +32,7 @@ NetworkInfo describe_network(const std::string& model) {
   const bool renders =
       kind == NetworkKind::gtf || kind == NetworkKind::vigas || kind == NetworkKind::vam;
   return {.file = *file,
-          .kind = name_of(kind),
+          .kind = std::string(name_of(kind)),
           .description = description_of(weights, file->string()),
           .parameters = count_numbers(weights),
           .renders = renders,

@@ -42,13 +42,14 @@ EarpointPath path_of(const RenderRequest& request) {
   return EarpointPath(std::move(rows));
 }
 
+SpeakerTrack::PictureSize picture_size(const RenderRequest& request) {
+  if (request.picture == nullptr) return {};
+  return std::array{request.picture->width(), request.picture->height()};
+}
+
 std::optional<SpeakerTrack> track_of(const RenderRequest& request) {
   if (!request.speaker_box) return std::nullopt;
-  SpeakerTrack::PictureSize size;
-  if (request.picture != nullptr) {
-    size = std::array{request.picture->width(), request.picture->height()};
-  }
-  return SpeakerTrack(*request.speaker_box, size);
+  return SpeakerTrack(*request.speaker_box, picture_size(request));
 }
 
 /// One channel becomes two that are the same; two ears stay as they are.
@@ -66,11 +67,7 @@ Waveform place_voice(Waveform ears, const RenderRequest& request, double horizon
   if (request.speaker_m) {
     placement = placed_at(*request.speaker_m, StereoKind::same);
   } else if (const auto track = track_of(request)) {
-    SpeakerTrack::PictureSize size;
-    if (request.picture != nullptr) {
-      size = std::array{request.picture->width(), request.picture->height()};
-    }
-    placement = placed_at(*track, StereoKind::same, horizontal_fov_rad, size);
+    placement = placed_at(*track, StereoKind::same, horizontal_fov_rad, picture_size(request));
   }
   if (!placement) return ears;
   VoicePlacer placer(std::move(*placement), HrtfSet::load(ears.sample_rate_hz()));
@@ -92,6 +89,9 @@ SoundSurvey survey_of(const Waveform& ears) {
 
 void check_options(const RendererOptions& options) {
   EARPOINT_CHECK(options.threads > 0);
+  if (options.texture && !(*options.texture >= 0.0 && *options.texture <= 1.0)) {
+    throw InputError("texture", fmt::format("expected 0 to 1, found {:g}", *options.texture));
+  }
   if (options.horizontal_fov_rad >= kNarrowestView_rad &&
       options.horizontal_fov_rad <= kWidestView_rad) {
     return;
@@ -170,6 +170,11 @@ std::vector<std::string> Renderer::warnings(const Waveform& sound,
 Stream Renderer::stream(const StreamOptions& options) const {
   if (state_->opened.gtf == nullptr) {
     throw InputError(state_->model, "renders whole clips only", "open a gtf network for streams");
+  }
+  const int trained = state_->opened.gtf->description.phase_rounds;
+  if (options.phase_rounds && (*options.phase_rounds < 0 || *options.phase_rounds > trained)) {
+    throw InputError("phase rounds",
+                     fmt::format("expected 0 to {}, found {}", trained, *options.phase_rounds));
   }
   RenderStream::Options how;
   how.sample_rate_hz = options.sample_rate_hz;

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <earpoint/audio/energy.h>
 #include <earpoint/core/error.h>
 #include <earpoint/core/random.h>
 #include <earpoint/gtf/description.h>
@@ -71,9 +72,7 @@ bool same(const Waveform& a, const Waveform& b) {
 }
 
 double rms(std::span<const float> samples) {
-  double sum = 0.0;
-  for (const float sample : samples) sum += double{sample} * sample;
-  return std::sqrt(sum / static_cast<double>(samples.size()));
+  return std::sqrt(energy(samples) / static_cast<double>(samples.size()));
 }
 
 TEST_F(RendererTest, GivesBothEarsAtTheSoundsRateAndOfItsLength) {
@@ -151,6 +150,11 @@ TEST_F(RendererTest, BadInputGetsOneLine) {
   EXPECT_THROW((void)Renderer::open("nothing"), InputError);
   EXPECT_THROW((void)Renderer::open("gtf", {.horizontal_fov_rad = 90.0}), InputError);
   EXPECT_THROW((void)Renderer::open("gtf", {.texture = 0.0}), InputError);
+  EXPECT_THROW((void)Renderer::open("gtf", {.texture = 5.0}), InputError);
+  for (const int rounds : {-1, 1}) {
+    EXPECT_THROW((void)Renderer::open("gtf").stream({.phase_rounds = rounds}), InputError)
+        << rounds << ", but the network was trained without rounds";
+  }
   EXPECT_THROW((void)Renderer::open("input").stream(), InputError);
 }
 

@@ -1,8 +1,10 @@
 #include <earpoint/network/model_names.h>
 
 #include <algorithm>
+#include <set>
 #include <system_error>
 
+#include <earpoint/core/platform/program_path.h>
 #include <earpoint/network/shipped_model.h>
 
 namespace earpoint {
@@ -12,18 +14,13 @@ namespace {
 
 constexpr std::string_view kExtension = ".safetensors";
 
-bool is_file(const std::string& path) {
+/// Names of the weight files in a folder, which may not exist.
+std::set<std::string> names_in(const fs::path& folder) {
+  std::set<std::string> names;
   std::error_code error;
-  return fs::is_regular_file(path, error);
-}
-
-/// Names of the weight files in a folder.
-std::vector<std::string> names_in(const fs::path& folder) {
-  std::vector<std::string> names;
-  for (const fs::directory_entry& file : fs::directory_iterator(folder)) {
-    if (file.path().extension() == kExtension) names.push_back(file.path().stem().string());
+  for (const fs::directory_entry& file : fs::directory_iterator(folder, error)) {
+    if (file.path().extension() == kExtension) names.insert(file.path().stem().string());
   }
-  std::ranges::sort(names);
   return names;
 }
 
@@ -34,7 +31,8 @@ std::optional<fs::path> shipped_model(std::string_view name) {
 }
 
 std::optional<fs::path> find_model(const std::string& name_or_file) {
-  if (is_file(name_or_file)) return name_or_file;
+  std::error_code error;
+  if (fs::is_regular_file(name_or_file, error)) return name_or_file;
   return shipped_model(name_or_file);
 }
 
@@ -53,10 +51,8 @@ std::vector<std::string> shipped_model_names(std::initializer_list<std::string_v
   for (const std::string_view family : families) {
     const auto first = shipped_model(family);
     if (!first) continue;
-    for (std::string& name : names_in(first->parent_path())) {
-      if (name == family || name.starts_with(std::string(family) + "-")) {
-        names.push_back(std::move(name));
-      }
+    for (const std::string& name : names_in(first->parent_path())) {
+      if (name == family || name.starts_with(std::string(family) + "-")) names.push_back(name);
     }
   }
   std::ranges::sort(names);
@@ -64,8 +60,9 @@ std::vector<std::string> shipped_model_names(std::initializer_list<std::string_v
 }
 
 std::vector<std::string> shipped_model_names() {
-  const auto first = shipped_model(kDefaultModel);
-  return first ? names_in(first->parent_path()) : std::vector<std::string>();
+  std::set<std::string> names;
+  for (const fs::path& folder : model_folders(program_path())) names.merge(names_in(folder));
+  return {names.begin(), names.end()};
 }
 
 }  // namespace earpoint

@@ -44,6 +44,13 @@ TEST_F(ModelNames, AFileComesBeforeAShippedModelOfThatName) {
   EXPECT_EQ(shipped_model(mine.string()), std::nullopt);
 }
 
+TEST_F(ModelNames, AllThatAreShippedAreNamedWithoutTheDefaultModelToo) {
+  EXPECT_TRUE(shipped_model_names().empty());
+  make("shipped/enhance.safetensors");
+  make("shipped/enhance.md");
+  EXPECT_EQ(shipped_model_names(), std::vector<std::string>{"enhance"});
+}
+
 TEST_F(ModelNames, NoWordMeansTheDefaultModelOrDspWhereNoneIsShipped) {
   EXPECT_EQ(resolve_model(""), "dsp");
   const fs::path gtf = make("shipped/gtf.safetensors");

@@ -2,7 +2,6 @@
 
 #include <cstdlib>
 #include <system_error>
-#include <utility>
 
 #include <earpoint/core/platform/program_path.h>
 
@@ -14,11 +13,6 @@ namespace {
 /// Folders above the program that may hold the models: a build tree is that deep.
 constexpr int kMostFolders = 6;
 
-bool is_file(const fs::path& path) {
-  std::error_code error;
-  return fs::is_regular_file(path, error);
-}
-
 }  // namespace
 
 std::optional<fs::path> shipped_model_path(std::string_view file_name) {
@@ -26,20 +20,26 @@ std::optional<fs::path> shipped_model_path(std::string_view file_name) {
 }
 
 std::optional<fs::path> shipped_model_path(std::string_view file_name, const fs::path& program) {
-  if (const char* folder = std::getenv("EARPOINT_MODELS_DIR"); folder != nullptr && *folder != 0) {
-    const fs::path path = fs::path(folder) / file_name;
-    return is_file(path) ? std::optional(path) : std::nullopt;
+  for (const fs::path& folder : model_folders(program)) {
+    fs::path path = folder / file_name;
+    std::error_code error;
+    if (fs::is_regular_file(path, error)) return path;
   }
+  return std::nullopt;
+}
+
+std::vector<fs::path> model_folders(const fs::path& program) {
+  if (const char* named = std::getenv("EARPOINT_MODELS_DIR"); named != nullptr && *named != 0) {
+    return {named};
+  }
+  std::vector<fs::path> folders;
   fs::path folder = program.parent_path();
   for (int i = 0; i < kMostFolders && folder.has_relative_path(); ++i) {
-    for (const char* below : {"models", "share/earpoint/models"}) {
-      fs::path path = folder / below / file_name;
-      if (is_file(path)) return path;
-    }
+    for (const char* below : {"models", "share/earpoint/models"}) folders.push_back(folder / below);
     folder = folder.parent_path();
   }
-  fs::path installed = fs::path(EARPOINT_INSTALLED_MODELS) / file_name;
-  return is_file(installed) ? std::optional(std::move(installed)) : std::nullopt;
+  folders.emplace_back(EARPOINT_INSTALLED_MODELS);
+  return folders;
 }
 
 }  // namespace earpoint

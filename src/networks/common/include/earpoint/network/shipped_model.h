@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <optional>
 #include <string_view>
+#include <vector>
 
 namespace earpoint {
 
@@ -17,5 +18,9 @@ namespace earpoint {
 /// The same for a program that lies at `program`.
 [[nodiscard]] std::optional<std::filesystem::path> shipped_model_path(
     std::string_view file_name, const std::filesystem::path& program);
+
+/// The folders that are searched for it, the first first; some may not exist.
+[[nodiscard]] std::vector<std::filesystem::path> model_folders(
+    const std::filesystem::path& program);
 
 }  // namespace earpoint
