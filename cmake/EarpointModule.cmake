@@ -88,6 +88,19 @@ function(earpoint_add_module name)
   endif()
 endfunction()
 
+# earpoint_limit_simd_targets(<target>...)
+#
+# The instruction sets that kernels are compiled for, the same for their tests. Vectors whose length is only known at run
+# time (SVE, RISC-V) do not fit the tiles; SSSE3 adds nothing to SSE4's processors.
+function(earpoint_limit_simd_targets)
+  foreach(target IN LISTS ARGN)
+    if(TARGET ${target})
+      target_compile_definitions(${target} PRIVATE
+        "HWY_DISABLED_TARGETS=(HWY_SSSE3|HWY_SVE|HWY_SVE2|HWY_SVE_256|HWY_SVE2_128|HWY_RVV)")
+    endif()
+  endforeach()
+endfunction()
+
 # earpoint_add_fuzz(<name> SOURCES <file>... DEPENDS <module>...)
 #
 # A fuzz target: SOURCES define LLVMFuzzerTestOneInput, and fuzz_seeds/<name>/ holds inputs to start

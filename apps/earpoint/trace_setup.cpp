@@ -63,18 +63,8 @@ void check_trace_setup(const TraceSetup& options) {
 }
 
 void check_place(const std::string& flag, const earpoint::Vector3& place, const NamedScene& named) {
-  earpoint::Bounds box = bounds(named.scene.mesh);
-  box = {box.low + named.origin_m, box.high + named.origin_m};
-  const bool inside = place.x > box.low.x && place.x < box.high.x && place.y > box.low.y &&
-                      place.y < box.high.y && place.z > box.low.z && place.z < box.high.z;
-  if (inside) return;
-  throw InputError(
-      flag,
-      fmt::format("({:.10g}, {:.10g}, {:.10g}) is outside the scene, which spans x {:.9g} to "
-                  "{:.9g}, y {:.9g} to {:.9g}, z {:.9g} to {:.9g} m",
-                  place.x, place.y, place.z, box.low.x, box.high.x, box.low.y, box.high.y,
-                  box.low.z, box.high.z),
-      "place it inside");
+  const earpoint::Bounds box = bounds(named.scene.mesh);
+  check_inside(flag, place, {box.low + named.origin_m, box.high + named.origin_m});
 }
 
 void check_long_enough(const TraceSetup& options, double distance_m) {

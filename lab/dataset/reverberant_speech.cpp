@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include <earpoint/audio/convolution.h>
+#include <earpoint/audio/energy.h>
 #include <earpoint/core/error.h>
 
 namespace earpoint {
@@ -26,9 +27,7 @@ struct EarResponse {
 };
 
 double rms(std::span<const float> samples) {
-  double sum = 0.0;
-  for (const float x : samples) sum += double{x} * x;
-  return std::sqrt(sum / static_cast<double>(samples.size()));
+  return std::sqrt(energy(samples) / static_cast<double>(samples.size()));
 }
 
 /// Steady noise at a drawn level below the sound's.

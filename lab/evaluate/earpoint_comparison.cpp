@@ -23,7 +23,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kAssumedFovDegrees = 90.0;
 // Encoders of movies pad and trim by a frame of sound.
 constexpr double kLengthTolerance_s = 0.02;
 // Far below any noise; keeps the logarithm of silence finite.
@@ -67,8 +66,7 @@ void render_by(const EarpointClip& clip, const ClipMethod& method,
   source.sound.path = clip.clip;
   SynthesizerOptions synthesizer_options;
   synthesizer_options.threads = options.threads;
-  synthesizer_options.horizontal_fov_rad =
-      radians_from_degrees(clip.fov_deg.value_or(kAssumedFovDegrees));
+  if (clip.fov_deg) synthesizer_options.horizontal_fov_rad = radians_from_degrees(*clip.fov_deg);
   const auto synthesizer = make_synthesizer(method.model, synthesizer_options);
   tell_speaker(clip, *synthesizer, source);
   ClipRenderOptions render_options;

@@ -15,7 +15,7 @@
 namespace earpoint {
 namespace {
 
-constexpr int kRateHz = 10000;
+constexpr int kRateHz = Estoi::kLowestRate_hz;
 constexpr int kFrame = 256;
 constexpr int kHop = 128;
 constexpr int kTransform = 512;

@@ -32,8 +32,7 @@ SoundDifference compare_sounds(const Waveform& reference, const Waveform& estima
                              .delay_samples = metrics.delay_samples,
                              .si_sdr_db = mean_of_ears(reference, estimate, si_sdr_db),
                              .estoi = std::nullopt};
-  constexpr int kLowestEstoiRateHz = 10000;
-  if (reference.sample_rate_hz() < kLowestEstoiRateHz) return difference;
+  if (reference.sample_rate_hz() < Estoi::kLowestRate_hz) return difference;
   Estoi estoi;
   difference.estoi = mean_of_ears(reference, estimate,
                                   [&](std::span<const float> theirs, std::span<const float> ours) {

@@ -28,18 +28,6 @@ void check_range(const char* what, double value, double least, double most) {
   throw InputError(what, fmt::format("expected {:g} to {:g}, found {:g}", least, most, value));
 }
 
-void check_inside(const char* what, const Vector3& place, const Bounds& box) {
-  const bool inside = place.x > box.low.x && place.x < box.high.x && place.y > box.low.y &&
-                      place.y < box.high.y && place.z > box.low.z && place.z < box.high.z;
-  if (inside) return;
-  throw InputError(what,
-                   fmt::format("({:g}, {:g}, {:g}) is outside the scene, which spans x {:g} to "
-                               "{:g}, y {:g} to {:g}, z {:g} to {:g} m",
-                               place.x, place.y, place.z, box.low.x, box.high.x, box.low.y,
-                               box.high.y, box.low.z, box.high.z),
-                   "place it inside");
-}
-
 void check_request(const TraceRequest& request, const Bounds& box) {
   EARPOINT_CHECK(request.threads > 0);
   check_range("sampling rate, Hz", request.sample_rate_hz, 8000, 192000);

@@ -4,6 +4,8 @@
 #include "learned_tensors.h"
 #include "torch_tensor.h"
 
+#include <earpoint/core/error.h>
+
 namespace earpoint {
 
 GradientLearner::GradientLearner() = default;
@@ -11,7 +13,8 @@ GradientLearner::~GradientLearner() = default;
 GradientLearner::GradientLearner(GradientLearner&&) noexcept = default;
 GradientLearner& GradientLearner::operator=(GradientLearner&&) noexcept = default;
 
-void GradientLearner::learn(LearnedTensors tensors) {
+void GradientLearner::set_tensors(LearnedTensors tensors) {
+  EARPOINT_CHECK(learned_ == nullptr);
   learned_ = std::make_unique<LearnedTensors>(std::move(tensors));
 }
 

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <earpoint/audio/energy.h>
 #include <earpoint/audio/gcc_phat.h>
 #include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
@@ -47,12 +48,6 @@ class PairExamplesTest : public ::testing::Test {
 
   fs::path folder_;
 };
-
-double energy_of(std::span<const float> sound) {
-  double sum = 0.0;
-  for (const float value : sound) sum += static_cast<double>(value) * value;
-  return sum;
-}
 
 TEST_F(PairExamplesTest, AnySpeechIsHeardAtTheSamePlaces) {
   PairOptions any = options();
@@ -219,7 +214,7 @@ TEST_F(PairExamplesTest, LeavesOutPairsBeyondTheLimits) {
   for (std::uint64_t n = 0; n < 60; ++n) {
     const auto is_beyond = [](const PairSample& sample) {
       return norm(sample.source_from_target.position_m) > 2.5 ||
-             energy_of(sample.target.planar()) > 1.259 * energy_of(sample.source.planar());
+             energy(sample.target.planar()) > 1.259 * energy(sample.source.planar());
     };
     EXPECT_FALSE(is_beyond(some.training_sample(n))) << n;
     beyond += is_beyond(all.training_sample(n)) ? 1 : 0;
@@ -268,7 +263,7 @@ TEST_F(PairExamplesTest, SeparationTakesAmbientSoundOut) {
     for (std::size_t i = 0; i < difference.size(); ++i) {
       difference[i] = with.source.channel(0)[i] - without.source.channel(0)[i];
     }
-    return 10.0 * std::log10(energy_of(difference) / 8000.0);
+    return 10.0 * std::log10(energy(difference) / 8000.0);
   };
   // A 20 Hz noise has some ten independent values in half a second: good to 3 dB.
   EXPECT_NEAR(noise(noisy), -20.0, 3.0);

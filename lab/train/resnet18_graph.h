@@ -24,7 +24,7 @@ at::Tensor residual_block(const GraphTensors& tensors, const std::string& name, 
 /// @param prefix   the network's names start with it
 /// @param picture  [pictures][channels][height][width]
 /// @return         [pictures][8 * width of the first stage][height / 32][width / 32], rounded up
-/// Source: as infer's ResNet18.
+/// Source: as kernels::ResNet18.
 at::Tensor resnet18(const GraphTensors& tensors, const std::string& prefix,
                     const at::Tensor& picture, GraphMode mode);
 

@@ -6,7 +6,6 @@
 #include <earpoint/kernels/norms.h>
 
 namespace earpoint::kernels {
-namespace {}  // namespace
 
 FoldedConvolution fold_batch_norm(const TensorByName& tensor, const std::string& convolution,
                                   const std::string& norm, bool has_bias) {

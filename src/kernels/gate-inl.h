@@ -17,9 +17,6 @@ HWY_BEFORE_NAMESPACE();
 namespace earpoint::kernels::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-using simd::HWY_NAMESPACE::power_of_two;
-using simd::HWY_NAMESPACE::sine_within_one;
-
 /// sin(tanh(f) * sigmoid(g)), error 3e-7, of scaled rows: `filter` = kFilterScale * f and
 /// `gate` = kGateScale * g. With powers of two F and G of these two,
 /// tanh(f) * sigmoid(g) = (1 - F) / ((1 + F) (1 + G)).

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include <earpoint/audio/butterworth.h>
+#include <earpoint/audio/energy.h>
 #include <earpoint/audio/peak_limiter.h>
 #include <earpoint/audio/stream_rate.h>
 #include <earpoint/core/ears.h>
@@ -65,12 +66,6 @@ double rate_delay_s(const StreamShape& shape) {
   if (shape.rate_hz == D::kSampleRateHz) return 0.0;
   constexpr double kDelay_s = 0.005;
   return std::ceil(2.0 * kDelay_s * shape.rate_hz) / (2.0 * shape.rate_hz);
-}
-
-double power_of(std::span<const float> samples) {
-  double sum = 0.0;
-  for (const float sample : samples) sum += double{sample} * sample;
-  return sum;
 }
 
 /// A network at the beginning of a stream, so that its latency is known.
@@ -207,7 +202,7 @@ void RenderStream::State::run_hop(std::ptrdiff_t start) {
       gtf_level_tolerance(source_from_target, network.description().training_range),
       mouth_m.has_value());
   const float before = level_gain;
-  level_gain = level.next(power_of(primary), bounds, power_of(result));
+  level_gain = level.next(energy(primary), bounds, energy(result));
   for (std::size_t e = 0; e < kEars; ++e) {
     for (std::ptrdiff_t i = 0; i < D::kHop; ++i) {
       const float place = static_cast<float>(i + 1) / D::kHop;

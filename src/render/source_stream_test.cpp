@@ -57,19 +57,6 @@ TEST(StereoOfDryBinauralSound, IsPlausibleFromAllSidesAndSameOnlyInTheMiddle) {
   }
 }
 
-/// That sound in blocks.
-BlockReader blocks_of(const Waveform& sound) {
-  return [sound, read = std::ptrdiff_t{0}](std::ptrdiff_t samples) mutable {
-    const std::ptrdiff_t count = std::min(samples, sound.samples() - read);
-    Waveform block(2, count, sound.sample_rate_hz());
-    for (int ear = 0; ear < 2; ++ear) {
-      std::ranges::copy(sound.channel(ear).subspan(read, count), block.channel(ear).begin());
-    }
-    read += count;
-    return block;
-  };
-}
-
 TEST(SourceStream, SeparatesTrackedNoiseInWindowsAsOfTheWholeSound) {
   Waveform sound = two_ears(syllables(), syllables());
   RandomStream random(6);
@@ -79,7 +66,7 @@ TEST(SourceStream, SeparatesTrackedNoiseInWindowsAsOfTheWholeSound) {
   survey.samples = sound.samples();
   for (const AmbientSeparation kind : {AmbientSeparation::subtract, AmbientSeparation::mmse}) {
     const Waveform primary = suppress_noise(sound, kind, 80.0);
-    SourceStream stream(blocks_of(sound), survey, kRate, {kind, 80.0});
+    SourceStream stream(read_blocks(sound), survey, kRate, {kind, 80.0});
     constexpr std::ptrdiff_t kSamples = 5000;
     constexpr std::ptrdiff_t kContext = 300;
     for (std::ptrdiff_t start = 0; start < sound.samples(); start += kSamples - 1000) {

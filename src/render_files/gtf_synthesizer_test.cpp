@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <earpoint/audio/energy.h>
 #include <earpoint/audio/sound_file.h>
 #include <earpoint/core/random.h>
 #include <earpoint/gtf/description.h>
@@ -54,9 +55,8 @@ std::vector<float> samples(const Waveform& sound) {
 /// far below what comes out.
 testing::AssertionResult is_audible(const Waveform& sound) {
   for (int ear = 0; ear < sound.channels(); ++ear) {
-    double energy = 0.0;
-    for (const float sample : sound.channel(ear)) energy += double{sample} * sample;
-    const double level = std::sqrt(energy / static_cast<double>(sound.samples()));
+    const double level =
+        std::sqrt(energy(sound.channel(ear)) / static_cast<double>(sound.samples()));
     if (!(level > 0.01)) {
       return testing::AssertionFailure() << "ear " << ear << " has a level of " << level;
     }

@@ -29,7 +29,7 @@ PictureStream pictures_for(const RenderSource& source, const AcousticSynthesizer
   PictureStream pictures = open_pictures(source.picture, source.sound.path);
   if (use == PictureUse::always && pictures.empty()) {
     throw InputError(source.sound.path.string(), "this model needs a picture, and there is none",
-                     "give a picture before the sound: earpoint render frame.png sound.flac");
+                     "give a picture as well");
   }
   return pictures;
 }

@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include <earpoint/audio/energy.h>
 #include <earpoint/audio/resample.h>
 #include <earpoint/core/error.h>
 #include <earpoint/core/random.h>
@@ -77,14 +78,8 @@ Waveform processed(RenderStream& stream, const Waveform& sound, std::ptrdiff_t b
   return result;
 }
 
-double power(std::span<const float> samples) {
-  double sum = 0.0;
-  for (const float sample : samples) sum += double{sample} * sample;
-  return sum;
-}
-
 double level_db(std::span<const float> samples) {
-  return 10.0 * std::log10(power(samples) / static_cast<double>(samples.size()) + 1e-30);
+  return 10.0 * std::log10(energy(samples) / static_cast<double>(samples.size()) + 1e-30);
 }
 
 class RenderStreamRates : public testing::TestWithParam<int> {};

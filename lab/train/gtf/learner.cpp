@@ -162,7 +162,7 @@ GtfLearner::GtfLearner(const GtfWeights& weights, GtfLearnerOptions options)
   LearnedTensors learned(std::move(tensors), {}, {.second = options.second_decay});
   learned.tables = state_->graph.buffers();
   learned.longest_gradient = options.longest_gradient;
-  learn(std::move(learned));
+  set_tensors(std::move(learned));
 }
 GtfLearner::~GtfLearner() = default;
 GtfLearner::GtfLearner(GtfLearner&&) noexcept = default;

@@ -43,7 +43,7 @@ at::Tensor place_error(const SpeakerPlace& speaker, const GtfTruth& truth) {
   const at::Tensor height = (found.select(1, 2) - wanted.select(1, 2)).abs();
   const at::Tensor is_known = (squared(truth.speaker_heading) > 0.5).to(at::kFloat);
   const at::Tensor heading = squared(speaker.heading - truth.speaker_heading) * is_known;
-  // Nobody's mouth is in the middle of the head that listens.
+  // Zeros stand for an unknown position.
   const at::Tensor is_placed = (squared(wanted) > 0.0).to(at::kFloat);
   return ((direction + distance + 0.5 * height + 0.2 * heading) * is_placed).mean();
 }

@@ -74,7 +74,7 @@ PeopleLearner::PeopleLearner(const PeopleWeights& weights, int width_px, int hei
       state_(std::make_unique<State>(weights, width_px, height_px, device)) {
   LearnedTensors tensors(state_->graph.tensors);
   tensors.longest_gradient = kLongestGradient;
-  learn(std::move(tensors));
+  set_tensors(std::move(tensors));
 }
 PeopleLearner::~PeopleLearner() = default;
 PeopleLearner::PeopleLearner(PeopleLearner&&) noexcept = default;

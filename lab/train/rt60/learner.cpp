@@ -38,7 +38,7 @@ TrainingExample rt60_example(std::vector<float> sound, double t60_s) {
 
 Rt60Learner::Rt60Learner(const Rt60EstimatorWeights& weights, const std::string& device)
     : NetworkLearner(weights.description), state_(std::make_unique<State>(weights, device)) {
-  learn(LearnedTensors(state_->graph.tensors));
+  set_tensors(LearnedTensors(state_->graph.tensors));
 }
 Rt60Learner::~Rt60Learner() = default;
 Rt60Learner::Rt60Learner(Rt60Learner&&) noexcept = default;

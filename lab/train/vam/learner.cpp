@@ -52,7 +52,7 @@ TrainingExample vam_example(const VamDescription& description, const PairSample&
 
 VamLearner::VamLearner(const VamWeights& weights, const std::string& device)
     : NetworkLearner(weights.description), state_(std::make_unique<State>(weights, device)) {
-  learn(LearnedTensors(state_->graph.tensors()));
+  set_tensors(LearnedTensors(state_->graph.tensors()));
 }
 VamLearner::~VamLearner() = default;
 VamLearner::VamLearner(VamLearner&&) noexcept = default;

@@ -79,7 +79,7 @@ struct ViGasLearner::State {
 
 ViGasLearner::ViGasLearner(const ViGasWeights& weights, LearnerOptions options)
     : NetworkLearner(weights.description), state_(std::make_unique<State>(weights, options)) {
-  learn(state_->learned());
+  set_tensors(state_->learned());
 }
 ViGasLearner::~ViGasLearner() = default;
 ViGasLearner::ViGasLearner(ViGasLearner&&) noexcept = default;

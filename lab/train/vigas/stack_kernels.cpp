@@ -20,8 +20,8 @@ HWY_BEFORE_NAMESPACE();
 namespace earpoint::train::HWY_NAMESPACE {
 namespace {
 
-using simd::HWY_NAMESPACE::power_of_two;
-using simd::HWY_NAMESPACE::sine_within_one;
+using kernels::HWY_NAMESPACE::power_of_two;
+using kernels::HWY_NAMESPACE::sine_within_one;
 
 constexpr float kLog2OfE = 1.44269504F;
 

@@ -6,8 +6,9 @@
 #include <fmt/format.h>
 
 #include <earpoint/core/error.h>
+#include <earpoint/kernels/matrix.h>
 
-namespace earpoint::kernels {
+namespace earpoint::gtf {
 
 GtfConditions::GtfConditions(const GtfWeights& weights)
     : description_(weights.description),
@@ -58,9 +59,9 @@ void GtfConditions::locate(std::span<const float> summary) {
   if (description_.box) to = std::copy(box_.begin(), box_.end(), to);
   std::copy(summary.begin(), summary.end(), to);
   locator_[0].apply(known_, first_);
-  apply_silu(first_);
+  kernels::silu(first_);
   locator_[1].apply(first_, second_);
-  apply_silu(second_);
+  kernels::silu(second_);
   locator_[2].apply(second_, found_);
 
   // The direction starts from the box where there is one.
@@ -80,7 +81,7 @@ void GtfConditions::hear(std::span<const float> summary) {
   EARPOINT_CHECK(std::ssize(summary) == description_.summary_features());
   if (description_.geometry) locate(summary);
   summary_.apply(summary, heard_);
-  apply_silu(heard_);
+  kernels::silu(heard_);
 }
 
 void GtfConditions::aim(const std::optional<Vector3>& speaker_m, const Pose& source_from_target) {
@@ -105,9 +106,9 @@ void GtfConditions::aim(const std::optional<Vector3>& speaker_m, const Pose& sou
   }
   EARPOINT_CHECK(to == joined_.data() + joined_.size());
   hidden_.apply(joined_, middle_);
-  apply_silu(middle_);
+  kernels::silu(middle_);
   output_.apply(middle_, vector_);
-  apply_silu(vector_);
+  kernels::silu(vector_);
 }
 
-}  // namespace earpoint::kernels
+}  // namespace earpoint::gtf

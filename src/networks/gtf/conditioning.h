@@ -16,7 +16,7 @@
 #include <earpoint/gtf/weights.h>
 #include <earpoint/kernels/dense.h>
 
-namespace earpoint::kernels {
+namespace earpoint::gtf {
 
 /// From what is known of a scene and a sound to what conditions the filter.
 class GtfConditions {
@@ -51,8 +51,8 @@ class GtfConditions {
 
   GtfDescription description_;
   std::optional<GtfPictureEncoder> picture_encoder_;
-  Dense locator_[3];
-  Dense summary_, hidden_, output_;
+  kernels::Dense locator_[3];
+  kernels::Dense summary_, hidden_, output_;
   std::optional<GtfGeometry> geometry_;
   std::vector<float> feature_;  // of the picture
   std::array<float, GtfDescription::kBoxFeatures> box_{};
@@ -64,4 +64,4 @@ class GtfConditions {
   GtfPlace place_;
 };
 
-}  // namespace earpoint::kernels
+}  // namespace earpoint::gtf

@@ -16,7 +16,7 @@
 #include <earpoint/gtf/weights.h>
 
 // Small networks that were never trained, for the tests of the engine.
-namespace earpoint::kernels {
+namespace earpoint::gtf {
 
 inline constexpr std::size_t kSamples = 8000;
 inline constexpr std::size_t kHop = GtfDescription::kHop;
@@ -86,4 +86,4 @@ std::vector<float> streamed(Gtf& engine, std::span<const float> source, const Be
   return result;
 }
 
-}  // namespace earpoint::kernels
+}  // namespace earpoint::gtf

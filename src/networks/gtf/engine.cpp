@@ -84,7 +84,7 @@ std::optional<GtfSpeaker> Gtf::locate(std::span<const float> source) {
   state.measure_window(source);
   state.hear();
   if (!state.description.geometry) return std::nullopt;
-  const kernels::GtfPlace& place = state.conditions.located();
+  const gtf::GtfPlace& place = state.conditions.located();
   return GtfSpeaker{.position_m = place.position_m,
                     .yaw_rad = std::atan2(place.heading_y, place.heading_x),
                     .yaw_certainty = std::min(std::hypot(place.heading_x, place.heading_y), 1.0)};
@@ -94,7 +94,7 @@ double Gtf::expected_gain() const {
   const State& state = *state_;
   if (!state.is_stream) return state.expected_gain;
   if (state.frames_in == 0) return 1.0;
-  const kernels::GtfGeometry* geometry = state.conditions.geometry();
+  const gtf::GtfGeometry* geometry = state.conditions.geometry();
   return geometry != nullptr ? geometry->expected_gain(state.band_power) : 1.0;
 }
 

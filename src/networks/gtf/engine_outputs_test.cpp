@@ -14,14 +14,14 @@
 namespace earpoint {
 namespace {
 
-using kernels::engine_that_looks;
-using kernels::kHop;
-using kernels::kSamples;
-using kernels::kThere;
-using kernels::noise;
-using kernels::random_weights;
-using kernels::small;
-using kernels::streamed;
+using gtf::engine_that_looks;
+using gtf::kHop;
+using gtf::kSamples;
+using gtf::kThere;
+using gtf::noise;
+using gtf::random_weights;
+using gtf::small;
+using gtf::streamed;
 
 /// The mean difference of short-time magnitudes of two planar sounds.
 double magnitude_difference(std::span<const float> a, std::span<const float> b) {

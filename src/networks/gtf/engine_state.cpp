@@ -40,8 +40,8 @@ void Gtf::State::measure_window(std::span<const float> source) {
                        gtf::kHeardLevel / statistics.level,
                        part(window_spectra, t, kFrame).subspan(e * D::kBins, D::kBins));
     }
-    kernels::GtfSoundEncoder::measure(part(window_spectra, t, kFrame),
-                                      part(window_magnitudes, t, kFrame));
+    gtf::GtfSoundEncoder::measure(part(window_spectra, t, kFrame),
+                                  part(window_magnitudes, t, kFrame));
     sound_encoder.hear(part(window_spectra, t, kFrame), part(window_magnitudes, t, kFrame),
                        part(window_features, t, description.frame_features()));
   }
@@ -157,7 +157,7 @@ void Gtf::State::take_hop() {
   const std::span<float> magnitude(window_magnitudes.data(), kFrame);
   const std::span<float> features(window_features.data(),
                                   static_cast<std::size_t>(description.frame_features()));
-  kernels::GtfSoundEncoder::measure(spectrum, magnitude);
+  gtf::GtfSoundEncoder::measure(spectrum, magnitude);
   follow_power(magnitude);
   sound_encoder.hear(spectrum, magnitude, features);
   // What was heard changes slowly.

@@ -92,7 +92,7 @@ struct Gtf::State {
     conditions.aim(speaker_m, pose);
     trunk.condition(conditions.vector());
     filter.condition(conditions);
-    const kernels::GtfGeometry* geometry = conditions.geometry();
+    const gtf::GtfGeometry* geometry = conditions.geometry();
     pose_gain = geometry != nullptr ? geometry->expected_gain(band_power) : 1.0;
     is_aimed = true;
   }
@@ -168,12 +168,12 @@ struct Gtf::State {
   D description;
   std::ptrdiff_t past;
   std::ptrdiff_t ahead;
-  kernels::GtfConditions conditions;
-  kernels::GtfSoundEncoder sound_encoder;
-  kernels::GtfTrunk trunk;
-  kernels::GtfFilter filter;
-  kernels::GtfPhases phases;
-  kernels::GtfFrames frames;
+  gtf::GtfConditions conditions;
+  gtf::GtfSoundEncoder sound_encoder;
+  gtf::GtfTrunk trunk;
+  gtf::GtfFilter filter;
+  gtf::GtfPhases phases;
+  gtf::GtfFrames frames;
 
   Pose source_from_target;
   std::optional<Vector3> speaker_m;

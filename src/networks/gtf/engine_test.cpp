@@ -17,15 +17,15 @@
 namespace earpoint {
 namespace {
 
-using kernels::engine_that_looks;
-using kernels::kHere;
-using kernels::kHop;
-using kernels::kSamples;
-using kernels::kThere;
-using kernels::noise;
-using kernels::random_weights;
-using kernels::small;
-using kernels::streamed;
+using gtf::engine_that_looks;
+using gtf::kHere;
+using gtf::kHop;
+using gtf::kSamples;
+using gtf::kThere;
+using gtf::noise;
+using gtf::random_weights;
+using gtf::small;
+using gtf::streamed;
 
 /// Kernels over past frames and tails that neither sound nor pose modulates; gains by the pose.
 GtfWeights steady_weights(const GtfDescription& d) {

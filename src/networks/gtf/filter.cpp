@@ -8,7 +8,7 @@
 #include <earpoint/core/pose.h>
 #include <earpoint/gtf/constants.h>
 
-namespace earpoint::kernels {
+namespace earpoint::gtf {
 namespace {
 
 using D = GtfDescription;
@@ -73,7 +73,7 @@ GtfFilter::GtfFilter(const GtfWeights& weights, std::ptrdiff_t most_frames)
       spread_(magnitude_.size()) {
   if (description_.delays) phase_ = dense_of(weights, "phase");
   if (description_.dry_voice) {
-    dry_ = FrameMatrix(weights.at("dry.weight").as<float>(), D::kBins);
+    dry_ = kernels::FrameMatrix(weights.at("dry.weight").as<float>(), D::kBins);
     static_dry_ = dense_of(weights, "dry.static");
     dry_bias_own_ = values_of(weights, "dry.bias");
     dry_bias_ = AlignedFloats(dry_.row());
@@ -92,7 +92,8 @@ void GtfFilter::rescale(float factor) {
 }
 
 void GtfFilter::condition(const GtfConditions& conditions) {
-  const auto add = [&](const Dense& layer, const std::vector<float>& own, AlignedFloats& bias) {
+  const auto add = [&](const kernels::Dense& layer, const std::vector<float>& own,
+                       AlignedFloats& bias) {
     const std::span<float> sum(bias.data(), own.size());
     layer.apply(conditions.vector(), sum);
     for (std::size_t i = 0; i < own.size(); ++i) sum[i] += own[i];
@@ -212,4 +213,4 @@ void GtfFilter::tell_voice(std::ptrdiff_t index, std::span<const float> magnitud
   }
 }
 
-}  // namespace earpoint::kernels
+}  // namespace earpoint::gtf

@@ -13,7 +13,7 @@
 #include <earpoint/kernels/dense.h>
 #include <earpoint/kernels/frame_product.h>
 
-namespace earpoint::kernels {
+namespace earpoint::gtf {
 
 /// Filters the source's spectra into the target's: kernels over frames, ears and tails, a gain for
 /// each bin, and the phase for the moved speaker. Or estimates the dry speech.
@@ -56,8 +56,8 @@ class GtfFilter {
 
   GtfDescription description_;
   std::vector<int> edges_;
-  FrameMatrix kernel_, gain_;
-  Dense static_kernel_, static_gain_, phase_;
+  kernels::FrameMatrix kernel_, gain_;
+  kernels::Dense static_kernel_, static_gain_, phase_;
   std::vector<float> kernel_bias_own_, gain_bias_own_;
   AlignedFloats kernel_bias_, gain_bias_;  // with what the conditions add
   AlignedFloats kernels_, gains_;          // [most frames][row]
@@ -65,8 +65,8 @@ class GtfFilter {
   std::vector<float> tails_;               // [tails][2][bins]
   std::vector<float> magnitude_;           // [2][bins], filtered
   std::vector<float> share_;               // [2][bands]: of the speaker's phase
-  FrameMatrix dry_;
-  Dense static_dry_;
+  kernels::FrameMatrix dry_;
+  kernels::Dense static_dry_;
   std::vector<float> dry_bias_own_;
   AlignedFloats dry_bias_, dry_gains_;
   bool is_corrected_ = false;
@@ -74,4 +74,4 @@ class GtfFilter {
   std::vector<std::complex<float>> gather_, spread_;  // [2][bins]: ears to voice, voice to ears
 };
 
-}  // namespace earpoint::kernels
+}  // namespace earpoint::gtf

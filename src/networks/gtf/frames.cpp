@@ -7,7 +7,7 @@
 #include <earpoint/core/error.h>
 #include <earpoint/core/pose.h>
 
-namespace earpoint::kernels {
+namespace earpoint::gtf {
 namespace {
 
 using D = GtfDescription;
@@ -83,4 +83,4 @@ void GtfFrames::drain(std::ptrdiff_t start, std::ptrdiff_t count, float* output,
   }
 }
 
-}  // namespace earpoint::kernels
+}  // namespace earpoint::gtf

@@ -9,7 +9,7 @@
 #include <earpoint/audio/fft.h>
 #include <earpoint/gtf/description.h>
 
-namespace earpoint::kernels {
+namespace earpoint::gtf {
 
 /// Both ears' sound as short-time spectra, and back. Frame t has its middle at sample t * hop.
 class GtfFrames {
@@ -47,4 +47,4 @@ class GtfFrames {
   std::vector<float> weight_;  ///< [size]
 };
 
-}  // namespace earpoint::kernels
+}  // namespace earpoint::gtf

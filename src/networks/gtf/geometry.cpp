@@ -7,7 +7,7 @@
 #include <earpoint/core/error.h>
 #include <earpoint/gtf/constants.h>
 
-namespace earpoint::kernels {
+namespace earpoint::gtf {
 namespace {
 
 using D = GtfDescription;
@@ -189,4 +189,4 @@ float* put_pose(float* to, const Pose& pose) {
   return put(to, {p.x, p.y, p.z, std::sin(yaw_rad), std::cos(yaw_rad)});
 }
 
-}  // namespace earpoint::kernels
+}  // namespace earpoint::gtf

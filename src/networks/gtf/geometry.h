@@ -11,7 +11,7 @@
 #include <earpoint/gtf/training_range.h>
 #include <earpoint/gtf/weights.h>
 
-namespace earpoint::kernels {
+namespace earpoint::gtf {
 
 /// Where a network takes its speaker to be, in the source's frame.
 struct GtfPlace {
@@ -77,4 +77,4 @@ class GtfGeometry {
 /// @return behind the last value
 float* put_pose(float* to, const Pose& pose);
 
-}  // namespace earpoint::kernels
+}  // namespace earpoint::gtf

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <earpoint/audio/energy.h>
 #include <earpoint/core/error.h>
 
 namespace earpoint {
@@ -20,12 +21,6 @@ constexpr LevelTolerance kBeyond{.louder_db = 1.0, .quieter_db = 3.0};
 constexpr double kLoudest_db = 12.0;
 /// Doublings of the farthest trained move over which trust in the network ends.
 constexpr double kFadeOctaves = 1.0;
-
-double power_of(const Waveform& sound) {
-  double power = 0.0;
-  for (const float sample : sound.planar()) power += double{sample} * sample;
-  return power;
-}
 
 }  // namespace
 
@@ -64,10 +59,10 @@ LevelBounds gtf_level_bounds(double expected_gain, const LevelTolerance& toleran
 void limit_level(const Waveform& source, double expected_gain, const LevelTolerance& tolerance,
                  bool knows_place, Waveform& result) {
   EARPOINT_CHECK(source.planar().size() == result.planar().size());
-  const double found = power_of(result);
+  const double found = energy(result.planar());
   if (found <= 0.0) return;
   const LevelBounds bounds = gtf_level_bounds(expected_gain, tolerance, knows_place);
-  const double ratio = found / power_of(source);  // infinite for silence, which stays silent
+  const double ratio = found / energy(source.planar());  // infinite for silence, which stays silent
   const double allowed = std::clamp(ratio, bounds.least, bounds.most);
   if (allowed == ratio) return;
   const auto gain = static_cast<float>(std::sqrt(allowed / ratio));

@@ -8,7 +8,7 @@
 #include <earpoint/core/error.h>
 #include <earpoint/gtf/constants.h>
 
-namespace earpoint::kernels {
+namespace earpoint::gtf {
 namespace {
 
 using D = GtfDescription;
@@ -113,4 +113,4 @@ bool GtfPhases::drain(std::span<Complex> spectra) {
   return false;
 }
 
-}  // namespace earpoint::kernels
+}  // namespace earpoint::gtf

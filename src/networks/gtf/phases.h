@@ -11,7 +11,7 @@
 
 #include <earpoint/gtf/description.h>
 
-namespace earpoint::kernels {
+namespace earpoint::gtf {
 
 /// A frame on its way through the rounds; both ears, [2][bins].
 struct GtfPhaseFrame {
@@ -82,4 +82,4 @@ class GtfPhases {
   GtfPhaseFrame frame_;
 };
 
-}  // namespace earpoint::kernels
+}  // namespace earpoint::gtf

@@ -8,8 +8,9 @@
 #include <earpoint/core/error.h>
 #include <earpoint/gtf/constants.h>
 #include <earpoint/gtf/description.h>
+#include <earpoint/kernels/matrix.h>
 
-namespace earpoint::kernels {
+namespace earpoint::gtf {
 namespace {
 
 using D = GtfDescription;
@@ -54,16 +55,12 @@ void normalize(std::span<float> map, int channels, const std::vector<float>& sca
       }
     }
   }
-  apply_silu(map);
+  kernels::silu(map);
 }
 
 }  // namespace
 
-void apply_silu(std::span<float> values) {
-  for (float& value : values) value /= 1.0F + std::exp(-value);
-}
-
-Dense dense_of(const GtfWeights& weights, const std::string& name) {
+kernels::Dense dense_of(const GtfWeights& weights, const std::string& name) {
   return {weights.at(name + ".weight").as<float>(), weights.at(name + ".bias").as<float>()};
 }
 
@@ -81,7 +78,7 @@ GtfPictureEncoder::GtfPictureEncoder(const GtfWeights& weights)
     Layer layer{in,
                 size_ >> i,
                 {channels_last(values(".weight"), out, in), out},
-                padded_row(values(".bias")),
+                kernels::padded_row(values(".bias")),
                 {},
                 {}};
     const auto scale = values(".norm.weight");
@@ -165,7 +162,7 @@ void GtfPictureEncoder::look(std::span<const float> picture, const std::optional
       flat_[c * places + place] = map_[place * channels + c];
   }
   output_.apply(flat_, feature);
-  apply_silu(feature);
+  kernels::silu(feature);
 }
 
 void GtfPictureEncoder::look_along(const Vector3& target_m, std::span<float> sight) {
@@ -182,11 +179,11 @@ void GtfPictureEncoder::look_along(const Vector3& target_m, std::span<float> sig
         for (std::size_t c = 0; c < there_.size(); ++c) there_[c] += place.weights[i] * pixel[c];
       }
       sight_->apply(there_, seen);
-      apply_silu(seen);
+      kernels::silu(seen);
     }
     sight[D::kSightWidth] = place.is_seen ? 1.0F : 0.0F;
     sight = sight.subspan(D::kSightWidth + 1);
   }
 }
 
-}  // namespace earpoint::kernels
+}  // namespace earpoint::gtf

@@ -13,13 +13,10 @@
 #include <earpoint/kernels/dense.h>
 #include <earpoint/kernels/frame_product.h>
 
-namespace earpoint::kernels {
-
-/// x / (1 + e^-x), in place.
-void apply_silu(std::span<float> values);
+namespace earpoint::gtf {
 
 /// A linear layer of that name.
-[[nodiscard]] Dense dense_of(const GtfWeights& weights, const std::string& name);
+[[nodiscard]] kernels::Dense dense_of(const GtfWeights& weights, const std::string& name);
 
 /// From the view to its feature: strided convolutions with group norms, a linear layer.
 class GtfPictureEncoder {
@@ -43,7 +40,7 @@ class GtfPictureEncoder {
   struct Layer {
     int channels_in = 0;
     int side_in = 0;
-    FrameMatrix weight;  // of [row][column][channel] around a pixel
+    kernels::FrameMatrix weight;  // of [row][column][channel] around a pixel
     AlignedFloats bias;
     std::vector<float> norm_scale;
     std::vector<float> norm_shift;
@@ -52,15 +49,15 @@ class GtfPictureEncoder {
 
   int size_;
   std::vector<Layer> layers_;
-  Dense output_;
+  kernels::Dense output_;
   std::vector<float> map_;      // [pixel][channel]
   std::vector<float> columns_;  // [pixel][9 * channels]
   std::vector<float> rows_;     // [pixel][padded channels]
   std::vector<float> flat_;
-  std::optional<Dense> sight_;
+  std::optional<kernels::Dense> sight_;
   std::vector<float> sight_map_;  // [pixel][channel]
   std::vector<GtfSight> places_;
   std::vector<float> there_;  // [channel]: the map at one place
 };
 
-}  // namespace earpoint::kernels
+}  // namespace earpoint::gtf

@@ -6,7 +6,7 @@
 #include <earpoint/core/pose.h>
 #include <earpoint/gtf/constants.h>
 
-namespace earpoint::kernels {
+namespace earpoint::gtf {
 namespace {
 
 using D = GtfDescription;
@@ -118,4 +118,4 @@ void GtfSoundEncoder::summarize(std::span<float> summary) const {
   }
 }
 
-}  // namespace earpoint::kernels
+}  // namespace earpoint::gtf

@@ -7,7 +7,7 @@
 
 #include <earpoint/gtf/description.h>
 
-namespace earpoint::kernels {
+namespace earpoint::gtf {
 
 /// One frame of both ears, bin by bin: [ear][bin].
 using EarSpectra = std::span<const std::complex<float>>;
@@ -47,4 +47,4 @@ class GtfSoundEncoder {
   std::vector<float> strength_;             // [bins]
 };
 
-}  // namespace earpoint::kernels
+}  // namespace earpoint::gtf

@@ -7,7 +7,9 @@
 
 #include <fmt/format.h>
 
-namespace earpoint::kernels {
+#include <earpoint/kernels/matrix.h>
+
+namespace earpoint::gtf {
 namespace {
 
 /// One tap of [out][in][3] as [out][in].
@@ -23,7 +25,7 @@ GtfTrunk::GtfTrunk(const GtfWeights& weights, std::ptrdiff_t most_frames)
     : channels_(weights.description.channels),
       inputs_(weights.description.frame_features()),
       input_(weights.at("trunk.input.weight").as<float>(), channels_),
-      input_bias_(padded_row(weights.at("trunk.input.bias").as<float>())),
+      input_bias_(kernels::padded_row(weights.at("trunk.input.bias").as<float>())),
       sums_(most_frames * row()) {
   for (int i = 0; i < weights.description.layers; ++i) {
     const std::string name = fmt::format("trunk.{}", i);
@@ -31,9 +33,9 @@ GtfTrunk::GtfTrunk(const GtfWeights& weights, std::ptrdiff_t most_frames)
     Layer layer;
     layer.step = weights.description.dilation(i);
     for (std::size_t tap = 0; tap < gtf::kTrunkTaps; ++tap) {
-      layer.taps[tap] = FrameMatrix(tap_of(values, tap), channels_);
+      layer.taps[tap] = kernels::FrameMatrix(tap_of(values, tap), channels_);
     }
-    layer.bias = padded_row(weights.at(name + ".bias").as<float>());
+    layer.bias = kernels::padded_row(weights.at(name + ".bias").as<float>());
     layer.film = dense_of(weights, name + ".film");
     layer.scale_and_shift.resize(static_cast<std::size_t>(2 * channels_));
     layer.memory = AlignedFloats((2 * layer.step + most_frames) * row());
@@ -54,7 +56,7 @@ void GtfTrunk::condition(std::span<const float> conditions) {
 void GtfTrunk::run(const float* features, std::ptrdiff_t frames, float* states) {
   input_.multiply(features, inputs_, frames, input_bias_.data(), states, false);
   for (std::ptrdiff_t f = 0; f < frames; ++f) {
-    apply_silu({states + f * row(), static_cast<std::size_t>(channels_)});
+    kernels::silu({states + f * row(), static_cast<std::size_t>(channels_)});
   }
   for (Layer& layer : layers_) {
     const std::ptrdiff_t past = 2 * layer.step * row();
@@ -78,4 +80,4 @@ void GtfTrunk::run(const float* features, std::ptrdiff_t frames, float* states) 
   }
 }
 
-}  // namespace earpoint::kernels
+}  // namespace earpoint::gtf

@@ -10,7 +10,7 @@
 #include <earpoint/kernels/dense.h>
 #include <earpoint/kernels/frame_product.h>
 
-namespace earpoint::kernels {
+namespace earpoint::gtf {
 
 /// The dilated convolutions over frames, which see the present and the past. Takes frames in
 /// blocks and remembers what later ones need.
@@ -34,19 +34,19 @@ class GtfTrunk {
  private:
   struct Layer {
     std::ptrdiff_t step = 1;
-    FrameMatrix taps[gtf::kTrunkTaps];  // two steps back, one step back, now
+    kernels::FrameMatrix taps[gtf::kTrunkTaps];  // two steps back, one step back, now
     AlignedFloats bias;
-    Dense film;
+    kernels::Dense film;
     std::vector<float> scale_and_shift;  // [2][channels]
     AlignedFloats memory;                // [2 * step + most frames][row]
   };
 
   std::ptrdiff_t channels_;
   std::ptrdiff_t inputs_;
-  FrameMatrix input_;
+  kernels::FrameMatrix input_;
   AlignedFloats input_bias_;
   std::vector<Layer> layers_;
   AlignedFloats sums_;  // [most frames][row]
 };
 
-}  // namespace earpoint::kernels
+}  // namespace earpoint::gtf

@@ -9,7 +9,6 @@
 #include <earpoint/gtf/constants.h>
 
 namespace earpoint {
-namespace {}  // namespace
 
 GtfView gtf_view(const Image* picture, const std::optional<Box>& speaker_box,
                  double horizontal_fov_rad, int size) {

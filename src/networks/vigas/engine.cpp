@@ -82,7 +82,7 @@ struct ViGas::State {
   }
 
   ViGasDescription description;
-  std::optional<kernels::ImageTrunk> trunk;
+  std::optional<ImageTrunk> trunk;
   kernels::GatedStack stack;
   kernels::Dense fusion_hidden;
   kernels::Dense fusion_output;

@@ -5,23 +5,24 @@
 #include <earpoint/core/error.h>
 #include <earpoint/vigas/description.h>
 
-namespace earpoint::kernels {
+namespace earpoint {
 namespace {
 
-ResNet18 make_resnet(const ViGasWeights& weights, int threads) {
+kernels::ResNet18 make_resnet(const ViGasWeights& weights, int threads) {
   EARPOINT_CHECK(weights.description.image_encoder.has_value());
   const ImageEncoderDescription& encoder = *weights.description.image_encoder;
-  const TensorByName tensor = [&](const std::string& name) -> const Tensor& {
+  const kernels::TensorByName tensor = [&](const std::string& name) -> const Tensor& {
     return weights.at(name);
   };
   return {tensor, "visual_encoder", 3, encoder.height_px, encoder.width_px, threads};
 }
 
-Dense make_reduction(const ViGasWeights& weights) {
-  const TensorByName tensor = [&](const std::string& name) -> const Tensor& {
+kernels::Dense make_reduction(const ViGasWeights& weights) {
+  const kernels::TensorByName tensor = [&](const std::string& name) -> const Tensor& {
     return weights.at(name);
   };
-  const FoldedConvolution folded = fold_batch_norm(tensor, "conv1x1.0", "conv1x1.1", true);
+  const kernels::FoldedConvolution folded =
+      kernels::fold_batch_norm(tensor, "conv1x1.0", "conv1x1.1", true);
   return {folded.weight, folded.bias};
 }
 
@@ -42,9 +43,9 @@ void ImageTrunk::encode(std::span<const float> picture, std::span<float> feature
   for (std::size_t at = 0; at < pixels; ++at) {
     for (std::size_t c = 0; c < pixel_.size(); ++c) pixel_[c] = map_[c * pixels + at];
     reduction_.apply(pixel_, reduced_);
-    apply_relu(reduced_);
+    kernels::apply_relu(reduced_);
     for (std::size_t c = 0; c < reduced_.size(); ++c) feature[c * pixels + at] = reduced_[c];
   }
 }
 
-}  // namespace earpoint::kernels
+}  // namespace earpoint

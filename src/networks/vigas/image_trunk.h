@@ -7,7 +7,7 @@
 #include <earpoint/kernels/resnet18.h>
 #include <earpoint/vigas/weights.h>
 
-namespace earpoint::kernels {
+namespace earpoint {
 
 /// From a picture to `visual_feat`: ResNet-18, 1x1 convolution, ReLU, flattened.
 /// Source: docs/released-code.md, image trunk.
@@ -24,11 +24,11 @@ class ImageTrunk {
   [[nodiscard]] std::span<const float> map() const { return map_; }
 
  private:
-  ResNet18 resnet_;
-  Dense reduction_;
+  kernels::ResNet18 resnet_;
+  kernels::Dense reduction_;
   std::vector<float> map_;
   std::vector<float> pixel_;
   std::vector<float> reduced_;
 };
 
-}  // namespace earpoint::kernels
+}  // namespace earpoint

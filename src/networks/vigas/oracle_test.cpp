@@ -211,7 +211,7 @@ TEST_F(ViGasOracle, ReplayNetworkAgreesWithTheReleasedCode) {
 
 TEST_F(ViGasOracle, ImageMapAgreesWithTheReleasedCode) {
   for_every_folder("A_soundspaces", [&] {
-    kernels::ImageTrunk trunk(weights(), 2);
+    ImageTrunk trunk(weights(), 2);
     std::vector<float> feature(512);
     trunk.encode(picture(0), feature);
     const SafetensorsFile debug = read_safetensors(folder_ / "debug_sample0.safetensors");

@@ -54,8 +54,8 @@ PictureUse ViGasSynthesizer::picture_use() const {
 std::vector<std::string> ViGasSynthesizer::warnings(const RenderOutline& /*outline*/) const {
   if (network_.description().pose_encoding != PoseEncoding::replay) return {};
   return {
-      "it was trained on poses in the axes of the recorded room, and only the pose relative to the "
-      "camera is known: the camera is taken to look along the room's x axis"};
+      "this network was trained with the axes of the recorded room; the camera is assumed to look "
+      "along the room's x axis"};
 }
 
 bool ViGasSynthesizer::needs_speaker_track() const {

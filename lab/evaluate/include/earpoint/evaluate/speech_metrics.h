@@ -26,13 +26,15 @@ inline constexpr double kLargestSiSdrDb = 100.0;
 /// Source: Jensen and Taal, IEEE/ACM Trans. ASLP 24 (2016).
 class Estoi {
  public:
+  static constexpr int kLowestRate_hz = 10000;
+
   Estoi();
   ~Estoi();
   Estoi(Estoi&&) noexcept;
   Estoi& operator=(Estoi&&) noexcept;
 
   /// @param reference, estimate  one channel, of one length
-  /// @param sample_rate_hz       at least 10000
+  /// @param sample_rate_hz       at least kLowestRate_hz
   /// @return nothing where less than 30 frames of the reference are speech
   [[nodiscard]] std::optional<double> measure(std::span<const float> reference,
                                               std::span<const float> estimate, int sample_rate_hz);

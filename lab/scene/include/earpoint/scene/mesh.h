@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <string_view>
 #include <vector>
 
 #include <earpoint/core/vector3.h>
@@ -27,6 +28,11 @@ struct Bounds {
 
 /// @return the box around all positions; all zero for an empty mesh
 Bounds bounds(const Mesh& mesh);
+
+/// @param where     what is placed, for messages
+/// @param position  metres, as the box is
+/// @throws InputError if it is not inside the box
+void check_inside(std::string_view where, const Vector3& position, const Bounds& box);
 
 /// @return the position of a vertex
 inline Vector3 vertex(const Mesh& mesh, std::uint32_t index) {

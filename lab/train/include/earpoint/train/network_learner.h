@@ -44,8 +44,8 @@ class GradientLearner : public Learner {
   GradientLearner(GradientLearner&&) noexcept;
   GradientLearner& operator=(GradientLearner&&) noexcept;
 
-  /// Says what it is that learns; before anything else is asked.
-  void learn(LearnedTensors tensors);
+  /// Sets the tensors to train. Every constructor of a derived class calls it once.
+  void set_tensors(LearnedTensors tensors);
 
   /// Forgets the gradients of the last step.
   void forget_gradients();

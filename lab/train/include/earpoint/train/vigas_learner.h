@@ -55,12 +55,12 @@ class ViGasLearner : public NetworkLearner<ViGasDescription> {
   [[nodiscard]] std::vector<double> errors(const TrainingBatch& batch) override;
   [[nodiscard]] std::string_view error_name() const override { return "mag"; }
 
-  /// Computes the loss of a batch and its gradient by every parameter, in place of the last one;
+  /// Computes the loss of a batch and its gradient by every parameter; replaces the last one;
   /// batch norms move their running statistics.
   /// @return the loss
   double compute_gradients(const TrainingBatch& batch) override;
 
-  /// With what place_steps taught beside the network.
+  /// With the weights of the conditioning probe, where there is one.
   [[nodiscard]] SafetensorsFile checkpoint() const override;
 
   /// The learner that wrote `file`.

@@ -10,7 +10,7 @@
 #include <hwy/highway.h>
 
 HWY_BEFORE_NAMESPACE();
-namespace earpoint::simd::HWY_NAMESPACE {
+namespace earpoint::kernels::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 /// 2^x for x in [-100, 100]; x below and above is clamped. Relative error 2e-7; exactly 1 at 0.
@@ -51,7 +51,7 @@ HWY_INLINE V sine_within_one(D d, V x) {
   return hn::MulAdd(hn::Mul(factor, square), x, x);
 }
 
-}  // namespace earpoint::simd::HWY_NAMESPACE
+}  // namespace earpoint::kernels::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #endif

@@ -54,9 +54,8 @@ class RenderStream {
   void move_to(const Pose& source_from_target);
 
   /// @param in   left and right ear, as many samples each; what is no number counts as 0
-  /// @param out  the same size, the sound at the earpoint, latency_samples() late; may be the
-  /// memory
-  ///             of `in`
+  /// @param out  the sound at the earpoint, of the same size, latency_samples() late; may be the
+  ///             memory of `in`
   void process(std::array<std::span<const float>, 2> in, std::array<std::span<float>, 2> out);
 
   /// At the stream's rate, whatever the size of the blocks.

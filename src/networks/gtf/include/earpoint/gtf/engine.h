@@ -98,9 +98,8 @@ class Gtf {
 
   /// Begins a stream at silence.
   /// @param statistics    held throughout; without them running means of about a second are taken
-  /// @param phase_rounds  at most those of the description, which are taken if nothing is said.
-  /// Each
-  ///                      one less is 20 ms less late, and the phases of frames agree less
+  /// @param phase_rounds  at most those of the description, the default; each one less saves 20 ms
+  ///                      of latency, and the phases of frames agree less
   void start(std::optional<GtfStatistics> statistics = {}, std::optional<int> phase_rounds = {});
 
   /// The next hop of a stream: source in, and out what lies latency_samples() back.
