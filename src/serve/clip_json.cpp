@@ -124,7 +124,7 @@ SoundRequest parse_sound_request(const std::string& body, const ServedClip& clip
   request.samples = static_cast<std::ptrdiff_t>(samples);
   request.wish.source_from_target = parse_pose(document);
   if (const auto method = document.find("method"); method != document.end()) {
-    if (!method->is_string()) throw InputError("method", "is not a text");
+    if (!method->is_string()) throw InputError("method", "is not a string");
     request.wish.method = method->get<std::string>();
   }
   const auto matches = document.find("matches_level");

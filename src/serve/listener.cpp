@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include <earpoint/audio/energy.h>
 #include <earpoint/core/error.h>
 #include <earpoint/synthesis/earpoint_path.h>
 
@@ -15,14 +16,6 @@ namespace {
 constexpr double kLevelMemory_s = 2.0;
 constexpr double kLargestGain = 10.0;  // 20 dB either way
 constexpr double kSilentPower = 1e-10;
-
-double power_of(const Waveform& sound) {
-  double sum = 0.0;
-  for (int ear = 0; ear < 2; ++ear) {
-    for (const float sample : sound.channel(ear)) sum += double{sample} * sample;
-  }
-  return sum;
-}
 
 }  // namespace
 
@@ -46,8 +39,9 @@ LiveSound& Listener::sound_of(const std::string& method) {
 void Listener::match_level(Waveform& sound, std::ptrdiff_t start, bool matches) {
   const double part_s = static_cast<double>(sound.samples()) / sound.sample_rate_hz();
   const double keep = std::exp(-part_s / kLevelMemory_s);
-  power_recorded_ = keep * power_recorded_ + power_of(recorded(*clip_, start, sound.samples()));
-  power_heard_ = keep * power_heard_ + power_of(sound);
+  power_recorded_ =
+      keep * power_recorded_ + energy(recorded(*clip_, start, sound.samples()).planar());
+  power_heard_ = keep * power_heard_ + energy(sound.planar());
   const float before = gain_;
   if (!matches) {
     gain_ = 1.0F;

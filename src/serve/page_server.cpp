@@ -3,7 +3,9 @@
 #include "access.h"
 #include "timed_stream.h"
 
+#include <algorithm>
 #include <array>
+#include <chrono>
 #include <exception>
 #include <utility>
 
@@ -43,7 +45,7 @@ class TimedServer : public httplib::Server {
       bool is_closed = false;
       is_answered =
           process_request(stream, left == 1, is_closed, [&](Request&) { stream.begin_body(); });
-      // What follows headers that are none cannot be told.
+      // After malformed headers nobody knows where the next request starts.
       if (!is_answered || is_closed || stream.is_in_headers()) break;
     }
     ::shutdown(socket, SHUT_RDWR);
@@ -79,7 +81,7 @@ void answer_failure(Response& response, std::exception_ptr failure) {
   } catch (const InputError& error) {
     refuse(response, 500, error.what());
   } catch (...) {
-    refuse(response, 500, "the server failed at this: a fault of the program");
+    refuse(response, 500, "internal error of the server");
   }
 }
 
@@ -143,7 +145,7 @@ struct PageServer::State {
 
 PageServer::PageServer(PageServerOptions options) {
   if (!is_loopback(options.host) && options.token.empty()) {
-    throw InputError("host " + options.host, "the address is public, and there is no token");
+    throw InputError("host " + options.host, "other computers can reach it, and there is no token");
   }
   state_ = std::make_unique<State>(std::move(options));
 }
@@ -186,10 +188,11 @@ void PageServer::stop() { state_->server.stop(); }
 std::string page_address(const std::string& host, int port, const std::string& token) {
   std::string shown = host;
   std::array<char, 256> name{};
-  if (host.find(':') != std::string::npos) {
-    shown = "[" + host + "]";
-  } else if (host == "0.0.0.0" && gethostname(name.data(), name.size() - 1) == 0) {
+  const bool is_everywhere = host == "0.0.0.0" || host == "::";
+  if (is_everywhere && gethostname(name.data(), name.size() - 1) == 0) {
     shown = name.data();
+  } else if (host.find(':') != std::string::npos) {
+    shown = "[" + host + "]";
   }
   return fmt::format("http://{}:{}/{}", shown, port, token.empty() ? "" : "?token=" + token);
 }

@@ -15,8 +15,10 @@ export class SampleQueue {
     this.at = 0;
   }
 
-  /** Fills as much of the ears, which are silent, as there is sound. */
+  /** Fills both ears: silence where there is no sound yet. */
   fill(left: Float32Array, right: Float32Array): void {
+    left.fill(0); // not every browser hands over silent memory
+    right.fill(0);
     for (let i = 0; i < left.length; ++i) {
       const part = this.parts[0];
       if (!part) break;

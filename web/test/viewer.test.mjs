@@ -204,13 +204,13 @@ test('the truth is heard at the places where it is known', async () => {
   assert.deepEqual(problems, []);
 });
 
-test('another computer plays with the token, where browsers have no worklets', async () => {
+test('another computer plays with the token, where browsers have no worklets', async (t) => {
   const shared = await startProgram('serve', CLIP, ...TOLD, '--host', '0.0.0.0', '--quiet');
   try {
     // What a browser calls an address of this network that is not this computer's own.
     const { port, search } = new URL(shared.address);
     const places = Object.values(networkInterfaces()).flat().filter(({ family, internal }) => family === 'IPv4' && !internal);
-    if (places.length === 0) return;
+    if (places.length === 0) return t.skip('this computer has no network address');
     const { page, problems } = await openPage(browser, `http://${places[0].address}:${port}/${search}`);
     assert.equal(await page.evaluate(() => window.isSecureContext), false);
     assert.ok(!page.url().includes('token'));

@@ -20,10 +20,10 @@ struct PageBytes {
   std::string_view bytes;
 };
 
-/// What whoever is at the other end of a connection must manage.
+/// Limits for slow clients; beyond them the connection is closed.
 struct StreamLimits {
   std::chrono::milliseconds silence{5000};  ///< the longest time without a byte
-  /// Of every request and of every answer: afterwards the mean rate counts.
+  /// Time before `least_bytes_per_s` applies, per request and per answer.
   std::chrono::milliseconds grace{10000};
   double least_bytes_per_s = 16384.0;
   std::size_t most_header_bytes = 65536;
@@ -38,8 +38,8 @@ struct PageServerOptions {
 };
 
 /// An HTTP server for the pages of this program and what they ask for. It answers only who may ask
-/// (the host's name, the origin, the token), takes nothing but GET, HEAD and POST, and cuts off
-/// whoever is slower than StreamLimits allow: nobody can keep its threads busy.
+/// (the host's name, the origin, the token), takes nothing but GET, HEAD and POST, and closes
+/// connections slower than StreamLimits, so that slow clients cannot occupy its threads.
 class PageServer {
  public:
   /// @throws InputError if the host is not this computer alone and there is no token
@@ -72,7 +72,7 @@ class PageServer {
 [[nodiscard]] bool is_loopback(std::string_view host);
 
 /// The address at which a browser finds the page, with the token if there is one. Where the server
-/// listens at every network of this computer (0.0.0.0), it is that of the computer's name.
+/// listens at every network of this computer (0.0.0.0 or ::), it is that of the computer's name.
 [[nodiscard]] std::string page_address(const std::string& host, int port, const std::string& token);
 
 /// Answers with {"error": why}.
