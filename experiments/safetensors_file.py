@@ -31,13 +31,6 @@ def write(path, tensors):
     Path(path).write_bytes(struct.pack("<Q", len(text)) + text + body)
 
 
-def rows(tensor, chosen):
-    """The chosen rows of a tensor, along its first axis."""
-    dtype, shape, data = tensor
-    size = len(data) // shape[0]
-    return dtype, [len(chosen)] + shape[1:], b"".join(data[r * size:(r + 1) * size] for r in chosen)
-
-
 NUMPY = {"F64": "<f8", "I64": "<i8", "F32": "<f4", "I32": "<i4", "U8": "|u1"}
 
 

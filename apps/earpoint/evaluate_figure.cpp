@@ -9,7 +9,7 @@
 #include <earpoint/core/file.h>
 #include <earpoint/evaluate/view_figure.h>
 #include <earpoint/evaluate/viewed_clip.h>
-#include <earpoint/network/shipped_model.h>
+#include <earpoint/network/model_names.h>
 #include <earpoint/render/make_synthesizer.h>
 #include <earpoint/render_files/render.h>
 
@@ -20,16 +20,11 @@ using earpoint::InputError;
 using earpoint::MethodEntry;
 
 constexpr const char* kEnhancer = "enhance";
-constexpr double kAssumedFovDegrees = 90.0;
-
-std::optional<fs::path> enhancing_model() {
-  return earpoint::shipped_model_path(std::string(kEnhancer) + ".safetensors");
-}
 
 /// The speech of the clip's speaker; nothing where no model for that is shipped.
 std::optional<fs::path> enhanced(const earpoint::EarpointClip& clip, const fs::path& folder,
                                  int threads, earpoint::ProgressSink& progress) {
-  const auto model = enhancing_model();
+  const auto model = earpoint::shipped_model(kEnhancer);
   if (!model) return std::nullopt;
   earpoint::RenderSource source;
   source.sound.path = clip.clip;
@@ -37,8 +32,7 @@ std::optional<fs::path> enhanced(const earpoint::EarpointClip& clip, const fs::p
   earpoint::SynthesizerOptions how;
   how.threads = threads;
   how.enhances = true;
-  how.horizontal_fov_rad =
-      earpoint::radians_from_degrees(clip.fov_deg.value_or(kAssumedFovDegrees));
+  if (clip.fov_deg) how.horizontal_fov_rad = earpoint::radians_from_degrees(*clip.fov_deg);
   earpoint::ClipRenderOptions options;
   options.answer = earpoint::RenderAnswer::voice;
   options.threads = threads;
@@ -76,7 +70,8 @@ void draw_figure(const FigureRequest& request, earpoint::ProgressSink& progress)
   const std::vector<MethodEntry> methods = methods_of(wanted, scenes);
   for (const MethodEntry& method : methods) {
     if (method.is_oracle) {
-      throw InputError("--methods " + method.name, "figures have no oracles", "leave it out");
+      throw InputError("--methods " + method.name, "oracles cannot be drawn in a figure",
+                       "leave it out");
     }
     if (method.needs_speaker && !wanted.knows_speaker) {
       throw InputError("--methods " + method.name,
@@ -85,7 +80,7 @@ void draw_figure(const FigureRequest& request, earpoint::ProgressSink& progress)
     }
   }
   std::vector<MethodEntry> enhancers;
-  if (enhancing_model()) {
+  if (earpoint::shipped_model(kEnhancer)) {
     wanted.words = {kEnhancer};
     wanted.enhance = true;
     enhancers = methods_of(wanted, scenes);

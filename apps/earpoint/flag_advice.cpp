@@ -8,9 +8,9 @@
 namespace {
 
 /// Settings that messages of the libraries begin with.
-constexpr std::array<std::string_view, 15> kSettings{
-    "boxes",   "clips", "design", "device", "draw",    "figure", "host", "layout",
-    "methods", "model", "pairs",  "rule",   "seconds", "shard",  "unit"};
+constexpr std::array kSettings = std::to_array<std::string_view>(
+    {"boxes", "clips", "design", "device", "draw", "figure", "host", "layout", "methods", "model",
+     "pairs", "rule", "seconds", "shard", "unit"});
 
 struct Advice {
   std::string_view phrase;  ///< as the libraries say it
@@ -24,7 +24,6 @@ constexpr std::array kAdvice{
     Advice{"table of boxes", "--speaker-boxes", " FILE.csv"},
     Advice{"choose an audio stream", "--audio-stream"},
     Advice{"channel of each ear", "--binaural-channels"},
-    Advice{"choose another model", "--model"},
     Advice{"people detector", "--detector"},
     Advice{"use it for metrics", "--rt60-model"},
     Advice{"choose another port", "--port"},

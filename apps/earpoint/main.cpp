@@ -36,7 +36,7 @@ int main(int argc, char** argv) {
   earpoint::add_render_command(app);
   add_model_command(app);
 #if defined(EARPOINT_RENDER_ONLY)
-  app.footer("This build renders and measures alone; `./dev build` makes the whole program.");
+  app.footer("This build only renders and measures; `./dev build` builds the whole program.");
 #else
   earpoint::add_serve_command(app);
   earpoint::add_unpack_command(app);

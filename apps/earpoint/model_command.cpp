@@ -211,9 +211,9 @@ void add_export(CLI::App& model) {
 
 void add_set_range(CLI::App& model) {
   auto options = std::make_shared<RangeOptions>();
-  CLI::App* command = model.add_subcommand(
-      "set-range",
-      "Write the range of moves and speakers in its training data into a gtf weight file.");
+  CLI::App* command = model.add_subcommand("set-range",
+                                           "Set the training range of a gtf weight file: the moves "
+                                           "and speaker positions of its training data.");
   command->add_option("file", options->file, "Weight file (.safetensors)")->required();
   command
       ->add_option("--range", options->range,

@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""How often the intervals and tests of `earpoint study report` err, on studies that are drawn (docs/adr/0020).
+"""How often the intervals and tests of `earpoint study report` err, on studies that are drawn (docs/adr/0021-study-statistics.md).
 
 Usage: python3 experiments/measure/study_statistics.py [REPETITIONS]
 Two methods are equally good over all people and clips, but every participant and every clip leans to one of them.
 """
 import sys
+from math import comb
 
 import numpy as np
-from math import comb
 
 DRAWS = 400
 ALPHA = 0.05

@@ -95,8 +95,8 @@ TEST(NoiseTracker, FollowsARiseOfTenDecibelsWithinItsStatedTimeAndNotBefore) {
   for (int i = 0; i < kFramesPerSecond / 4; ++i) tracker.update(noise_frame(10.0, random));
   EXPECT_LT(mean_db(tracker.noise()), 5.0);
   for (int i = kFramesPerSecond / 4; i < stated; ++i) tracker.update(noise_frame(10.0, random));
-  // Three time constants of the average after the last window of quiet is forgotten.
-  // Three time constants leave 5 % of the step of power, 0.2 dB, beside the bias.
+  // After the last window of quiet is forgotten, three time constants of the average leave 5 % of
+  // the step of power, 0.2 dB; the rest is bias.
   EXPECT_NEAR(mean_db(tracker.noise()), 10.0, 1.0);
 }
 

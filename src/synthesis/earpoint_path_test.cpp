@@ -134,7 +134,7 @@ TEST(SpeakerTrack, UnderstandsPixelsWhereThePictureIsKnown) {
   EXPECT_EQ(message([] {
               (void)SpeakerTrack(Box{64, 48, 320, 480});
             }),
-            "speaker box: the box is in pixels, and there is no picture with a size; "
+            "speaker box: the box is in pixels, but the size of the picture is not known; "
             "give fractions of its width and height, 0 to 1, or the picture");
   EXPECT_NE(message([&] {
               (void)SpeakerTrack(Box{64, 48, 641, 480}, picture);

@@ -38,7 +38,7 @@ bool is_in_pixels(const Box& box) {
 
 Box normalised(const Box& box, const SpeakerTrack::PictureSize& picture, const std::string& where) {
   if (!picture) {
-    throw InputError(where, "the box is in pixels, and there is no picture with a size",
+    throw InputError(where, "the box is in pixels, but the size of the picture is not known",
                      "give fractions of its width and height, 0 to 1, or the picture");
   }
   const auto [width, height] = *picture;

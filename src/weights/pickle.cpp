@@ -106,7 +106,7 @@ class Unpickler {
 
   /// The values above the last mark, which goes too.
   std::vector<const PickleValue*> pop_to_mark() {
-    if (marks_.empty()) fail("needs a missing mark");
+    if (marks_.empty()) fail("refers to a mark that was not set");
     const auto from = stack_.begin() + static_cast<std::ptrdiff_t>(marks_.back());
     std::vector<const PickleValue*> values(from, stack_.end());
     stack_.erase(from, stack_.end());

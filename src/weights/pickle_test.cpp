@@ -119,7 +119,7 @@ TEST(Pickle, MalformedOnesAreRefusedWithTheByte) {
       {pickled("\x8b\xFF\xFF\xFF\xFF"), "truncated"},
       {pickled("cos\nsystem"), "truncated"},
       {pickled("X\x01" + std::string(3, '\0') + "\xFF"), "is not UTF-8"},
-      {pickled("t"), "needs a missing mark"},
+      {pickled("t"), "refers to a mark that was not set"},
       {pickled("NN(0"), "empty stack"},  // a mark guards what is below it
       {pickled("h\x03"), "recalls value 3"},
       {pickled("NNs"), "empty stack"},
