@@ -46,13 +46,9 @@ earpoint_add_component(renderer OUTPUT earpoint
   MODULES core audio spatial plot weights kernels synthesis network rt60 gtf vigas vam render library
   LIBRARIES fmt::fmt PkgConfig::SNDFILE PkgConfig::SOXR PkgConfig::MYSOFA PkgConfig::LIBZIP hwy::hwy dnnl gomp
             Threads::Threads
-  HEADERS error.h export.h image.h network.h pose.h renderer.h stream.h waveform.h)
+  HEADERS error.h export.h image.h network.h pose.h renderer.h stream.h vector3.h waveform.h)
 install(FILES ${PROJECT_BINARY_DIR}/include/earpoint/version.h
   DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/earpoint COMPONENT renderer)
-foreach(header IN ITEMS error image pose vector3 waveform)
-  install(FILES ${PROJECT_SOURCE_DIR}/src/core/include/earpoint/core/${header}.h
-    DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/earpoint/core COMPONENT renderer)
-endforeach()
 
 find_package(embree 3 REQUIRED)
 find_package(meshoptimizer REQUIRED)

@@ -21,6 +21,9 @@ INCLUDE = re.compile(r'^#include ([<"])([^>"]+)[>"]', re.M)
 # What a training graph may read of networks.
 SHARED_WITH_TRAINING = {"description", "weights", "view", "constants", "encoding", "training_range", "sight",
                         "checkpoint_export"}
+# Whose headers of include/earpoint are, beside those of core, which every module may include.
+FRONT_DOOR = {"renderer.h": "library", "stream.h": "library", "network.h": "library", "version.h": "library",
+              "trace.h": "lab_library", "metrics.h": "lab_library"}
 NETWORKS = {"gtf", "vigas", "vam", "rt60", "people"}
 
 
@@ -64,21 +67,26 @@ def check_includes(root, modules, path):
         allowed |= module.test_depends
     for bracket, name in INCLUDE.findall(text):
         parts = name.split("/")
-        if bracket != "<" or parts[0] != "earpoint" or len(parts) < 3:
+        if bracket != "<" or parts[0] != "earpoint":
+            continue
+        if len(parts) < 3:
+            of = FRONT_DOOR.get(parts[1])
+            if of and of not in allowed:
+                yield f"{here}: includes {name}, but module {module.name} does not name {of} among its dependencies"
             continue
         if parts[1] not in allowed:
             yield f"{here}: includes {name}, but module {module.name} does not name {parts[1]} among its dependencies"
         if module.name == "train" and not is_test(path) and parts[1] in NETWORKS and \
                 Path(name).stem not in SHARED_WITH_TRAINING:
             yield f"{here}: includes {name}, of the engine that the graph is held against"
-    yield from check_own_header(here, path, module, text)
+    yield from check_own_header(root, here, path, module, text)
     if not is_test(path):
         for message in FLAG.findall(text):
             if "./dev " not in message:
                 yield f"{here}: a message names a flag, which only apps/ know: {message}"
 
 
-def check_own_header(here, path, module, text):
+def check_own_header(root, here, path, module, text):
     if path.suffix != ".cpp" or is_test(path):
         return
     headers = [f"{path.stem}.h"]
@@ -87,6 +95,8 @@ def check_own_header(here, path, module, text):
     public = module.folder / "include" / "earpoint" / module.name
     own = [h for h in headers if (public / h).exists() and (h != headers[0] or path.parent == module.folder)]
     own += [h for h in headers[:1] if (path.parent / h).exists()]
+    if path.parent == module.folder and module.name in ("core", "library", "lab_library"):
+        own += [h for h in headers[:1] if (root / "include/earpoint" / h).exists()]
     first = INCLUDE.search(text)
     if own and not (first and Path(first.group(2)).name in own):
         yield f"{here}: does not include its own header, {own[0]}, first"

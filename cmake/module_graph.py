@@ -10,7 +10,7 @@ import html
 import sys
 from pathlib import Path
 
-from check_modules import INCLUDE, is_test, owner, read_modules
+from check_modules import FRONT_DOOR, INCLUDE, is_test, owner, read_modules
 
 PICTURE = "docs/images/modules.svg"
 WIDTH, ROW, BOX = 1060, 92, (112, 34)
@@ -29,8 +29,11 @@ def included(root, modules):
                 continue
             for bracket, name in INCLUDE.findall(path.read_text()):
                 parts = name.split("/")
-                if bracket == "<" and parts[0] == "earpoint" and len(parts) > 2 and parts[1] in found:
-                    found[module.name].add(parts[1])
+                if bracket != "<" or parts[0] != "earpoint":
+                    continue
+                other = parts[1] if len(parts) > 2 else FRONT_DOOR.get(parts[1], "core")
+                if other in found:
+                    found[module.name].add(other)
     return {name: others - {name} for name, others in found.items()}
 
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/scene/homes.h>
 #include <earpoint/scene/model_pack.h>
 
@@ -133,7 +133,7 @@ FloorMapPicture picture_from_above(const DemoHome& home, ThreadPool& pool) {
       .width = static_cast<int>(std::lround(width_m * kPixelsPerMetre)),
       .height = static_cast<int>(std::lround(height_m * kPixelsPerMetre))};
   FloorMapPicture map;
-  map.rgb = SceneRenderer(open, {}, pool).render(above, {.samples_per_side = 4}, 1, pool).rgb;
+  map.rgb = SceneDrawer(open, {}, pool).draw(above, {.samples_per_side = 4}, 1, pool).rgb;
   map.pixels_per_metre = kPixelsPerMetre;
   map.camera = {(high.y + kMargin_m) * kPixelsPerMetre, (high.x + kMargin_m) * kPixelsPerMetre};
   return map;

@@ -4,10 +4,10 @@
 #include <vector>
 
 #include <earpoint/camera/camera.h>
-#include <earpoint/camera/scene_renderer.h>
-#include <earpoint/core/image.h>
+#include <earpoint/camera/scene_drawer.h>
 #include <earpoint/core/parallel.h>
-#include <earpoint/core/pose.h>
+#include <earpoint/image.h>
+#include <earpoint/pose.h>
 #include <earpoint/scene/people.h>
 #include <earpoint/scene/scene.h>
 

@@ -24,12 +24,12 @@
 #include <earpoint/audio/convolution.h>
 #include <earpoint/audio/resample.h>
 #include <earpoint/audio/sound_file.h>
-#include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
+#include <earpoint/error.h>
 #include <earpoint/media/image_file.h>
 #include <earpoint/media/movie_writer.h>
 #include <earpoint/spatial/hrtf.h>
-#include <earpoint/trace/response_renderer.h>
+#include <earpoint/trace/response_synthesizer.h>
 #include <earpoint/trace/tracer.h>
 
 namespace earpoint {
@@ -73,13 +73,13 @@ std::vector<Waveform> heard_at(const DemoHome& home, const std::vector<Pose>& pl
   }
   const TraceResult traced = trace(AcousticScene(home.scene), {&mouth, 1}, positions,
                                    {.rays = kRays, .duration_s = kResponse_s, .seed = kSeed}, pool);
-  const ResponseRenderer renderer(
+  const ResponseSynthesizer drawer(
       {.sample_rate_hz = kRate_hz, .duration_s = kResponse_s, .seed = kSeed});
   const HrtfSet hrtf = HrtfSet::load(kRate_hz);
   std::vector<Waveform> sounds;
   for (std::size_t i = 0; i < places.size(); ++i) {
     const Waveform response =
-        renderer.binaural(traced.responses[0][i], listeners[i].orientation, hrtf, i);
+        drawer.binaural(traced.responses[0][i], listeners[i].orientation, hrtf, i);
     Waveform& sound = sounds.emplace_back(2, voice.samples(), kRate_hz);
     for (int ear = 0; ear < 2; ++ear) {
       const std::vector<float> convolved = convolve(voice.channel(0), response.channel(ear));
@@ -151,7 +151,7 @@ void make_clip(const fs::path& voice_path, const fs::path& folder) {
   const std::vector<DemoEarpoint> earpoints = demo_earpoints(home);
 
   const View view =
-      SceneRenderer(home.scene, {}, pool).render(home.camera, {.samples_per_side = 6}, kSeed, pool);
+      SceneDrawer(home.scene, {}, pool).draw(home.camera, {.samples_per_side = 6}, kSeed, pool);
   const auto box = visible_box(view, static_cast<int>(home.speaker.instance), 1);
   EARPOINT_CHECK(box.has_value());
   const FloorMapPicture map = picture_from_above(home, pool);

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include <earpoint/audio/ambient_separation.h>
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/synthesis/earpoint_path.h>
 
 namespace earpoint {

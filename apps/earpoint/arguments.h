@@ -6,7 +6,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include <earpoint/core/vector3.h>
+#include <earpoint/vector3.h>
 
 namespace earpoint {
 

@@ -14,8 +14,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/parallel.h>
+#include <earpoint/error.h>
 #include <earpoint/network/model_names.h>
 #include <earpoint/network/shipped_model.h>
 #include <earpoint/render/make_synthesizer.h>
@@ -64,7 +64,7 @@ std::string model_of(const EnhanceArguments& arguments) {
 }
 
 /// What was assumed because it was not given: a line each.
-std::vector<std::string> assumptions(const EnhanceArguments& arguments, const RenderSource& source,
+std::vector<std::string> assumptions(const EnhanceArguments& arguments, const RenderInput& source,
                                      const RenderReport& report) {
   std::vector<std::string> lines;
   if (!source.speaker_track && !source.speaker_m) {
@@ -98,7 +98,7 @@ nlohmann::json levels(const WaveformOutline& outline, int channels) {
 }
 
 void print_json(const EnhanceArguments& arguments, const std::string& model,
-                const RenderSource& source, const RenderReport& report) {
+                const RenderInput& source, const RenderReport& report) {
   nlohmann::json output = levels(report.targets.front(), 1);
   output["file"] = arguments.output;
   output["limited_db"] = report.limited_db.front();
@@ -122,7 +122,7 @@ void run_enhance(const EnhanceArguments& arguments) {
                      "write it to a file");
   }
   const std::string model = model_of(arguments);
-  const RenderSource source = parse_source(arguments.source);
+  const RenderInput source = parse_source(arguments.source);
   SynthesizerOptions synthesizer_options;
   synthesizer_options.horizontal_fov_rad =
       radians_from_degrees(fov_deg_of(arguments.source, source, !arguments.quiet));

@@ -22,10 +22,10 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/parallel.h>
 #include <earpoint/core/progress.h>
 #include <earpoint/dataset/dataset_folder.h>
+#include <earpoint/error.h>
 #include <earpoint/evaluate/evaluation.h>
 #include <earpoint/evaluate/evaluation_table.h>
 #include <earpoint/evaluate/metrics.h>

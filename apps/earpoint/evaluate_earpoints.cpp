@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/temporary_folder.h>
+#include <earpoint/error.h>
 #include <earpoint/evaluate/earpoint_comparison.h>
 #include <earpoint/network/model_names.h>
 

@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
+#include <earpoint/error.h>
 #include <earpoint/evaluate/view_figure.h>
 #include <earpoint/evaluate/viewed_clip.h>
 #include <earpoint/network/model_names.h>
@@ -26,7 +26,7 @@ std::optional<fs::path> enhanced(const earpoint::EarpointClip& clip, const fs::p
                                  int threads, earpoint::ProgressSink& progress) {
   const auto model = earpoint::shipped_model(kEnhancer);
   if (!model) return std::nullopt;
-  earpoint::RenderSource source;
+  earpoint::RenderInput source;
   source.sound.path = clip.clip;
   if (clip.speaker_box) source.speaker_track = earpoint::SpeakerTrack(*clip.speaker_box);
   earpoint::SynthesizerOptions how;

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/evaluate/oracles.h>
 #include <earpoint/evaluate/transfer_function.h>
 #include <earpoint/network/model_names.h>

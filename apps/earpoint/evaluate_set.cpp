@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/dataset/pair_list.h>
+#include <earpoint/error.h>
 #include <earpoint/evaluate/metrics.h>
 
 namespace {

@@ -4,7 +4,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {

@@ -14,8 +14,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
+#include <earpoint/error.h>
 #include <earpoint/gtf/weights.h>
 #include <earpoint/locate/plot_people.h>
 #include <earpoint/media/image_file.h>
@@ -170,7 +170,7 @@ bool is_movie_path(const std::string& path) {
 
 void run_locate(const LocateArguments& arguments) {
   const std::string model = model_of(arguments);
-  RenderSource source = parse_source(arguments.source);
+  RenderInput source = parse_source(arguments.source);
   const GtfWeights weights = read_gtf_weights(model);
   if (!weights.description.geometry) {
     throw InputError(model, "cannot locate speakers: it has no geometry",

@@ -19,8 +19,8 @@
 
 #include <earpoint/audio/resample.h>
 #include <earpoint/audio/sound_file.h>
-#include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
+#include <earpoint/error.h>
 #include <earpoint/evaluate/decay_metrics.h>
 #include <earpoint/evaluate/metrics.h>
 #include <earpoint/evaluate/reverberation_error.h>

@@ -15,8 +15,8 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/parallel.h>
+#include <earpoint/error.h>
 #include <earpoint/vigas/engine.h>
 #include <earpoint/vigas/weights.h>
 #include <earpoint/weights/safetensors.h>

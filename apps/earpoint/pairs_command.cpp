@@ -9,10 +9,10 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
 #include <earpoint/dataset/dataset_folder.h>
 #include <earpoint/dataset/pair_list.h>
+#include <earpoint/error.h>
 
 namespace {
 

@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/progress.h>
+#include <earpoint/error.h>
 #include <earpoint/record/prepare.h>
 #include <earpoint/record/session.h>
 

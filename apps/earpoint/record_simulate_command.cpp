@@ -15,9 +15,9 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/parallel.h>
 #include <earpoint/core/progress.h>
+#include <earpoint/error.h>
 #include <earpoint/record_simulation/session_simulation.h>
 #include <earpoint/scene/model_pack.h>
 

@@ -8,9 +8,9 @@
 
 #include <fmt/format.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
 #include <earpoint/core/progress.h>
+#include <earpoint/error.h>
 #include <earpoint/media/image_file.h>
 #include <earpoint/record/session.h>
 #include <earpoint/record/session_sync.h>

@@ -17,8 +17,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/parallel.h>
+#include <earpoint/error.h>
 #include <earpoint/gtf/synthesizer.h>
 #include <earpoint/media/image_file.h>
 #include <earpoint/network/model_names.h>
@@ -242,7 +242,7 @@ void run_render(RenderArguments arguments) {
   }
   const std::vector<EarpointPath> paths = parse_targets(arguments);
   if (!arguments.plot.empty()) check_image_path(arguments.plot);
-  RenderSource source = parse_source(arguments.source);
+  RenderInput source = parse_source(arguments.source);
   std::vector<RenderTarget> targets;
   for (std::size_t i = 0; i < paths.size(); ++i) {
     targets.push_back({paths[i], arguments.outputs[i]});

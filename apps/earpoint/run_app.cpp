@@ -10,8 +10,8 @@
 
 #include <CLI/CLI.hpp>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
+#include <earpoint/error.h>
 
 namespace {
 

@@ -5,7 +5,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/scene/homes.h>
 #include <earpoint/scene/import.h>
 #include <earpoint/scene/model_pack.h>

@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <string>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 /// Any text as a box and as a place: refused with InputError, or read, and then the box is a scene
 /// and the place a place.

@@ -16,7 +16,7 @@
 
 #include <fmt/format.h>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/serve/clip_server.h>
 
 namespace earpoint {

@@ -10,7 +10,7 @@
 
 #include <earpoint/audio/resample.h>
 #include <earpoint/audio/sound_file.h>
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/evaluate/earpoint_clip.h>
 #include <earpoint/media/image_file.h>
 

@@ -10,10 +10,10 @@
 
 #include <fmt/format.h>
 
-#include <earpoint/core/pose.h>
 #include <earpoint/dataset/dataset_folder.h>
 #include <earpoint/dataset/replay_pair.h>
 #include <earpoint/media/image_file.h>
+#include <earpoint/pose.h>
 #include <earpoint/render/make_synthesizer.h>
 
 namespace earpoint {

@@ -11,9 +11,9 @@
 #include <fmt/format.h>
 
 #include <earpoint/audio/sound_file.h>
-#include <earpoint/core/error.h>
 #include <earpoint/core/platform/program_path.h>
 #include <earpoint/core/progress.h>
+#include <earpoint/error.h>
 #include <earpoint/media/image_file.h>
 #include <earpoint/render_files/picture_stream.h>
 #include <earpoint/serve/limited_process.h>
@@ -43,7 +43,7 @@ std::vector<SeenPerson> people_in(const PeopleInClip& people, double middle_s) {
 void unpack(const fs::path& file, const fs::path& folder) {
   SourceArguments arguments;
   arguments.inputs = {file.string()};
-  const RenderSource source = parse_source(arguments);
+  const RenderInput source = parse_source(arguments);
   const SoundSurvey survey = survey_sound(source.sound);
   if (survey.duration_s() > kLongestServed_s) {
     throw InputError("the file",
@@ -75,7 +75,7 @@ std::string complaint_of(const ProcessEnd& end, const fs::path& file) {
 
 ServedClip open_recording(const SourceArguments& arguments, const GtfWeights* finder,
                           const std::string& detector, bool quiet) {
-  RenderSource source = parse_source(arguments);
+  RenderInput source = parse_source(arguments);
   const double fov_rad = radians_from_degrees(fov_deg_of(arguments, source, !quiet));
   SilentProgress silent;
   StreamProgress stream(stderr);

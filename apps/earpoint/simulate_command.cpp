@@ -15,12 +15,12 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
 #include <earpoint/core/parallel.h>
 #include <earpoint/core/progress.h>
+#include <earpoint/error.h>
 #include <earpoint/generate/generation.h>
-#include <earpoint/generate/scene_source.h>
+#include <earpoint/generate/scene_maker.h>
 #include <earpoint/scene/material_table.h>
 #include <earpoint/scene/model_pack.h>
 
@@ -84,13 +84,13 @@ void check(const Options& options) {
   if (options.close_ceiling) refuse("--close-ceiling");
 }
 
-std::unique_ptr<earpoint::SceneSource> scene_source(const Options& options,
-                                                    earpoint::ModelPack& models,
-                                                    const earpoint::MaterialTable* materials,
-                                                    std::string_view materials_text,
-                                                    earpoint::StreamProgress& bar) {
+std::unique_ptr<earpoint::SceneMaker> scene_maker(const Options& options,
+                                                  earpoint::ModelPack& models,
+                                                  const earpoint::MaterialTable* materials,
+                                                  std::string_view materials_text,
+                                                  earpoint::StreamProgress& bar) {
   if (options.scenes.empty()) {
-    return std::make_unique<earpoint::HomeSource>(
+    return std::make_unique<earpoint::HomeMaker>(
         options.generation.seed, earpoint::FurnitureLibrary(std::move(models.furniture)));
   }
   earpoint::ImportOptions import{
@@ -101,7 +101,7 @@ std::unique_ptr<earpoint::SceneSource> scene_source(const Options& options,
   const auto warn = [&bar](const fs::path& file, const std::string& warning) {
     bar.note(fmt::format("earpoint: {}: {}", file.string(), with_flags(warning)));
   };
-  return std::make_unique<earpoint::FileSource>(options.scenes, import, materials_text, warn);
+  return std::make_unique<earpoint::FileSceneMaker>(options.scenes, import, materials_text, warn);
 }
 
 void run(Options options) {
@@ -125,8 +125,8 @@ void run(Options options) {
   }
   earpoint::ModelPack models = earpoint::installed_models();
   earpoint::StreamProgress bar(stderr);
-  const std::unique_ptr<earpoint::SceneSource> scenes =
-      scene_source(options, models, materials ? &*materials : nullptr, materials_text, bar);
+  const std::unique_ptr<earpoint::SceneMaker> scenes =
+      scene_maker(options, models, materials ? &*materials : nullptr, materials_text, bar);
   const earpoint::FigureLibrary figures(std::move(models.figures));
 
   earpoint::SilentProgress silent;

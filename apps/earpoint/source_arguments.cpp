@@ -10,8 +10,8 @@
 
 #include <fmt/format.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
+#include <earpoint/error.h>
 #include <earpoint/media/media.h>
 
 namespace earpoint {
@@ -24,14 +24,14 @@ bool is_picture(const std::filesystem::path& path) {
 }
 
 /// The picture that goes with the sound; nothing if there is none.
-std::optional<StreamInfo> picture_of(const RenderSource& source) {
+std::optional<StreamInfo> picture_of(const RenderInput& source) {
   const MediaInfo info = probe_media(source.picture.value_or(source.sound.path));
   const StreamInfo* picture = info.preferred(StreamKind::video);
   return picture == nullptr ? std::nullopt : std::optional(*picture);
 }
 
 /// Whether the stream that is heard has one channel.
-bool is_mono(const SoundSource& sound) {
+bool is_mono(const SoundInput& sound) {
   const MediaInfo info = probe_media(sound.path);
   if (!sound.audio_stream) {
     const StreamInfo* preferred = info.preferred(StreamKind::audio);
@@ -93,18 +93,18 @@ void add_recording_option(CLI::App& command, SourceArguments& arguments) {
       ->capture_default_str();
 }
 
-bool is_one_channel(const SoundSource& sound) {
+bool is_one_channel(const SoundInput& sound) {
   return sound.binaural_channels && (*sound.binaural_channels)[0] == (*sound.binaural_channels)[1];
 }
 
-bool has_picture_of(const RenderSource& source) { return picture_of(source).has_value(); }
+bool has_picture_of(const RenderInput& source) { return picture_of(source).has_value(); }
 
-SpeakerTrack::PictureSize picture_size_of(const RenderSource& source) {
+SpeakerTrack::PictureSize picture_size_of(const RenderInput& source) {
   return picture_size(picture_of(source));
 }
 
-RenderSource parse_source(const SourceArguments& arguments) {
-  RenderSource source;
+RenderInput parse_source(const SourceArguments& arguments) {
+  RenderInput source;
   source.sound.path = stored_input(arguments.inputs.back());
   if (arguments.inputs.size() == 2) {
     source.picture = stored_input(arguments.inputs.front());
@@ -140,7 +140,7 @@ RenderSource parse_source(const SourceArguments& arguments) {
   return source;
 }
 
-double fov_deg_of(const SourceArguments& arguments, const RenderSource& source, bool tells) {
+double fov_deg_of(const SourceArguments& arguments, const RenderInput& source, bool tells) {
   constexpr double kAssumedDegrees = 90.0;
   if (arguments.fov_deg) return *arguments.fov_deg;
   const std::optional<StreamInfo> picture = picture_of(source);

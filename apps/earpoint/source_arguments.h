@@ -34,22 +34,22 @@ void add_recording_option(CLI::App& command, SourceArguments& arguments);
 
 /// Mono sound is taken as both ears, unless --recording asks for binaural sound.
 /// @throws InputError naming the flag or file
-[[nodiscard]] RenderSource parse_source(const SourceArguments& arguments);
+[[nodiscard]] RenderInput parse_source(const SourceArguments& arguments);
 
 /// The camera's horizontal field of view: as --fov says, else as the picture's file tells, else 90
 /// degrees.
 /// @param tells  say on stderr which of the latter two it is, if there is a picture
-[[nodiscard]] double fov_deg_of(const SourceArguments& arguments, const RenderSource& source,
+[[nodiscard]] double fov_deg_of(const SourceArguments& arguments, const RenderInput& source,
                                 bool tells);
 
 /// Whether both ears are the same channel of the file.
-[[nodiscard]] bool is_one_channel(const SoundSource& sound);
+[[nodiscard]] bool is_one_channel(const SoundInput& sound);
 
 /// Whether there is a still or moving picture.
-[[nodiscard]] bool has_picture_of(const RenderSource& source);
+[[nodiscard]] bool has_picture_of(const RenderInput& source);
 
 /// The picture's size in pixels, where there is one that tells it.
-[[nodiscard]] SpeakerTrack::PictureSize picture_size_of(const RenderSource& source);
+[[nodiscard]] SpeakerTrack::PictureSize picture_size_of(const RenderInput& source);
 
 /// Says on stderr what the survey warns of.
 void print_warnings(const SourceArguments& arguments, const SoundSurvey& survey);

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/network/shipped_model.h>
 
 namespace earpoint {
@@ -16,7 +16,7 @@ namespace {
 
 constexpr const char* kShippedDetector = "people.safetensors";
 
-StereoKind kind_of(const SourceArguments& arguments, const RenderSource& source,
+StereoKind kind_of(const SourceArguments& arguments, const RenderInput& source,
                    const SoundSurvey& survey) {
   if (arguments.recording == "binaural") return StereoKind::plausible;
   if (arguments.recording == "mono") return StereoKind::same;
@@ -26,7 +26,7 @@ StereoKind kind_of(const SourceArguments& arguments, const RenderSource& source,
   return is_one_channel(source.sound) ? StereoKind::same : survey.stereo;
 }
 
-std::optional<VoicePlacement> placement_of(const RenderSource& source, StereoKind kind,
+std::optional<VoicePlacement> placement_of(const RenderInput& source, StereoKind kind,
                                            double horizontal_fov_rad) {
   if (source.speaker_m) return placed_at(*source.speaker_m, kind);
   if (!source.speaker_track) return std::nullopt;
@@ -95,7 +95,7 @@ std::unique_ptr<PeopleDetector> detector_named(const std::string& word, bool tel
 }
 
 SpeakerSearchResult search_speaker(const SourceArguments& arguments,
-                                   const SpeakerSearchRequest& request, RenderSource& source,
+                                   const SpeakerSearchRequest& request, RenderInput& source,
                                    ProgressSink& progress) {
   SpeakerSearchResult result;
   const SoundSurvey survey = survey_sound(source.sound);
@@ -124,7 +124,7 @@ SpeakerSearchResult search_speaker(const SourceArguments& arguments,
   return result;
 }
 
-std::vector<std::string> lines_of(const SpeakerSearchResult& result, const RenderSource& source) {
+std::vector<std::string> lines_of(const SpeakerSearchResult& result, const RenderInput& source) {
   std::vector<std::string> lines;
   if (result.people && result.people->has_picture) {
     lines.push_back(
@@ -148,7 +148,7 @@ std::vector<std::string> lines_of(const SpeakerSearchResult& result, const Rende
 }
 
 void tell_of_speaker(const SourceArguments& arguments, const SpeakerSearchResult& result,
-                     const RenderSource& source) {
+                     const RenderInput& source) {
   for (const std::string& line : lines_of(result, source)) {
     fmt::print(stderr, "earpoint: {}: {}\n", arguments.inputs.back(), line);
   }

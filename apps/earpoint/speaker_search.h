@@ -44,15 +44,15 @@ struct SpeakerSearchResult {
 /// @throws InputError as find_people() and survey_sound()
 [[nodiscard]] SpeakerSearchResult search_speaker(const SourceArguments& arguments,
                                                  const SpeakerSearchRequest& request,
-                                                 RenderSource& source, ProgressSink& progress);
+                                                 RenderInput& source, ProgressSink& progress);
 
 /// Who was found, how sure that is, and what became of the recording: a line each, for people.
 [[nodiscard]] std::vector<std::string> lines_of(const SpeakerSearchResult& result,
-                                                const RenderSource& source);
+                                                const RenderInput& source);
 
 /// Says on stderr who was found, how sure that is, and what became of the recording.
 void tell_of_speaker(const SourceArguments& arguments, const SpeakerSearchResult& result,
-                     const RenderSource& source);
+                     const RenderInput& source);
 
 /// What programs are told of it: "detector", "people", "speaker", "certainty", "outside".
 [[nodiscard]] nlohmann::json json_of(const PeopleInClip& people);

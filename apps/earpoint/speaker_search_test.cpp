@@ -13,11 +13,11 @@
 
 #include <earpoint/audio/sound_file.h>
 #include <earpoint/core/file.h>
-#include <earpoint/core/pose.h>
 #include <earpoint/core/random.h>
 #include <earpoint/media/image_file.h>
 #include <earpoint/media/media.h>
 #include <earpoint/media/movie_writer.h>
+#include <earpoint/pose.h>
 
 namespace earpoint {
 namespace {

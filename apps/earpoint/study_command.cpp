@@ -9,8 +9,8 @@
 
 #include <fmt/format.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
+#include <earpoint/error.h>
 #include <earpoint/serve/clip_library.h>
 #include <earpoint/serve/page_server.h>
 #include <earpoint/study/simulated_participant.h>

@@ -12,11 +12,11 @@
 
 #include <fmt/format.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
 #include <earpoint/core/parallel.h>
 #include <earpoint/core/progress.h>
 #include <earpoint/dataset/dataset_folder.h>
+#include <earpoint/error.h>
 #include <earpoint/study/make_study.h>
 #include <earpoint/study/webmushra.h>
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <string_view>
 
-#include <earpoint/core/pose.h>
+#include <earpoint/pose.h>
 #include <earpoint/scene/scene.h>
 
 /// Reads "X,Y,Z[,yaw=DEG][,pitch=DEG][,roll=DEG]".

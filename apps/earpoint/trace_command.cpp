@@ -16,8 +16,8 @@
 #include <fmt/format.h>
 
 #include <earpoint/audio/sound_file.h>
-#include <earpoint/core/error.h>
-#include <earpoint/trace/response_renderer.h>
+#include <earpoint/error.h>
+#include <earpoint/trace/response_synthesizer.h>
 #include <earpoint/trace/tracer.h>
 
 namespace {
@@ -51,16 +51,16 @@ void run_still(const TraceSetup& options) {
   if (is_silent(response)) {
     throw InputError("--listener", "no sound reaches it", "place it in the room of the source");
   }
-  const earpoint::ResponseRenderer renderer({.sample_rate_hz = options.rate_hz,
-                                             .duration_s = options.trace.duration_s,
-                                             .seed = options.trace.seed});
+  const earpoint::ResponseSynthesizer synthesizer({.sample_rate_hz = options.rate_hz,
+                                                   .duration_s = options.trace.duration_s,
+                                                   .seed = options.trace.seed});
   earpoint::write_sound(options.output,
-                        render_response(options, renderer, response, listener.orientation, ears),
+                        render_response(options, synthesizer, response, listener.orientation, ears),
                         earpoint::SampleFormat::float32);
   warn_of_early_end(response, options.trace.duration_s);
   const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - start;
   if (options.report) {
-    const earpoint::Waveform mono = renderer.mono(response, 0);
+    const earpoint::Waveform mono = synthesizer.mono(response, 0);
     fmt::print("{}", trace_report(traced, mono.channel(0), options.rate_hz, passed.count()));
   }
 }

@@ -13,8 +13,8 @@
 
 #include <earpoint/audio/resample.h>
 #include <earpoint/audio/sound_file.h>
-#include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
+#include <earpoint/error.h>
 #include <earpoint/synthesis/earpoint_path.h>
 #include <earpoint/trace/moving_sound.h>
 
@@ -208,15 +208,16 @@ void run_trace_motion(TraceSetup setup, bool rate_given) {
   const int steps = 1 + static_cast<int>(std::ceil(duration_s / setup.step_s - 1e-9));
   check_steps(setup, tracks, named, steps);
   const earpoint::AcousticScene scene(named.scene);
-  const earpoint::ResponseRenderer renderer(render);
+  const earpoint::ResponseSynthesizer synthesizer(render);
   ResponseFolder folder(setup.output);
   trace_motion(scene, source, motion, steps, setup.trace, pool,
                [&](int step, const earpoint::PointResponse& response) {
                  watch.see(response);
                  const double time_s = step * setup.step_s;
                  const earpoint::Pose listener = tracks.listener.path.at(time_s);
-                 folder.add(time_s, tracks.source.path.at(time_s), listener,
-                            render_response(setup, renderer, response, listener.orientation, ears));
+                 folder.add(
+                     time_s, tracks.source.path.at(time_s), listener,
+                     render_response(setup, synthesizer, response, listener.orientation, ears));
                });
   watch.check(tracks.listener);
   folder.finish();

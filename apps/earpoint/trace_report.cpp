@@ -9,7 +9,7 @@
 
 #include <earpoint/audio/decay.h>
 #include <earpoint/audio/fft.h>
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/spatial/octave_bands.h>
 
 namespace {

@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/spatial/air_absorption.h>
 #include <earpoint/trace/response_end.h>
 
@@ -92,15 +92,15 @@ std::optional<earpoint::HrtfSet> load_ears(const TraceSetup& options) {
 }
 
 earpoint::Waveform render_response(const TraceSetup& options,
-                                   const earpoint::ResponseRenderer& renderer,
+                                   const earpoint::ResponseSynthesizer& synthesizer,
                                    const earpoint::PointResponse& response,
                                    const earpoint::Quaternion& world_from_listener,
                                    const std::optional<earpoint::HrtfSet>& ears) {
   if (options.ambisonics) {
-    return renderer.ambisonic(response, world_from_listener, *options.ambisonics, 0);
+    return synthesizer.ambisonic(response, world_from_listener, *options.ambisonics, 0);
   }
-  return ears ? renderer.binaural(response, world_from_listener, *ears, 0)
-              : renderer.mono(response, 0);
+  return ears ? synthesizer.binaural(response, world_from_listener, *ears, 0)
+              : synthesizer.mono(response, 0);
 }
 
 bool is_silent(const earpoint::PointResponse& response) {

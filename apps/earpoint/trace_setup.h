@@ -6,11 +6,11 @@
 #include <optional>
 #include <string>
 
-#include <earpoint/core/pose.h>
-#include <earpoint/core/waveform.h>
+#include <earpoint/pose.h>
 #include <earpoint/spatial/hrtf.h>
-#include <earpoint/trace/response_renderer.h>
+#include <earpoint/trace/response_synthesizer.h>
 #include <earpoint/trace/tracer.h>
+#include <earpoint/waveform.h>
 
 /// What `earpoint trace` is told; the places of what stands still are texts until they are parsed.
 struct TraceSetup {
@@ -56,7 +56,7 @@ std::optional<earpoint::HrtfSet> load_ears(const TraceSetup& options);
 
 /// What the microphone that was asked for hears.
 earpoint::Waveform render_response(const TraceSetup& options,
-                                   const earpoint::ResponseRenderer& renderer,
+                                   const earpoint::ResponseSynthesizer& synthesizer,
                                    const earpoint::PointResponse& response,
                                    const earpoint::Quaternion& world_from_listener,
                                    const std::optional<earpoint::HrtfSet>& ears);

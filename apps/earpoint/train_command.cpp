@@ -16,10 +16,10 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/parallel.h>
 #include <earpoint/core/platform/memory.h>
 #include <earpoint/core/progress.h>
+#include <earpoint/error.h>
 #include <earpoint/train/process_group.h>
 #include <earpoint/train/trainer.h>
 #include <earpoint/train/training_task.h>

@@ -8,8 +8,8 @@
 #include <CLI/CLI.hpp>
 #include <unistd.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/platform/program_path.h>
+#include <earpoint/error.h>
 
 namespace {
 

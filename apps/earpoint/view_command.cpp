@@ -16,8 +16,8 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include <earpoint/camera/scene_renderer.h>
-#include <earpoint/core/error.h>
+#include <earpoint/camera/scene_drawer.h>
+#include <earpoint/error.h>
 #include <earpoint/media/image_file.h>
 
 namespace {
@@ -119,8 +119,8 @@ void run(const Options& options) {
     fmt::print(stderr, "earpoint: {}\n", with_flags(warning));
   }
   earpoint::ThreadPool pool(options.jobs > 0 ? options.jobs : earpoint::available_cores());
-  const earpoint::SceneRenderer renderer(named.scene, {}, pool);
-  const earpoint::View view = renderer.render(camera, quality, options.seed, pool);
+  const earpoint::SceneDrawer drawer(named.scene, {}, pool);
+  const earpoint::View view = drawer.draw(camera, quality, options.seed, pool);
   earpoint::write_image(options.output, view.rgb);
   if (options.depth) {
     earpoint::write_image(*options.depth, picture_of_depth(view.depth_m, options.depth_range_m));

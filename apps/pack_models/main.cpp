@@ -5,8 +5,8 @@
 
 #include <fmt/core.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
+#include <earpoint/error.h>
 #include <earpoint/scene/sweet_home.h>
 
 namespace {

@@ -5,8 +5,8 @@
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
+#include <earpoint/error.h>
 #include <earpoint/generate/people_pictures.h>
 #include <earpoint/scene/model_pack.h>
 

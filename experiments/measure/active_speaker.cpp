@@ -25,10 +25,10 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/random.h>
 #include <earpoint/dataset/dataset_folder.h>
 #include <earpoint/dataset/pair_sample.h>
+#include <earpoint/error.h>
 #include <earpoint/evaluate/clip_metrics.h>
 #include <earpoint/evaluate/metrics.h>
 #include <earpoint/gtf/synthesizer.h>

@@ -13,11 +13,11 @@
 
 #include <earpoint/audio/butterworth.h>
 #include <earpoint/audio/decay.h>
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/scene/homes.h>
 #include <earpoint/scene/model_pack.h>
 #include <earpoint/scene/reverberation_estimate.h>
-#include <earpoint/trace/response_renderer.h>
+#include <earpoint/trace/response_synthesizer.h>
 #include <earpoint/trace/tracer.h>
 
 namespace {
@@ -75,9 +75,9 @@ std::optional<double> traced_s(const AcousticScene& scene, const Vector3& from, 
   const Source source{.world_from_source = {from, Quaternion{}}};
   const TraceResult traced =
       trace(scene, {&source, 1}, {&to, 1}, {.duration_s = kDuration_s, .seed = seed}, pool);
-  const ResponseRenderer renderer(
+  const ResponseSynthesizer synthesizer(
       {.sample_rate_hz = kRate_hz, .duration_s = kDuration_s, .seed = seed});
-  const Waveform mono = renderer.mono(traced.responses[0][0], 0);
+  const Waveform mono = synthesizer.mono(traced.responses[0][0], 0);
   std::vector<double> samples(mono.channel(0).begin(), mono.channel(0).end());
   filter_zero_phase(butterworth_bandpass(kLow_hz, kHigh_hz, kRate_hz, 3), samples, samples);
   const std::vector<float> band(samples.begin(), samples.end());

@@ -19,8 +19,8 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
-#include <earpoint/core/error.h>
 #include <earpoint/dataset/people_pictures.h>
+#include <earpoint/error.h>
 #include <earpoint/locate/detection_count.h>
 #include <earpoint/locate/people_detector.h>
 #include <earpoint/media/image_file.h>

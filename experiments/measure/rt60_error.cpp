@@ -16,10 +16,10 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
-#include <earpoint/core/error.h>
 #include <earpoint/dataset/dataset_folder.h>
 #include <earpoint/dataset/pair_sample.h>
 #include <earpoint/dataset/reverberant_speech.h>
+#include <earpoint/error.h>
 #include <earpoint/network/shipped_model.h>
 #include <earpoint/rt60/engine.h>
 #include <earpoint/rt60/weights.h>

@@ -9,8 +9,8 @@
 
 #include <embree3/rtcore.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/random.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {

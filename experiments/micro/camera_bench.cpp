@@ -1,4 +1,4 @@
-// How fast views of conversations in homes are rendered, on one core. Writes one JSON object per
+// How fast views of conversations in homes are drawn, on one core. Writes one JSON object per
 // kind of home to standard output.
 //
 // usage: camera_bench [HOMES]
@@ -12,8 +12,8 @@
 
 #include <fmt/core.h>
 
-#include <earpoint/camera/scene_renderer.h>
-#include <earpoint/core/error.h>
+#include <earpoint/camera/scene_drawer.h>
+#include <earpoint/error.h>
 #include <earpoint/scene/model_pack.h>
 
 namespace {
@@ -41,7 +41,7 @@ struct Times {
   double make_home = 0.0;
   double home_light = 0.0;
   double people_light = 0.0;
-  double render = 0.0;
+  double draw = 0.0;
 };
 
 template <typename Body>
@@ -58,25 +58,25 @@ void measure(std::uint64_t seed, std::size_t most_triangles, const FurnitureLibr
   const Home home = timed(times.make_home, [&] {
     return make_home(seed, {.most_triangles = most_triangles}, furniture);
   });
-  const SceneRenderer empty = timed(times.home_light, [&] { return SceneRenderer(home.scene); });
+  const SceneDrawer empty = timed(times.home_light, [&] { return SceneDrawer(home.scene); });
   ++times.homes;
   for (int i = 0; i < kMeasured; ++i) {
     const bench::ConversationViews conversation =
         bench::draw_conversation(home, figures, kViews, kPixels, kPixels, random);
-    const SceneRenderer renderer =
+    const SceneDrawer drawer =
         timed(times.people_light, [&] { return empty.extended(conversation.scene); });
     ++times.conversations;
     times.triangles += static_cast<double>(conversation.scene.mesh.triangles.size());
-    times.patches += static_cast<double>(renderer.patches());
+    times.patches += static_cast<double>(drawer.patches());
     for (const Camera& camera : conversation.cameras) {
-      timed(times.render, [&] { return renderer.render(camera, {}, seed); });
+      timed(times.draw, [&] { return drawer.draw(camera, {}, seed); });
       ++times.views;
     }
   }
 }
 
 void report(const char* name, const Times& times) {
-  const double view_s = times.render / times.views;
+  const double view_s = times.draw / times.views;
   const double people_s = times.people_light / times.conversations / kViews;
   const double home_s = times.home_light / times.homes / (kViews * kConversations);
   fmt::print(R"({{"homes": "{}", "triangles": {:.0f}, "patches": {:.0f}, "make_home_s": {:.3f}, )"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <optional>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 namespace earpoint::bench {
 namespace {

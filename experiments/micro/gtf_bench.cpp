@@ -110,14 +110,14 @@ void run(int rounds) {
   std::vector<double> moving_s;
   std::vector<double> vigas_s;
   for (int round = 0; round < rounds; ++round) {
-    picture_s.push_back(seconds_of([&] { gtf.look(picture, {}); }));
-    gtf.aim({{1, 0, 0}, {}});
+    picture_s.push_back(seconds_of([&] { gtf.set_picture(picture, {}); }));
+    gtf.set_pose({{1, 0, 0}, {}});
     window_s.push_back(seconds_of([&] { gtf.synthesize(second, output); }));
     // A stream whose target moves at every hop.
     gtf.start();
     moving_s.push_back(seconds_of([&] {
       for (int i = 0; i < 100; ++i) {
-        gtf.aim({{0.01 * i, 0, 0}, {}});
+        gtf.set_pose({{0.01 * i, 0, 0}, {}});
         gtf.advance(std::span(second).subspan(static_cast<std::size_t>(i) * hop.size(), hop.size()),
                     hop);
       }

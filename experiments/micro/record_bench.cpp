@@ -9,9 +9,9 @@
 #include <fmt/format.h>
 
 #include <earpoint/audio/resample.h>
-#include <earpoint/core/error.h>
 #include <earpoint/core/progress.h>
 #include <earpoint/core/random.h>
+#include <earpoint/error.h>
 #include <earpoint/media/movie_writer.h>
 #include <earpoint/plot/draw.h>
 #include <earpoint/record/prepare.h>

@@ -23,7 +23,7 @@
 #include <earpoint/scene/homes.h>
 #include <earpoint/scene/model_pack.h>
 #include <earpoint/spatial/hrtf.h>
-#include <earpoint/trace/response_renderer.h>
+#include <earpoint/trace/response_synthesizer.h>
 #include <earpoint/trace/tracer.h>
 
 namespace earpoint {
@@ -87,8 +87,8 @@ struct Cost {
   std::size_t triangles = 0;
 };
 
-Cost measure(const Stage& stage, const TraceOptions& options, const ResponseRenderer& renderer,
-             const HrtfSet& hrtf, int runs) {
+Cost measure(const Stage& stage, const TraceOptions& options,
+             const ResponseSynthesizer& synthesizer, const HrtfSet& hrtf, int runs) {
   ThreadPool pool(1);
   Cost cost;
   std::vector<double> builds;
@@ -103,7 +103,7 @@ Cost measure(const Stage& stage, const TraceOptions& options, const ResponseRend
     std::uint64_t stream = 0;
     for (const auto& of_source : traced.responses) {
       for (const PointResponse& response : of_source) {
-        const Waveform brir = renderer.binaural(response, Quaternion{}, hrtf, stream++);
+        const Waveform brir = synthesizer.binaural(response, Quaternion{}, hrtf, stream++);
         if (brir.samples() == 0) std::abort();
       }
     }
@@ -131,23 +131,24 @@ nlohmann::json to_json(const Cost& cost, int rays, int pairs) {
 }
 
 void measure_growth(const Stage& stage, std::uint64_t seed, const FurnitureLibrary& library,
-                    const TraceOptions& options, const ResponseRenderer& renderer,
+                    const TraceOptions& options, const ResponseSynthesizer& synthesizer,
                     const HrtfSet& hrtf, nlohmann::json& report) {
   constexpr int kPairs = kSources * kListeners;
   for (const std::size_t most : {5000, 10000, 20000, 40000}) {
     const Stage other = make_stage(seed, most, library, kSources, kListeners);
     report["over_triangles"].push_back(
-        to_json(measure(other, options, renderer, hrtf, 3), options.rays, kPairs));
+        to_json(measure(other, options, synthesizer, hrtf, 3), options.rays, kPairs));
   }
   for (const int rays : {1000, 2000, 5000, 10000, 20000, 50000}) {
     TraceOptions more = options;
     more.rays = rays;
-    report["over_rays"].push_back(to_json(measure(stage, more, renderer, hrtf, 3), rays, kPairs));
+    report["over_rays"].push_back(
+        to_json(measure(stage, more, synthesizer, hrtf, 3), rays, kPairs));
   }
   for (const int listeners : {1, 2, 4, 8, 16}) {
     const Stage other = make_stage(seed, 60000, library, kSources, listeners);
     report["over_pairs"].push_back(
-        to_json(measure(other, options, renderer, hrtf, 3), options.rays, kSources * listeners));
+        to_json(measure(other, options, synthesizer, hrtf, 3), options.rays, kSources * listeners));
   }
 }
 
@@ -158,7 +159,7 @@ int main(int argc, char** argv) {
   using namespace earpoint;
   const FurnitureLibrary library(installed_models().furniture);
   const HrtfSet hrtf = HrtfSet::load(kRate_hz);
-  const ResponseRenderer renderer({.sample_rate_hz = kRate_hz});
+  const ResponseSynthesizer synthesizer({.sample_rate_hz = kRate_hz});
   const TraceOptions options{.rays = 5000, .max_bounces = 60};
 
   // The home of the claim: the first one with enough triangles.
@@ -171,7 +172,7 @@ int main(int argc, char** argv) {
   nlohmann::json report;
   const double bare =
       bare_rays_per_s(stage.home.scene.mesh, stage.sources[0].world_from_source.position_m);
-  const Cost cost = measure(stage, options, renderer, hrtf, kRuns);
+  const Cost cost = measure(stage, options, synthesizer, hrtf, kRuns);
   const double bare_again =
       bare_rays_per_s(stage.home.scene.mesh, stage.sources[0].world_from_source.position_m);
   constexpr int kPairs = kSources * kListeners;
@@ -184,7 +185,7 @@ int main(int argc, char** argv) {
     fmt::print("{}\n", report.dump(2));
     return 0;
   }
-  measure_growth(stage, seed, library, options, renderer, hrtf, report);
+  measure_growth(stage, seed, library, options, synthesizer, hrtf, report);
   fmt::print("{}\n", report.dump(2));
   if (argc == 3 && std::strcmp(argv[1], "--plot") == 0) draw_costs(report, argv[2]);
   return 0;

@@ -8,8 +8,8 @@
 #include <cstdlib>
 #include <exception>
 
-#include <earpoint/camera/scene_renderer.h>
-#include <earpoint/core/error.h>
+#include <earpoint/camera/scene_drawer.h>
+#include <earpoint/error.h>
 #include <earpoint/media/image_file.h>
 #include <earpoint/plot/draw.h>
 #include <earpoint/scene/model_pack.h>
@@ -31,8 +31,8 @@ View draw_view(std::uint64_t& seed, int pixels, const FurnitureLibrary& furnitur
       const Home home = make_home(seed++, {}, furniture);
       const bench::ConversationViews conversation =
           bench::draw_conversation(home, figures, 1, pixels, pixels, random);
-      const SceneRenderer renderer(conversation.scene, {}, pool);
-      return renderer.render(conversation.cameras[0], {}, seed, pool);
+      const SceneDrawer drawer(conversation.scene, {}, pool);
+      return drawer.draw(conversation.cameras[0], {}, seed, pool);
     } catch (const InputError& error) {
       std::fprintf(stderr, "contact_sheet: home %d: %s\n", static_cast<int>(seed), error.what());
     }

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 

@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include <earpoint/core/image.h>
 #include <earpoint/core/parallel.h>
+#include <earpoint/image.h>
 
 namespace earpoint {
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include <earpoint/core/vector3.h>
+#include <earpoint/vector3.h>
 
 namespace earpoint {
 

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include <earpoint/camera/scene_renderer.h>
+#include <earpoint/camera/scene_drawer.h>
 
 namespace earpoint {
 namespace {
@@ -18,7 +18,7 @@ constexpr RenderQuality kExact{.samples_per_side = 4, .denoise = false};
 FloatImage radiance_of(const Scene& scene, const Camera& camera, const Lighting& lighting,
                        const RenderQuality& quality = kExact, std::uint64_t seed = 1) {
   ThreadPool pool(1);
-  return SceneRenderer(scene, lighting, pool).radiance(camera, quality, seed, pool);
+  return SceneDrawer(scene, lighting, pool).radiance(camera, quality, seed, pool);
 }
 
 double mean(const FloatImage& picture) {
@@ -61,9 +61,9 @@ TEST(Furnace, AnOutsideSkyGivesAConvexThingItsReflectance) {
   const int ball = add_ball(scene, "ball", {3, 0, 0}, 1.5, 96, plain_look(0.6F, 0.6F, 0.6F));
   const Camera camera{.width = 32, .height = 32};
   ThreadPool pool(1);
-  const SceneRenderer renderer(scene, kWhiteSky, pool);
-  const View view = renderer.render(camera, kExact, 1, pool);
-  const FloatImage radiance = renderer.radiance(camera, kExact, 1, pool);
+  const SceneDrawer drawer(scene, kWhiteSky, pool);
+  const View view = drawer.draw(camera, kExact, 1, pool);
+  const FloatImage radiance = drawer.radiance(camera, kExact, 1, pool);
   int checked = 0;
   for (int y = 1; y < 31; ++y) {
     for (int x = 1; x < 31; ++x) {
@@ -193,11 +193,11 @@ TEST(Noise, SmoothingComesNearerToTheTruthAndKeepsTheMean) {
   const Camera camera{
       .world_from_camera = look_at({0.5, 0.6, 1.5}, {4.2, 3.0, 0.9}), .width = 64, .height = 64};
   ThreadPool pool(1);
-  const SceneRenderer renderer(scene, kNoSky, pool);
+  const SceneDrawer drawer(scene, kNoSky, pool);
   const FloatImage truth =
-      renderer.radiance(camera, {.samples_per_side = 16, .denoise = false}, 5, pool);
-  const FloatImage raw = renderer.radiance(camera, {.denoise = false}, 1, pool);
-  const FloatImage smooth = renderer.radiance(camera, {}, 1, pool);
+      drawer.radiance(camera, {.samples_per_side = 16, .denoise = false}, 5, pool);
+  const FloatImage raw = drawer.radiance(camera, {.denoise = false}, 1, pool);
+  const FloatImage smooth = drawer.radiance(camera, {}, 1, pool);
   EXPECT_LT(root_mean_square(smooth, truth), 0.6 * root_mean_square(raw, truth));
   // Rare bright samples weigh a little less than their share.
   EXPECT_NEAR(mean(smooth), mean(truth), 0.02 * mean(truth));
@@ -217,7 +217,7 @@ TEST(SeeThrough, APaneTakesItsOpacityOfTheLightBehind) {
   EXPECT_NEAR(mean(seen), 0.7, 1.0 / 32.0);
   for (const float value : seen.pixels()) EXPECT_NEAR(value, mean(seen), 1e-5);
   // Depth and mask look through what is mostly so.
-  const View view = SceneRenderer(scene).render(camera, {}, 1);
+  const View view = SceneDrawer(scene).draw(camera, {}, 1);
   EXPECT_EQ(view.instance.at(5, 7), wall);
   EXPECT_NEAR(view.depth_m.at(5, 7), 4.0F, 1e-5F);
 }
@@ -228,7 +228,7 @@ TEST(SeeThrough, APaneThatIsMostlySolidIsSeen) {
   Look milky = plain_look(0.5F, 0.5F, 0.5F);
   milky.opacity = 0.6F;
   const int pane = add_rectangle(scene, "pane", {2, -9, -9}, {0, 18, 0}, {0, 0, 18}, milky);
-  const View view = SceneRenderer(scene).render({.width = 32, .height = 32}, {}, 1);
+  const View view = SceneDrawer(scene).draw({.width = 32, .height = 32}, {}, 1);
   EXPECT_EQ(view.instance.at(5, 7), pane);
   // Single precision: 2 times a few 1e-7, and the ray's start moved off the pane.
   EXPECT_NEAR(view.depth_m.at(5, 7), 2.0F, 1e-5F);
@@ -244,12 +244,12 @@ TEST(Mirror, ShowsWhatIsBehindTheCameraTurnedRound) {
   add_box(scene, "lantern", InstanceKind::furniture, {-2, 1, -0.5}, {-1.9, 3, 0.5}, red);
   const Camera camera{.width = 64, .height = 64};
   ThreadPool pool(1);
-  const SceneRenderer renderer(scene, kNoSky, pool);
-  const View view = renderer.render(camera, kExact, 1, pool);
+  const SceneDrawer drawer(scene, kNoSky, pool);
+  const View view = drawer.draw(camera, kExact, 1, pool);
   EXPECT_EQ(view.instance.at(20, 32), glass);
   EXPECT_NEAR(view.depth_m.at(20, 32), 2.0F, 1e-5F);
   // Its image is 5.9 m away, 2 m to the left: column 32 - 32 * 2 / 5.9 = 21.
-  const FloatImage radiance = renderer.radiance(camera, kExact, 1, pool);
+  const FloatImage radiance = drawer.radiance(camera, kExact, 1, pool);
   EXPECT_NEAR(radiance.at(21, 32, 0), 0.9F, 0.01F);  // Schlick's term adds a little off the normal
   EXPECT_EQ(radiance.at(43, 32, 0), 0.0F);
 }

@@ -4,7 +4,7 @@
 #include <map>
 #include <tuple>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/scene/embree_config.h>
 
 namespace earpoint {

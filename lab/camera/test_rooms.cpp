@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include <earpoint/core/pose.h>
 #include <earpoint/core/random.h>
+#include <earpoint/pose.h>
 
 namespace earpoint {
 namespace {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include <earpoint/core/image.h>
+#include <earpoint/image.h>
 
 namespace earpoint {
 

@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include <earpoint/core/pose.h>
 #include <earpoint/dataset/sample.h>
+#include <earpoint/pose.h>
 
 namespace earpoint {
 namespace {

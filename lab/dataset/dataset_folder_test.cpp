@@ -5,9 +5,9 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
 #include <earpoint/dataset/dataset_folder.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {

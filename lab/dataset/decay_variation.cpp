@@ -6,8 +6,8 @@
 #include <earpoint/audio/butterworth.h>
 #include <earpoint/audio/decay.h>
 #include <earpoint/audio/energy.h>
-#include <earpoint/core/error.h>
 #include <earpoint/dataset/reverberant_speech.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {

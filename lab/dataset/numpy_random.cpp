@@ -4,7 +4,7 @@
 #include <numeric>
 #include <utility>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 

@@ -6,13 +6,13 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
 #include <earpoint/core/json_field.h>
 #include <earpoint/core/name_number.h>
 #include <earpoint/core/random.h>
 #include <earpoint/dataset/dataset_folder.h>
 #include <earpoint/dataset/numpy_random.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {

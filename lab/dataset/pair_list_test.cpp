@@ -3,9 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
 #include <earpoint/dataset/pair_list.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {

@@ -16,8 +16,8 @@
 #include <earpoint/audio/fft.h>
 #include <earpoint/audio/sound_file.h>
 #include <earpoint/core/ears.h>
-#include <earpoint/core/error.h>
 #include <earpoint/core/vector_clones.h>
+#include <earpoint/error.h>
 #include <earpoint/media/image_file.h>
 
 namespace earpoint {

@@ -10,12 +10,12 @@
 
 #include <earpoint/audio/convolution.h>
 #include <earpoint/audio/sound_file.h>
-#include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
 #include <earpoint/dataset/dataset_folder.h>
 #include <earpoint/dataset/pair_list.h>
 #include <earpoint/dataset/pair_sample.h>
 #include <earpoint/dataset_testing/tiny_dataset.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {

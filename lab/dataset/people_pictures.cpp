@@ -6,10 +6,10 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
 #include <earpoint/core/json_field.h>
 #include <earpoint/dataset/soundspaces_metadata.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {

@@ -4,9 +4,9 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
 #include <earpoint/dataset/people_pictures.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {

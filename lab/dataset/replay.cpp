@@ -11,11 +11,11 @@
 #include <earpoint/audio/gcc_phat.h>
 #include <earpoint/audio/resample.h>
 #include <earpoint/audio/sound_file.h>
-#include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
 #include <earpoint/core/json_field.h>
 #include <earpoint/dataset/npy.h>
 #include <earpoint/dataset/replay_splits.h>
+#include <earpoint/error.h>
 #include <earpoint/media/image_file.h>
 #include <earpoint/media/media.h>
 

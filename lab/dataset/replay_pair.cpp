@@ -8,7 +8,7 @@
 
 #include <earpoint/audio/energy.h>
 #include <earpoint/audio/gcc_phat.h>
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {

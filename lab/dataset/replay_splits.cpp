@@ -1,6 +1,6 @@
 #include <earpoint/dataset/replay_splits.h>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 

@@ -10,7 +10,7 @@
 
 #include <earpoint/audio/convolution.h>
 #include <earpoint/audio/energy.h>
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {

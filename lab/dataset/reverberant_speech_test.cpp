@@ -7,11 +7,11 @@
 #include <unistd.h>
 
 #include <earpoint/audio/sound_file.h>
-#include <earpoint/core/error.h>
 #include <earpoint/dataset/dataset_folder.h>
 #include <earpoint/dataset/pair_sample.h>
 #include <earpoint/dataset/reverberant_speech.h>
 #include <earpoint/dataset_testing/tiny_dataset.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {

@@ -9,8 +9,8 @@
 #include <earpoint/audio/convolution.h>
 #include <earpoint/audio/resample.h>
 #include <earpoint/audio/sound_file.h>
-#include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
+#include <earpoint/error.h>
 #include <earpoint/media/image_file.h>
 
 namespace earpoint {

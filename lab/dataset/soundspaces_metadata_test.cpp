@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/dataset/soundspaces_metadata.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {

@@ -4,9 +4,9 @@
 
 #include <gtest/gtest.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
 #include <earpoint/dataset/soundspaces.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {

@@ -6,8 +6,8 @@
 #include <set>
 #include <utility>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/random.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 

@@ -12,7 +12,7 @@
 #include <earpoint/audio/decay.h>
 #include <earpoint/audio/energy.h>
 #include <earpoint/core/ears.h>
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/evaluate/metrics.h>
 #include <earpoint/evaluate/speech_metrics.h>
 

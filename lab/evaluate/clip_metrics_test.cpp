@@ -6,8 +6,8 @@
 
 #include <earpoint/audio/convolution.h>
 #include <earpoint/audio/decay.h>
-#include <earpoint/core/error.h>
 #include <earpoint/core/random.h>
+#include <earpoint/error.h>
 #include <earpoint/evaluate/clip_metrics.h>
 #include <earpoint/evaluate/speech_metrics.h>
 

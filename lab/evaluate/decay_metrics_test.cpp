@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/evaluate/decay_metrics.h>
 
 namespace earpoint {

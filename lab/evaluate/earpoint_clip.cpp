@@ -9,10 +9,10 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
 #include <earpoint/core/json_field.h>
 #include <earpoint/core/strict_json.h>
+#include <earpoint/error.h>
 #include <earpoint/synthesis/earpoint_path.h>
 
 namespace earpoint {

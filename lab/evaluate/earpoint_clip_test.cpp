@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 
 #include <earpoint/audio/sound_file.h>
-#include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
+#include <earpoint/error.h>
 #include <earpoint/evaluate/earpoint_clip.h>
 #include <earpoint/media/image_file.h>
 #include <earpoint/media/media.h>

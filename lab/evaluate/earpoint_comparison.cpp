@@ -11,7 +11,7 @@
 
 #include <earpoint/audio/resample.h>
 #include <earpoint/audio/sound_file.h>
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/evaluate/metrics.h>
 #include <earpoint/gtf/synthesizer.h>
 #include <earpoint/render/make_synthesizer.h>
@@ -45,7 +45,7 @@ std::string file_name(std::size_t number, const std::string& name) {
 
 /// What a method is told of the speaker: gtf nothing, dsp all, other networks the box.
 void tell_speaker(const EarpointClip& clip, const AcousticSynthesizer& synthesizer,
-                  RenderSource& source) {
+                  RenderInput& source) {
   if (dynamic_cast<const GtfSynthesizer*>(&synthesizer) != nullptr) return;
   const bool is_dsp = dynamic_cast<const DspSynthesizer*>(&synthesizer) != nullptr;
   if (is_dsp && !clip.speaker_m && !clip.speaker_box) {
@@ -62,7 +62,7 @@ void tell_speaker(const EarpointClip& clip, const AcousticSynthesizer& synthesiz
 void render_by(const EarpointClip& clip, const ClipMethod& method,
                std::span<const RenderTarget> targets, const ComparisonOptions& options,
                ProgressSink& progress) {
-  RenderSource source;
+  RenderInput source;
   source.sound.path = clip.clip;
   SynthesizerOptions synthesizer_options;
   synthesizer_options.threads = options.threads;

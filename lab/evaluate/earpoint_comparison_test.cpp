@@ -7,9 +7,9 @@
 #include <nlohmann/json.hpp>
 
 #include <earpoint/audio/sound_file.h>
-#include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
 #include <earpoint/core/random.h>
+#include <earpoint/error.h>
 #include <earpoint/evaluate/earpoint_comparison.h>
 
 namespace earpoint {

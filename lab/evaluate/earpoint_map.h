@@ -3,8 +3,8 @@
 #include <cstddef>
 #include <optional>
 
-#include <earpoint/core/image.h>
 #include <earpoint/evaluate/earpoint_comparison.h>
+#include <earpoint/image.h>
 
 namespace earpoint {
 

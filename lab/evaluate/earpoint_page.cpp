@@ -15,8 +15,8 @@
 
 #include <earpoint/audio/resample.h>
 #include <earpoint/audio/sound_file.h>
-#include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
+#include <earpoint/error.h>
 #include <earpoint/evaluate/earpoint_comparison.h>
 #include <earpoint/evaluate/metrics.h>
 #include <earpoint/evaluate/report_html.h>

@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/parallel.h>
+#include <earpoint/error.h>
 #include <earpoint/evaluate/metrics.h>
 #include <earpoint/evaluate/speech_metrics.h>
 

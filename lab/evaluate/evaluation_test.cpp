@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/dataset_testing/tiny_dataset.h>
+#include <earpoint/error.h>
 #include <earpoint/evaluate/evaluation.h>
 #include <earpoint/evaluate/metrics.h>
 

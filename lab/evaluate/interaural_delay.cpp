@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <earpoint/core/error.h>
-#include <earpoint/core/pose.h>
+#include <earpoint/error.h>
+#include <earpoint/pose.h>
 
 namespace earpoint {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include <earpoint/audio/fft.h>
-#include <earpoint/core/waveform.h>
+#include <earpoint/waveform.h>
 
 namespace earpoint {
 

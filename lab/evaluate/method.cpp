@@ -5,9 +5,9 @@
 
 #include <fmt/format.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/dataset/ambient.h>
 #include <earpoint/dataset/sample.h>
+#include <earpoint/error.h>
 #include <earpoint/render/make_synthesizer.h>
 #include <earpoint/render/render_in_memory.h>
 

@@ -14,7 +14,7 @@
 #include <earpoint/audio/resample.h>
 #include <earpoint/audio/stft.h>
 #include <earpoint/core/ears.h>
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {

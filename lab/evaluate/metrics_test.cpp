@@ -8,9 +8,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
 #include <earpoint/core/random.h>
+#include <earpoint/error.h>
 #include <earpoint/evaluate/metrics.h>
 #include <earpoint/weights/safetensors.h>
 #include <earpoint/weights_testing/reference_folders.h>

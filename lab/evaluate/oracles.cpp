@@ -14,8 +14,8 @@
 #include <earpoint/audio/energy.h>
 #include <earpoint/audio/stft.h>
 #include <earpoint/core/ears.h>
-#include <earpoint/core/error.h>
 #include <earpoint/core/random.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {

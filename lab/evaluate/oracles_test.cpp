@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/dataset_testing/tiny_dataset.h>
+#include <earpoint/error.h>
 #include <earpoint/evaluate/evaluation_table.h>
 #include <earpoint/evaluate/oracles.h>
 

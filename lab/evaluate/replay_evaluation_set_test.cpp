@@ -5,10 +5,10 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/random.h>
 #include <earpoint/dataset/replay.h>
 #include <earpoint/dataset_testing/tiny_dataset.h>
+#include <earpoint/error.h>
 #include <earpoint/evaluate/evaluation.h>
 #include <earpoint/evaluate/evaluation_set.h>
 #include <earpoint/media/movie_writer.h>

@@ -4,8 +4,8 @@
 #include <span>
 #include <string>
 
-#include <earpoint/core/image.h>
-#include <earpoint/core/waveform.h>
+#include <earpoint/image.h>
+#include <earpoint/waveform.h>
 
 namespace earpoint {
 

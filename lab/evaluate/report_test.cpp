@@ -8,9 +8,9 @@
 #include <unistd.h>
 
 #include <earpoint/audio/sound_file.h>
-#include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
 #include <earpoint/dataset_testing/tiny_dataset.h>
+#include <earpoint/error.h>
 #include <earpoint/evaluate/oracles.h>
 #include <earpoint/evaluate/report.h>
 #include <earpoint/evaluate/report_html.h>

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <vector>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 

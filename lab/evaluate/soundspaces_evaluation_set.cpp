@@ -5,10 +5,10 @@
 
 #include <fmt/format.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/dataset/dataset_folder.h>
 #include <earpoint/dataset/pair_list.h>
 #include <earpoint/dataset/soundspaces.h>
+#include <earpoint/error.h>
 #include <earpoint/evaluate/evaluation_set.h>
 
 namespace earpoint {

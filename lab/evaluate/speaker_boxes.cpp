@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/locate/find_people.h>
 #include <earpoint/locate/people_detector.h>
 #include <earpoint/spatial/speaker_direction.h>

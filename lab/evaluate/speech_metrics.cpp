@@ -9,8 +9,8 @@
 
 #include <earpoint/audio/fft.h>
 #include <earpoint/audio/resample.h>
-#include <earpoint/core/error.h>
-#include <earpoint/core/waveform.h>
+#include <earpoint/error.h>
+#include <earpoint/waveform.h>
 
 namespace earpoint {
 namespace {

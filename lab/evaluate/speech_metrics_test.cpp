@@ -5,9 +5,9 @@
 
 #include <gtest/gtest.h>
 
-#include <earpoint/core/pose.h>
 #include <earpoint/core/random.h>
 #include <earpoint/evaluate/speech_metrics.h>
+#include <earpoint/pose.h>
 
 namespace earpoint {
 namespace {

@@ -13,11 +13,11 @@
 
 #include <earpoint/audio/convolution.h>
 #include <earpoint/core/ears.h>
-#include <earpoint/core/error.h>
 #include <earpoint/core/random.h>
 #include <earpoint/dataset/dataset_folder.h>
 #include <earpoint/dataset/pair_sample.h>
 #include <earpoint/dataset/replay_pair.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {

@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
 #include <earpoint/dataset_testing/tiny_dataset.h>
+#include <earpoint/error.h>
 #include <earpoint/evaluate/evaluation_table.h>
 #include <earpoint/evaluate/transfer_function.h>
 

@@ -10,7 +10,7 @@
 
 #include <fmt/format.h>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/evaluate/report_html.h>
 #include <earpoint/media/image_file.h>
 #include <earpoint/plot/plot.h>

@@ -9,11 +9,11 @@
 
 #include <earpoint/audio/energy.h>
 #include <earpoint/audio/sound_file.h>
-#include <earpoint/core/error.h>
 #include <earpoint/core/random.h>
 #include <earpoint/dataset/dataset_folder.h>
 #include <earpoint/dataset/replay.h>
 #include <earpoint/dataset_testing/tiny_dataset.h>
+#include <earpoint/error.h>
 #include <earpoint/evaluate/oracles.h>
 #include <earpoint/evaluate/view_figure.h>
 #include <earpoint/evaluate/viewed_clip.h>

@@ -8,9 +8,9 @@
 
 #include <fmt/format.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/dataset/pair_list.h>
 #include <earpoint/dataset/replay_pair.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <earpoint/audio/convolution.h>
 #include <earpoint/audio/decay.h>
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/spatial/air_absorption.h>
 #include <earpoint/trace/tracer.h>
 
@@ -63,7 +63,7 @@ PreparedScene::PreparedScene(std::string scene_name, Scene scene_on_the_floor)
       scene(std::move(scene_on_the_floor)),
       caster(scene.mesh),
       floor(scene, caster),
-      renderer(scene) {}
+      drawer(scene) {}
 
 std::shared_ptr<const PreparedScene> prepare_home(std::string name, Scene scene) {
   return std::make_shared<const PreparedScene>(std::move(name), std::move(scene));
@@ -76,7 +76,7 @@ std::shared_ptr<const PreparedScene> prepare_scan(std::string name, Scene scene)
 ConversationSimulator::ConversationSimulator(const ConversationQuality& quality)
     : quality_(quality),
       hrtf_(HrtfSet::load(quality.sample_rate_hz)),
-      renderer_({.sample_rate_hz = quality.sample_rate_hz, .duration_s = quality.duration_s}) {}
+      synthesizer_({.sample_rate_hz = quality.sample_rate_hz, .duration_s = quality.duration_s}) {}
 
 SimulatedConversation ConversationSimulator::simulate(const PreparedScene& prepared,
                                                       const ConversationPlan& plan,
@@ -92,7 +92,7 @@ SimulatedConversation ConversationSimulator::simulate(const PreparedScene& prepa
   }
   hear(prepared.name, scene, seed, result, clock);
   ThreadPool pool(1);
-  const SceneRenderer camera = prepared.renderer.extended(scene, pool);
+  const SceneDrawer camera = prepared.drawer.extended(scene, pool);
   clock.charge(Stage::light);
   see(camera, seed, result);
   clock.charge(Stage::pictures);
@@ -117,25 +117,25 @@ void ConversationSimulator::hear(const std::string& name, const Scene& scene, st
       const PointResponse& response = traced.responses[i][v];
       SimulatedViewpoint& viewpoint = conversation.viewpoints[v];
       // The noise of a tail must not repeat elsewhere, or a network could learn it.
-      viewpoint.responses[i] = renderer_.binaural(
+      viewpoint.responses[i] = synthesizer_.binaural(
           response, viewpoint.world_from_listener.orientation, hrtf_, seed + 2 * v + i);
       silence_before_arrival(viewpoint.responses[i], response.distance_m);
     }
   }
-  conversation.reverberation_s = reverberation_of(renderer_.mono(traced.responses[0][0], seed));
+  conversation.reverberation_s = reverberation_of(synthesizer_.mono(traced.responses[0][0], seed));
   clock.charge(Stage::responses);
 }
 
-void ConversationSimulator::see(const SceneRenderer& camera, std::uint64_t seed,
+void ConversationSimulator::see(const SceneDrawer& camera, std::uint64_t seed,
                                 SimulatedConversation& conversation) const {
   ThreadPool pool(1);
   for (std::size_t v = 0; v < conversation.viewpoints.size(); ++v) {
     SimulatedViewpoint& viewpoint = conversation.viewpoints[v];
-    View view = camera.render({.world_from_camera = viewpoint.world_from_listener,
-                               .horizontal_fov_rad = quality_.horizontal_fov_rad,
-                               .width = quality_.image_width,
-                               .height = quality_.image_height},
-                              {.samples_per_side = quality_.samples_per_side}, seed + v, pool);
+    View view = camera.draw({.world_from_camera = viewpoint.world_from_listener,
+                             .horizontal_fov_rad = quality_.horizontal_fov_rad,
+                             .width = quality_.image_width,
+                             .height = quality_.image_height},
+                            {.samples_per_side = quality_.samples_per_side}, seed + v, pool);
     for (std::size_t i = 0; i < 2; ++i) {
       viewpoint.boxes[i] =
           visible_box(view, static_cast<int>(conversation.people[i].instance), kLeastPixels);

@@ -7,8 +7,8 @@
 
 #include <earpoint/audio/sound_file.h>
 #include <earpoint/core/atomic_folder.h>
-#include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
+#include <earpoint/error.h>
 #include <earpoint/media/image_file.h>
 
 namespace earpoint {

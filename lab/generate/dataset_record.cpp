@@ -13,9 +13,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
 #include <earpoint/dataset/pair_list.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {
@@ -25,7 +25,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kRecord = "dataset.json";
 
-Json record_of(const GenerationOptions& options, const SceneSource& scenes,
+Json record_of(const GenerationOptions& options, const SceneMaker& scenes,
                const SpeechCorpus& corpus) {
   std::size_t recordings = 0;
   for (const SpeechSpeaker& speaker : corpus.speakers()) recordings += speaker.recordings.size();
@@ -72,7 +72,7 @@ using SceneKey = std::pair<std::string, std::string>;  // split, scene
 
 /// The clips that are there, by scene.
 std::map<SceneKey, std::vector<StoredConversation>> stored_conversations(
-    const fs::path& root, const SceneSource& scenes, const std::vector<WorkItem>& items,
+    const fs::path& root, const SceneMaker& scenes, const std::vector<WorkItem>& items,
     bool heard) {
   std::map<SceneKey, std::vector<StoredConversation>> stored;
   for (const WorkItem& item : items) {
@@ -142,7 +142,7 @@ void remove_partial(Iterator entries) {
 
 }  // namespace
 
-void begin_dataset(const GenerationOptions& options, const SceneSource& scenes,
+void begin_dataset(const GenerationOptions& options, const SceneMaker& scenes,
                    const SpeechCorpus& corpus, bool others_work) {
   const fs::path path = options.folder / kRecord;
   const Json wanted = record_of(options, scenes, corpus);
@@ -165,7 +165,7 @@ void begin_dataset(const GenerationOptions& options, const SceneSource& scenes,
                    "use the same options, or another folder");
 }
 
-void complete_dataset(const GenerationOptions& options, const SceneSource& scenes,
+void complete_dataset(const GenerationOptions& options, const SceneMaker& scenes,
                       const SpeechCorpus& corpus, const std::vector<WorkItem>& items,
                       bool others_work, GenerationSummary& summary) {
   const auto stored = stored_conversations(options.folder, scenes, items, options.write_heard);

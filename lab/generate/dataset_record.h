@@ -10,7 +10,7 @@ namespace earpoint {
 /// with the same options.
 /// @param others_work  other processes make conversations of it at this moment
 /// @throws InputError if it was not, or the folder cannot be written
-void begin_dataset(const GenerationOptions& options, const SceneSource& scenes,
+void begin_dataset(const GenerationOptions& options, const SceneMaker& scenes,
                    const SpeechCorpus& corpus, bool others_work);
 
 /// Puts every scene's metadata together from the conversations that are there, makes sure that
@@ -19,7 +19,7 @@ void begin_dataset(const GenerationOptions& options, const SceneSource& scenes,
 /// @param items        of the whole data set
 /// @param others_work  other processes make conversations of it at this moment
 /// @param summary      is added to
-void complete_dataset(const GenerationOptions& options, const SceneSource& scenes,
+void complete_dataset(const GenerationOptions& options, const SceneMaker& scenes,
                       const SpeechCorpus& corpus, const std::vector<WorkItem>& items,
                       bool others_work, GenerationSummary& summary);
 

@@ -14,9 +14,9 @@
 #include <fmt/format.h>
 
 #include <earpoint/audio/resample.h>
-#include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
 #include <earpoint/core/parallel.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {
@@ -29,7 +29,7 @@ enum StreamKey : std::uint64_t { kPlanKey = 1, kVoiceKey, kTraceKey };
 /// Scenes in use: made when the first of their conversations is begun, dropped after the last.
 class SceneShelf {
  public:
-  SceneShelf(const SceneSource& source, const std::vector<WorkItem>& items) : source_(source) {
+  SceneShelf(const SceneMaker& source, const std::vector<WorkItem>& items) : source_(source) {
     for (const WorkItem& item : items) ++slots_[item.scene].users;
   }
 
@@ -54,14 +54,14 @@ class SceneShelf {
     int users = 0;
   };
 
-  const SceneSource& source_;
+  const SceneMaker& source_;
   std::map<int, Slot> slots_;
 };
 
 /// Makes conversations, from many threads at once.
 class Generator {
  public:
-  Generator(const GenerationOptions& options, const SceneSource& scenes,
+  Generator(const GenerationOptions& options, const SceneMaker& scenes,
             const FigureLibrary& figures, const SpeechCorpus& corpus,
             const std::vector<WorkItem>& items)
       : options_(options),
@@ -131,7 +131,7 @@ class Generator {
   }
 
   const GenerationOptions& options_;
-  const SceneSource& scenes_;
+  const SceneMaker& scenes_;
   const FigureLibrary& figures_;
   const SpeechCorpus& corpus_;
   SceneShelf shelf_;
@@ -141,7 +141,7 @@ class Generator {
 
 /// Makes what is not there yet.
 /// @return the processor time by stage
-StageClock make_conversations(const GenerationOptions& options, const SceneSource& scenes,
+StageClock make_conversations(const GenerationOptions& options, const SceneMaker& scenes,
                               const FigureLibrary& figures, const SpeechCorpus& corpus,
                               const std::vector<WorkItem>& items, ProgressSink& progress) {
   Generator generator(options, scenes, figures, corpus, items);
@@ -166,7 +166,7 @@ std::string_view speech_folder_of(SpeechForm form) {
   return form == SpeechForm::flac ? "speech" : "LibriSpeech-wav";
 }
 
-GenerationSummary generate_dataset(const GenerationOptions& options, const SceneSource& scenes,
+GenerationSummary generate_dataset(const GenerationOptions& options, const SceneMaker& scenes,
                                    const FigureLibrary& figures, const SpeechCorpus& corpus,
                                    ProgressSink& progress) {
   EARPOINT_CHECK(options.jobs > 0);

@@ -5,7 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {

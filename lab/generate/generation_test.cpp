@@ -5,11 +5,11 @@
 
 #include <gtest/gtest.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
 #include <earpoint/dataset/soundspaces.h>
+#include <earpoint/error.h>
 #include <earpoint/generate/generation.h>
-#include <earpoint/generate/scene_source.h>
+#include <earpoint/generate/scene_maker.h>
 #include <earpoint/generate_testing/quick_generation.h>
 #include <earpoint/scene/material_table.h>
 
@@ -22,7 +22,7 @@ class GenerationTest : public ::testing::Test {
  protected:
   [[nodiscard]] GenerationSummary generate(const GenerationOptions& options) const {
     SilentProgress silent;
-    return generate_dataset(options, TestSource(), FigureLibrary(), SpeechCorpus::load(corpus_),
+    return generate_dataset(options, TestScenes(), FigureLibrary(), SpeechCorpus::load(corpus_),
                             silent);
   }
 
@@ -178,9 +178,9 @@ TEST_F(GenerationTest, ARunThatMadeNothingBindsNobody) {
   EXPECT_EQ(refusal_of(options), "none");
 }
 
-TEST(FileSource, DescriptionTellsHowFilesAreRead) {
+TEST(FileSceneMaker, DescriptionTellsHowFilesAreRead) {
   const auto description = [](const ImportOptions& options, const char* materials) {
-    return FileSource({"flat.glb"}, options, materials, [](const auto&, const auto&) {})
+    return FileSceneMaker({"flat.glb"}, options, materials, [](const auto&, const auto&) {})
         .description();
   };
   EXPECT_EQ(description({}, ""), "files flat.glb, unit 1 m, materials standard");

@@ -11,10 +11,10 @@
 
 #include <fmt/format.h>
 
-#include <earpoint/camera/scene_renderer.h>
-#include <earpoint/core/error.h>
+#include <earpoint/camera/scene_drawer.h>
 #include <earpoint/core/file.h>
 #include <earpoint/dataset/people_pictures.h>
+#include <earpoint/error.h>
 #include <earpoint/generate/conversation.h>
 #include <earpoint/media/image_file.h>
 #include <earpoint/scene/homes.h>
@@ -176,14 +176,14 @@ void draw_home(const PeoplePictureOptions& options, const FurnitureLibrary& furn
     Scene scene = home->scene;
     const auto people = place_people(*home, library, figures, random, scene);
     if (people.empty()) break;
-    const SceneRenderer renderer = home->renderer.extended(scene, pool);
+    const SceneDrawer drawer = home->drawer.extended(scene, pool);
     for (int v = 0; v < options.views; ++v) {
       const auto camera = draw_camera(*home, people, options, random);
       const auto exposure = static_cast<float>(std::exp(random.uniform(-0.5, 0.5)));
       const std::uint64_t noise = random.next();
       if (!camera) continue;
       const View view =
-          renderer.render(*camera, {.samples_per_side = 1, .exposure = exposure}, noise, pool);
+          drawer.draw(*camera, {.samples_per_side = 1, .exposure = exposure}, noise, pool);
       const fs::path file = folder / fmt::format("{:02}-{}.jpg", group, v);
       write_image(file, view.rgb);
       pictures.push_back({file, labels_of(view, *camera, people)});

@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <earpoint/audio/sound_file.h>
-#include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
+#include <earpoint/error.h>
 #include <earpoint/generate/speech_corpus.h>
 #include <earpoint/generate_testing/quick_generation.h>
 

@@ -10,8 +10,8 @@
 #include <fmt/format.h>
 
 #include <earpoint/core/csv.h>
-#include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <earpoint/audio/resample.h>
 #include <earpoint/audio/sound_file.h>
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/generate/speech_corpus.h>
 
 namespace earpoint {

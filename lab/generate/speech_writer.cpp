@@ -3,8 +3,8 @@
 #include <system_error>
 
 #include <earpoint/audio/sound_file.h>
-#include <earpoint/core/error.h>
 #include <earpoint/dataset/soundspaces_metadata.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/generate/work_plan.h>
 
 namespace earpoint {

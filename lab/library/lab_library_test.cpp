@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/random.h>
+#include <earpoint/error.h>
 #include <earpoint/metrics.h>
 #include <earpoint/trace.h>
 

@@ -1,7 +1,7 @@
 #include <earpoint/metrics.h>
 
 #include <earpoint/audio/decay.h>
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/evaluate/metrics.h>
 #include <earpoint/evaluate/speech_metrics.h>
 

@@ -6,15 +6,15 @@
 
 #include <fmt/format.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/octave_bands.h>
 #include <earpoint/core/parallel.h>
+#include <earpoint/error.h>
 #include <earpoint/scene/import.h>
 #include <earpoint/scene/mesh.h>
 #include <earpoint/scene/scene.h>
 #include <earpoint/spatial/hrtf.h>
 #include <earpoint/trace/acoustic_scene.h>
-#include <earpoint/trace/response_renderer.h>
+#include <earpoint/trace/response_synthesizer.h>
 #include <earpoint/trace/source.h>
 #include <earpoint/trace/tracer.h>
 
@@ -89,13 +89,13 @@ Waveform TraceScene::response(const TraceRequest& request) const {
   ThreadPool pool(request.threads);
   const TraceResult traced = trace(state_->acoustic, {&source, 1}, {&listener_m, 1}, options, pool);
   const PointResponse& response = traced.responses[0][0];
-  const ResponseRenderer renderer({.sample_rate_hz = request.sample_rate_hz,
-                                   .duration_s = request.duration_s,
-                                   .seed = request.seed});
+  const ResponseSynthesizer synthesizer({.sample_rate_hz = request.sample_rate_hz,
+                                         .duration_s = request.duration_s,
+                                         .seed = request.seed});
   Waveform sound = request.microphone == TraceMicrophone::omni
-                       ? renderer.mono(response, 0)
-                       : renderer.binaural(response, request.listener.orientation,
-                                           HrtfSet::load(request.sample_rate_hz), 0);
+                       ? synthesizer.mono(response, 0)
+                       : synthesizer.binaural(response, request.listener.orientation,
+                                              HrtfSet::load(request.sample_rate_hz), 0);
   if (std::ranges::all_of(sound.planar(), [](float sample) { return sample == 0.0F; })) {
     throw InputError("listener", "no sound reaches it",
                      "place it in the room of the source, or give a longer duration");

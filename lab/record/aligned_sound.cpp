@@ -8,9 +8,9 @@
 #include <vector>
 
 #include <earpoint/audio/resample.h>
-#include <earpoint/core/error.h>
-#include <earpoint/core/pose.h>
+#include <earpoint/error.h>
 #include <earpoint/media/media.h>
+#include <earpoint/pose.h>
 
 namespace earpoint {
 namespace {

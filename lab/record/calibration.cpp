@@ -9,10 +9,10 @@
 
 #include <fmt/format.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
 #include <earpoint/dataset/replay.h>
 #include <earpoint/dataset/replay_pair.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {

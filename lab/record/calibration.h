@@ -1,7 +1,7 @@
 #pragma once
 
 #include <earpoint/core/json_field.h>
-#include <earpoint/core/pose.h>
+#include <earpoint/pose.h>
 #include <earpoint/record/session.h>
 
 namespace earpoint {

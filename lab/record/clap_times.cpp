@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {

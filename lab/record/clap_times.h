@@ -3,9 +3,9 @@
 #include <array>
 #include <optional>
 
-#include <earpoint/core/pose.h>
-#include <earpoint/core/vector3.h>
-#include <earpoint/core/waveform.h>
+#include <earpoint/pose.h>
+#include <earpoint/vector3.h>
+#include <earpoint/waveform.h>
 
 namespace earpoint {
 

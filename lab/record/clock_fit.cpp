@@ -9,7 +9,7 @@
 #include <numeric>
 #include <utility>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/spatial/rigid_sphere.h>
 
 namespace earpoint {

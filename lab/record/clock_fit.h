@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include <earpoint/core/pose.h>
+#include <earpoint/pose.h>
 #include <earpoint/record/session_truth.h>
 
 namespace earpoint {

@@ -6,7 +6,7 @@
 #include <numeric>
 
 #include <earpoint/audio/fft.h>
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {

@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
-#include <earpoint/core/waveform.h>
 #include <earpoint/record/session_truth.h>
+#include <earpoint/waveform.h>
 
 namespace earpoint {
 

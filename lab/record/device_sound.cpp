@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include <earpoint/audio/resample.h>
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/media/media.h>
 
 namespace earpoint {

@@ -4,7 +4,7 @@
 #include <limits>
 #include <optional>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {

@@ -16,11 +16,11 @@
 
 #include <earpoint/audio/sound_file.h>
 #include <earpoint/core/atomic_folder.h>
-#include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
 #include <earpoint/core/resize.h>
 #include <earpoint/dataset/npy.h>
 #include <earpoint/dataset/replay_splits.h>
+#include <earpoint/error.h>
 #include <earpoint/media/image_file.h>
 #include <earpoint/media/media.h>
 #include <earpoint/record/aligned_sound.h>

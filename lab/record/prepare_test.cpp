@@ -9,11 +9,11 @@
 #include <unistd.h>
 
 #include <earpoint/audio/sound_file.h>
-#include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
 #include <earpoint/core/progress.h>
 #include <earpoint/dataset/dataset_folder.h>
 #include <earpoint/dataset/replay_pair.h>
+#include <earpoint/error.h>
 #include <earpoint/record/prepare.h>
 #include <earpoint/record_testing/test_session.h>
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include <earpoint/core/pose.h>
-#include <earpoint/core/vector3.h>
+#include <earpoint/pose.h>
+#include <earpoint/vector3.h>
 
 namespace earpoint {
 

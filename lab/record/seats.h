@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-#include <earpoint/core/vector3.h>
+#include <earpoint/vector3.h>
 
 namespace earpoint {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include <earpoint/core/image.h>
+#include <earpoint/image.h>
 #include <earpoint/record/session.h>
 #include <earpoint/record/session_truth.h>
 #include <earpoint/record/sync.h>

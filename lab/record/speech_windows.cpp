@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <limits>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/plot/draw.h>
 
 namespace earpoint {

@@ -9,7 +9,7 @@
 #include <numeric>
 #include <span>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {

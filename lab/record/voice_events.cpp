@@ -7,7 +7,7 @@
 #include <cmath>
 #include <span>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include <earpoint/camera/camera.h>
-#include <earpoint/core/image.h>
+#include <earpoint/image.h>
 #include <earpoint/scene/people.h>
 
 namespace earpoint {

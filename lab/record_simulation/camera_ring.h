@@ -3,9 +3,9 @@
 #include <optional>
 #include <vector>
 
-#include <earpoint/core/pose.h>
 #include <earpoint/core/random.h>
 #include <earpoint/generate/conversation.h>
+#include <earpoint/pose.h>
 
 namespace earpoint {
 

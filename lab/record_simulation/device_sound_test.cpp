@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <earpoint/audio/fft.h>
-#include <earpoint/core/pose.h>
+#include <earpoint/pose.h>
 #include <earpoint/record_simulation/device_sound.h>
 
 namespace earpoint {

@@ -7,7 +7,7 @@
 
 #include <earpoint/audio/convolution.h>
 #include <earpoint/audio/fft.h>
-#include <earpoint/core/pose.h>
+#include <earpoint/pose.h>
 
 namespace earpoint {
 namespace {

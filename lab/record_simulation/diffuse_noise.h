@@ -6,8 +6,8 @@
 #include <vector>
 
 #include <earpoint/core/random.h>
-#include <earpoint/core/waveform.h>
 #include <earpoint/spatial/hrtf.h>
+#include <earpoint/waveform.h>
 
 namespace earpoint {
 

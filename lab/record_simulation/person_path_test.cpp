@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include <earpoint/core/pose.h>
+#include <earpoint/pose.h>
 #include <earpoint/record_simulation/person_path.h>
 
 namespace earpoint {

@@ -7,15 +7,15 @@
 #include <optional>
 #include <utility>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/parallel.h>
+#include <earpoint/error.h>
 #include <earpoint/record_simulation/session_speech.h>
 #include <earpoint/scene/scene.h>
 
 namespace earpoint {
 namespace {
 
-constexpr int kTile = 8;  // regions begin at multiples: see SceneRenderer::render_region
+constexpr int kTile = 8;  // regions begin at multiples: see SceneDrawer::draw_region
 
 /// How people stir where they stand: now and then they shift their weight, and while they speak
 /// they swing.
@@ -185,24 +185,24 @@ class Film {
       running.push_back(i);
       changes = changes || cameras_[i].stances != moment.stances;
     }
-    std::optional<SceneRenderer> renderer;
-    if (changes) renderer = scene_.renderer.extended(moment.peopled.scene, pool_);
+    std::optional<SceneDrawer> drawer;
+    if (changes) drawer = scene_.drawer.extended(moment.peopled.scene, pool_);
     std::vector<SessionFrame> frames(running.size());
     pool_.run(std::ssize(running), [&](std::ptrdiff_t task, int) {
       const std::size_t camera = running[static_cast<std::size_t>(task)];
       frames[static_cast<std::size_t>(task)] =
-          take(static_cast<int>(camera), moment, renderer ? &*renderer : nullptr);
+          take(static_cast<int>(camera), moment, drawer ? &*drawer : nullptr);
     });
     return frames;
   }
 
  private:
   void take_empty_room(FilmCamera& film, std::uint64_t seed) {
-    film.exposure = scene_.renderer.found_exposure(film.camera, quality_, seed, pool_);
+    film.exposure = scene_.drawer.found_exposure(film.camera, quality_, seed, pool_);
     film.rgb =
-        scene_.renderer
-            .render_region(film.camera, {.width = film.camera.width, .height = film.camera.height},
-                           quality_, film.exposure, seed, pool_)
+        scene_.drawer
+            .draw_region(film.camera, {.width = film.camera.width, .height = film.camera.height},
+                         quality_, film.exposure, seed, pool_)
             .rgb;
     film.person = Raster<std::int32_t>(film.camera.width, film.camera.height, 1, -1);
     film.regions.resize(plan_.people.size());
@@ -221,7 +221,7 @@ class Film {
     return moment;
   }
 
-  SessionFrame take(int index, const Moment& moment, const SceneRenderer* renderer) {
+  SessionFrame take(int index, const Moment& moment, const SceneDrawer* drawer) {
     FilmCamera& film = cameras_[index];
     SessionFrame frame{
         .camera = index, .frame = moment.number - film.first_moment, .rgb = {}, .boxes = {}};
@@ -246,7 +246,7 @@ class Film {
                              .box = outline->box,
                              .visible = 0.0});
     }
-    for (const PixelRegion& region : apart(changed)) retake(film, index, region, moment, *renderer);
+    for (const PixelRegion& region : apart(changed)) retake(film, index, region, moment, *drawer);
     film.stances = moment.stances;
     std::vector<int> seen(moment.stances.size());
     for (const std::int32_t person : film.person.pixels()) {
@@ -261,10 +261,10 @@ class Film {
   }
 
   void retake(FilmCamera& film, int index, const PixelRegion& region, const Moment& moment,
-              const SceneRenderer& renderer) const {
+              const SceneDrawer& drawer) const {
     ThreadPool alone(1);
-    const View view = renderer.render_region(film.camera, region, quality_, film.exposure,
-                                             seed_ + static_cast<std::uint64_t>(index), alone);
+    const View view = drawer.draw_region(film.camera, region, quality_, film.exposure,
+                                         seed_ + static_cast<std::uint64_t>(index), alone);
     const auto first_person = static_cast<std::int32_t>(moment.peopled.people.front().instance);
     for (int y = 0; y < region.height; ++y) {
       for (int x = 0; x < region.width; ++x) {

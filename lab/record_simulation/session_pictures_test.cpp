@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include <earpoint/camera/scene_renderer.h>
+#include <earpoint/camera/scene_drawer.h>
 #include <earpoint/record_simulation/session_pictures.h>
 #include <earpoint/record_simulation/session_speech.h>
 
@@ -20,8 +20,7 @@ TEST(BodyOutline, IsWhatThePictureShowsWhereNothingHidesIt) {
   const PeopledScene peopled = scene_with_people(room->scene, plan, 0.0);
   // The camera at (1, 2.5): both people are in its picture, neither hides the other.
   const Camera camera{.world_from_camera = plan.world_from_camera[0], .width = 160, .height = 120};
-  const View view =
-      room->renderer.extended(peopled.scene).render(camera, {.samples_per_side = 1}, 1);
+  const View view = room->drawer.extended(peopled.scene).draw(camera, {.samples_per_side = 1}, 1);
   ASSERT_EQ(peopled.people.size(), 2U);
   for (const Person& person : peopled.people) {
     const auto outline = outline_of(peopled.scene, person.instance, camera);

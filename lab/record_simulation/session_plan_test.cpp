@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/generate_testing/quick_generation.h>
 #include <earpoint/record_simulation/session_plan.h>
 

@@ -12,8 +12,8 @@
 
 #include <earpoint/audio/resample.h>
 #include <earpoint/audio/sound_file.h>
-#include <earpoint/core/error.h>
 #include <earpoint/core/parallel.h>
+#include <earpoint/error.h>
 #include <earpoint/generate/work_plan.h>
 #include <earpoint/media/movie_writer.h>
 #include <earpoint/record_simulation/device_sound.h>

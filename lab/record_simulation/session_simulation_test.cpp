@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 
 #include <earpoint/audio/sound_file.h>
-#include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
+#include <earpoint/error.h>
 #include <earpoint/generate_testing/quick_generation.h>
 #include <earpoint/media/media.h>
 #include <earpoint/record/session.h>

@@ -9,8 +9,8 @@
 #include <utility>
 
 #include <earpoint/audio/convolution.h>
-#include <earpoint/core/error.h>
 #include <earpoint/core/parallel.h>
+#include <earpoint/error.h>
 #include <earpoint/trace/moving_sound.h>
 
 namespace earpoint {
@@ -141,12 +141,12 @@ class TurnListener {
         piece.begin_s + 0.5 * static_cast<double>(piece.speech.size()) / hrtf_.sample_rate_hz();
     const std::vector<PointResponse> responses = trace_at(turn_index, middle_s, devices);
     for (std::size_t i = 0; i < devices.size(); ++i) {
-      const ResponseRenderer renderer(render_options(turn_index, devices[i]));
+      const ResponseSynthesizer synthesizer(render_options(turn_index, devices[i]));
       const Waveform response =
           devices_.is_camera(devices[i])
-              ? renderer.binaural(responses[i], devices_.pose(devices[i], 0.0).orientation, hrtf_,
-                                  0)
-              : renderer.mono(responses[i], 0);
+              ? synthesizer.binaural(responses[i], devices_.pose(devices[i], 0.0).orientation,
+                                     hrtf_, 0)
+              : synthesizer.mono(responses[i], 0);
       HeardPart& part = parts.emplace_back();
       part.device = devices[i];
       part.begin = sample_of(piece.begin_s);
@@ -297,7 +297,7 @@ void add_clap(const PreparedScene& scene, const SessionPlan& plan,
                                     .duration_s = quality.response_s,
                                     .seed = seed},
                                    pool);
-  const ResponseRenderer renderer(
+  const ResponseSynthesizer synthesizer(
       {.sample_rate_hz = rate_hz, .duration_s = quality.response_s, .seed = seed});
   const std::vector<float> clap = dry_clap(rate_hz, seed);
   for (int device = 0; device < devices.count(); ++device) {
@@ -305,8 +305,8 @@ void add_clap(const PreparedScene& scene, const SessionPlan& plan,
     const auto stream = static_cast<std::uint64_t>(device);
     const Waveform taps =
         devices.is_camera(device)
-            ? renderer.binaural(response, devices.pose(device, 0.0).orientation, hrtf, stream)
-            : renderer.mono(response, stream);
+            ? synthesizer.binaural(response, devices.pose(device, 0.0).orientation, hrtf, stream)
+            : synthesizer.mono(response, stream);
     Waveform part(taps.channels(), std::ssize(clap) + taps.samples() - 1, rate_hz);
     for (int c = 0; c < taps.channels(); ++c) {
       std::ranges::copy(convolve(clap, taps.channel(c)), part.channel(c).begin());

@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include <earpoint/core/waveform.h>
 #include <earpoint/record_simulation/person_path.h>
+#include <earpoint/waveform.h>
 
 namespace earpoint {
 

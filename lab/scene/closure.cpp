@@ -7,8 +7,8 @@
 #include <unordered_map>
 #include <vector>
 
-#include <earpoint/core/pose.h>
 #include <earpoint/core/random.h>
+#include <earpoint/pose.h>
 #include <earpoint/scene/ray_caster.h>
 
 namespace earpoint {

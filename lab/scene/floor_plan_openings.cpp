@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numeric>
 
-#include <earpoint/core/pose.h>
+#include <earpoint/pose.h>
 #include <earpoint/scene/floor_plan.h>
 
 namespace earpoint {

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/scene/floor_plan.h>
 
 namespace earpoint {

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include <earpoint/core/pose.h>
+#include <earpoint/pose.h>
 
 namespace earpoint {
 namespace {

@@ -9,8 +9,8 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {

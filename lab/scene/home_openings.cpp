@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include <earpoint/core/pose.h>
+#include <earpoint/pose.h>
 
 namespace earpoint {
 

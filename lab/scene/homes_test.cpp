@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/scene/homes.h>
 #include <earpoint/scene/material_table.h>
 #include <earpoint/scene/reverberation_estimate.h>

@@ -2,7 +2,7 @@
 #include <cstdlib>
 #include <string_view>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/scene/material_table.h>
 
 /// Any text as a table of materials: refused with InputError, or read, and then every surface has a

@@ -8,7 +8,7 @@
 #include <fuzz_file.h>
 #include <unistd.h>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/scene/import.h>
 
 namespace {

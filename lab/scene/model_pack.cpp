@@ -9,8 +9,8 @@
 #include <nlohmann/json.hpp>
 
 #include <earpoint/core/data_folder.h>
-#include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
+#include <earpoint/error.h>
 #include <earpoint/scene/material_table.h>
 
 namespace earpoint {

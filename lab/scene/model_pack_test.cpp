@@ -8,9 +8,9 @@
 
 #include <gtest/gtest.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
 #include <earpoint/core/random.h>
+#include <earpoint/error.h>
 #include <earpoint/scene/material_table.h>
 #include <earpoint/scene/model_pack.h>
 #include <earpoint/scene/sweet_home.h>

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <map>
 
-#include <earpoint/core/pose.h>
+#include <earpoint/pose.h>
 #include <earpoint/scene/texture.h>
 
 namespace earpoint {

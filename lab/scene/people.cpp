@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/scene/material_table.h>
 
 namespace earpoint {

@@ -14,8 +14,8 @@
 
 #include <fmt/core.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include <earpoint/core/vector3.h>
+#include <earpoint/vector3.h>
 
 namespace earpoint {
 

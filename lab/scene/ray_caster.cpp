@@ -5,7 +5,7 @@
 
 #include <embree3/rtcore.h>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/scene/embree_config.h>
 #include <earpoint/scene/triangle_planes.h>
 

@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-#include <earpoint/core/pose.h>
+#include <earpoint/pose.h>
 
 namespace earpoint {
 namespace {

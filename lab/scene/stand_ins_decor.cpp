@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <earpoint/core/pose.h>
+#include <earpoint/pose.h>
 
 namespace earpoint {
 

@@ -4,8 +4,8 @@
 
 #include <sys/wait.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
+#include <earpoint/error.h>
 #include <earpoint/study/answer_store.h>
 
 namespace earpoint {

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include <earpoint/audio/sound_file.h>
-#include <earpoint/core/waveform.h>
+#include <earpoint/waveform.h>
 
 namespace earpoint {
 namespace {

@@ -16,10 +16,10 @@
 #include <earpoint/audio/loudness.h>
 #include <earpoint/audio/sound_file.h>
 #include <earpoint/core/atomic_folder.h>
-#include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
 #include <earpoint/core/parallel.h>
 #include <earpoint/core/random.h>
+#include <earpoint/error.h>
 #include <earpoint/evaluate/metrics.h>
 #include <earpoint/media/image_file.h>
 

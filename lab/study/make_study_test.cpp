@@ -6,8 +6,8 @@
 
 #include <earpoint/audio/loudness.h>
 #include <earpoint/audio/sound_file.h>
-#include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
+#include <earpoint/error.h>
 #include <earpoint/evaluate/metrics.h>
 #include <earpoint/media/image_file.h>
 

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/study/sign_test.h>
 
 namespace earpoint {

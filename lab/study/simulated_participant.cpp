@@ -13,9 +13,9 @@
 #include <unistd.h>
 
 #include <earpoint/audio/sound_file.h>
-#include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
 #include <earpoint/core/random.h>
+#include <earpoint/error.h>
 #include <earpoint/evaluate/metrics.h>
 
 namespace earpoint {

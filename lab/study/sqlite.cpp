@@ -2,7 +2,7 @@
 
 #include <sqlite3.h>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {

@@ -4,7 +4,7 @@
 #include <map>
 #include <set>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/study/study_plan.h>
 
 namespace earpoint {

@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/study/sign_test.h>
 #include <earpoint/study/study_plan.h>
 

@@ -12,8 +12,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
+#include <earpoint/error.h>
 #include <earpoint/study/simulated_participant.h>
 #include <earpoint/study/study_desk.h>
 #include <earpoint/study/study_report.h>

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <complex>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <span>
 
-#include <earpoint/core/vector3.h>
+#include <earpoint/vector3.h>
 
 namespace earpoint {
 

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include <earpoint/audio/energy.h>
-#include <earpoint/trace/response_renderer.h>
+#include <earpoint/trace/response_synthesizer.h>
 
 namespace earpoint {
 namespace {
@@ -63,7 +63,7 @@ TEST(Ambisonics, HarmonicsAreOrthonormalOverTheSphere) {
 }
 
 TEST(AmbisonicResponse, ArrivalIsEncodedInTheHeadsFrame) {
-  const ResponseRenderer renderer({.sample_rate_hz = kRate_hz, .duration_s = 0.1});
+  const ResponseSynthesizer synthesizer({.sample_rate_hz = kRate_hz, .duration_s = 0.1});
   PointResponse response;
   response.arrivals = {{.delay_s = 0.03125,  // 500 samples
                         .direction = {1, 0, 0},
@@ -72,7 +72,7 @@ TEST(AmbisonicResponse, ArrivalIsEncodedInTheHeadsFrame) {
   response.late = EnergyHistogram(50, 0.002);
   // Looking along y, the world's x is on the right.
   const Waveform sound =
-      renderer.ambisonic(response, quaternion_from_euler({.yaw_rad = kPi / 2}), 1, 0);
+      synthesizer.ambisonic(response, quaternion_from_euler({.yaw_rad = kPi / 2}), 1, 0);
   ASSERT_EQ(sound.channels(), 4);
   // The pulse's peak is the mean of its spectrum, whose top 8 % are half gone: 0.96. The pulse
   // train's error is 1e-6.
@@ -84,7 +84,7 @@ TEST(AmbisonicResponse, ArrivalIsEncodedInTheHeadsFrame) {
 }
 
 TEST(AmbisonicResponse, DiffuseFieldIsAsLoudInEveryChannel) {
-  const ResponseRenderer renderer({.sample_rate_hz = kRate_hz, .duration_s = 1.0});
+  const ResponseSynthesizer synthesizer({.sample_rate_hz = kRate_hz, .duration_s = 1.0});
   PointResponse response;
   response.late = EnergyHistogram(500, 0.002);
   for (int bin = 0; bin < 500; ++bin) {
@@ -92,8 +92,8 @@ TEST(AmbisonicResponse, DiffuseFieldIsAsLoudInEveryChannel) {
       response.late.at(bin, sector) = all_bands(1e-4F);
     }
   }
-  const Waveform sound = renderer.ambisonic(response, {}, 2, 0);
-  const double mono = energy(renderer.mono(response, 0).channel(0));
+  const Waveform sound = synthesizer.ambisonic(response, {}, 2, 0);
+  const double mono = energy(synthesizer.mono(response, 0).channel(0));
   for (int channel = 0; channel < 9; ++channel) {
     // One draw of noise: 16000 samples, of which the sectors' mean weighs 32.
     EXPECT_NEAR(energy(sound.channel(channel)) / mono, 1.0, 0.1) << channel;
@@ -105,7 +105,7 @@ TEST(AmbisonicResponse, DiffuseFieldIsAsLoudInEveryChannel) {
       if (sector != left) response.late.at(bin, sector) = {};
     }
   }
-  const Waveform side = renderer.ambisonic(response, {}, 1, 0);
+  const Waveform side = synthesizer.ambisonic(response, {}, 1, 0);
   std::vector<float> gains(4);
   encode_ambisonics(sector_direction(left), 1, gains);
   const double cross = std::inner_product(side.channel(0).begin(), side.channel(0).end(),

@@ -8,7 +8,7 @@
 #include <numeric>
 #include <optional>
 
-#include <earpoint/core/pose.h>
+#include <earpoint/pose.h>
 
 namespace earpoint {
 namespace {

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include <earpoint/core/pose.h>
+#include <earpoint/pose.h>
 #include <earpoint/spatial/arrival.h>
 #include <earpoint/spatial/hrtf.h>
 #include <earpoint/spatial/octave_bands.h>

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include <earpoint/core/pose.h>
+#include <earpoint/pose.h>
 
 namespace earpoint {
 namespace {

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <limits>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {

@@ -8,8 +8,8 @@
 
 #include <fmt/core.h>
 
-#include <earpoint/core/error.h>
-#include <earpoint/core/pose.h>
+#include <earpoint/error.h>
+#include <earpoint/pose.h>
 
 namespace earpoint {
 namespace {

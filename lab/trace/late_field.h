@@ -12,7 +12,7 @@
 #include <vector>
 
 #include <earpoint/audio/fft.h>
-#include <earpoint/core/pose.h>
+#include <earpoint/pose.h>
 #include <earpoint/spatial/hrtf.h>
 #include <earpoint/spatial/octave_bands.h>
 #include <earpoint/trace/tracer.h>

@@ -5,8 +5,8 @@
 #include <complex>
 
 #include <earpoint/audio/fft.h>
-#include <earpoint/core/error.h>
 #include <earpoint/core/random.h>
+#include <earpoint/error.h>
 #include <earpoint/spatial/octave_bands.h>
 
 namespace earpoint {

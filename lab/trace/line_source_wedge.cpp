@@ -7,7 +7,7 @@
 #include <numbers>
 #include <vector>
 
-#include <earpoint/core/pose.h>
+#include <earpoint/pose.h>
 
 namespace earpoint {
 namespace {

@@ -8,7 +8,7 @@
 #include <unordered_map>
 #include <utility>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include <earpoint/core/vector3.h>
 #include <earpoint/scene/scene.h>
+#include <earpoint/vector3.h>
 
 namespace earpoint {
 

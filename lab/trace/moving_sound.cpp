@@ -8,7 +8,7 @@
 #include <utility>
 
 #include <earpoint/audio/fft.h>
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/spatial/air_absorption.h>
 
 namespace earpoint {
@@ -115,7 +115,7 @@ struct MovingSound::State {
         motion(std::move(along)),
         options(render_options),
         microphone(std::move(hears)),
-        renderer(render_options),
+        synthesizer(render_options),
         early(sound, motion, microphone, speed_of_sound_m_per_s(air)) {
     const auto response =
         static_cast<std::size_t>(std::lround(options.duration_s * options.sample_rate_hz));
@@ -136,18 +136,18 @@ struct MovingSound::State {
   }
 
   [[nodiscard]] Waveform render(const PointResponse& response, const Quaternion& turn) const {
-    if (microphone.ears) return renderer.binaural(response, turn, *microphone.ears, 0);
+    if (microphone.ears) return synthesizer.binaural(response, turn, *microphone.ears, 0);
     if (microphone.ambisonic_order) {
-      return renderer.ambisonic(response, turn, *microphone.ambisonic_order, 0);
+      return synthesizer.ambisonic(response, turn, *microphone.ambisonic_order, 0);
     }
-    return renderer.mono(response, 0);
+    return synthesizer.mono(response, 0);
   }
 
   std::vector<float> sound;
   Motion motion;
   RenderOptions options;
   Microphone microphone;
-  ResponseRenderer renderer;
+  ResponseSynthesizer synthesizer;
   EarlyMotion early;
   std::vector<std::vector<float>> channels;
 };
@@ -191,10 +191,9 @@ Waveform MovingSound::take() {
   return waveform;
 }
 
-Waveform render_motion(const AcousticScene& scene, const Source& source, const Motion& motion,
-                       std::span<const float> sound, int sample_rate_hz,
-                       const Microphone& microphone, const TraceOptions& options,
-                       ThreadPool& pool) {
+Waveform trace_motion(const AcousticScene& scene, const Source& source, const Motion& motion,
+                      std::span<const float> sound, int sample_rate_hz,
+                      const Microphone& microphone, const TraceOptions& options, ThreadPool& pool) {
   MovingSound moving(
       {sound.begin(), sound.end()}, motion,
       {.sample_rate_hz = sample_rate_hz, .duration_s = options.duration_s, .seed = options.seed},

@@ -44,8 +44,8 @@ Waveform play(const Scene& room, const Motion& motion, const std::vector<float>&
   ThreadPool pool(1);
   TraceOptions options{.rays = 200, .mirror_rays = 2000, .duration_s = duration_s};
   options.air_absorbs = false;
-  return render_motion(AcousticScene(room), omni({}), motion, sound, kRate_hz, microphone, options,
-                       pool);
+  return trace_motion(AcousticScene(room), omni({}), motion, sound, kRate_hz, microphone, options,
+                      pool);
 }
 
 // The mean frequency of a tone over a stretch: its phase at both ends, by correlation.
@@ -196,8 +196,8 @@ TEST(MovingSound, StandingStillIsTheResponseOfThePlace) {
   options.air_absorbs = false;
   const Source source = omni(from);
   const TraceResult traced = trace(AcousticScene(room), {&source, 1}, {&to, 1}, options, pool);
-  const ResponseRenderer renderer({.sample_rate_hz = kRate_hz, .duration_s = 0.3});
-  const Waveform response = renderer.ambisonic(traced.responses[0][0], {}, 1, 0);
+  const ResponseSynthesizer synthesizer({.sample_rate_hz = kRate_hz, .duration_s = 0.3});
+  const Waveform response = synthesizer.ambisonic(traced.responses[0][0], {}, 1, 0);
   ASSERT_EQ(moving.channels(), 4);
   const std::ptrdiff_t samples = moving.samples();
   RealFft<double> fft(fast_fft_size(static_cast<int>(2 * samples)));

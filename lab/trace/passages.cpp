@@ -7,7 +7,7 @@
 #include <optional>
 #include <utility>
 
-#include <earpoint/core/pose.h>
+#include <earpoint/pose.h>
 
 namespace earpoint {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include <earpoint/core/pose.h>
 #include <earpoint/core/random.h>
+#include <earpoint/pose.h>
 
 namespace earpoint {
 namespace {

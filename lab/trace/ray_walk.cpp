@@ -8,8 +8,8 @@
 #include <limits>
 #include <utility>
 
-#include <earpoint/core/pose.h>
 #include <earpoint/core/random.h>
+#include <earpoint/pose.h>
 
 namespace earpoint {
 namespace {

@@ -5,7 +5,7 @@
 #include <map>
 #include <utility>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/trace/acoustic_scene.h>
 
 namespace earpoint {

@@ -7,7 +7,7 @@
 
 #include <earpoint/audio/fft.h>
 #include <earpoint/core/octave_bands.h>
-#include <earpoint/core/pose.h>
+#include <earpoint/pose.h>
 #include <earpoint/spatial/hrtf.h>
 #include <earpoint/trace/energy_histogram.h>
 

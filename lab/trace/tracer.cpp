@@ -11,7 +11,7 @@
 #include <optional>
 #include <utility>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {

@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/random.h>
+#include <earpoint/error.h>
 #include <earpoint/trace/tracer.h>
 
 namespace earpoint {

@@ -7,7 +7,7 @@
 
 #include <fmt/core.h>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/scene/embree_config.h>
 
 namespace earpoint {

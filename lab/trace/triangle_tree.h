@@ -10,10 +10,10 @@
 
 #include <embree3/rtcore.h>
 
-#include <earpoint/core/vector3.h>
 #include <earpoint/scene/coincident_faces.h>
 #include <earpoint/scene/mesh.h>
 #include <earpoint/scene/triangle_planes.h>
+#include <earpoint/vector3.h>
 
 namespace earpoint {
 

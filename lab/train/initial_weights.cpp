@@ -9,8 +9,8 @@
 
 #include <fmt/format.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/random.h>
+#include <earpoint/error.h>
 #include <earpoint/weights/checkpoint.h>
 #include <earpoint/weights/safetensors.h>
 

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/train/initial_weights.h>
 #include <earpoint/vigas/description.h>
 #include <earpoint/vigas/weights.h>

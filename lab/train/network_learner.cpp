@@ -4,7 +4,7 @@
 #include "learned_tensors.h"
 #include "torch_tensor.h"
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 

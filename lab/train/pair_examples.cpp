@@ -9,13 +9,13 @@
 
 #include <earpoint/audio/energy.h>
 #include <earpoint/audio/gcc_phat.h>
-#include <earpoint/core/error.h>
 #include <earpoint/core/random.h>
 #include <earpoint/dataset/ambient.h>
 #include <earpoint/dataset/dataset_folder.h>
 #include <earpoint/dataset/pair_list.h>
 #include <earpoint/dataset/sample.h>
-#include <earpoint/train/example_source.h>
+#include <earpoint/error.h>
+#include <earpoint/train/example_loader.h>
 
 namespace earpoint {
 namespace {

@@ -9,10 +9,10 @@
 
 #include <earpoint/audio/energy.h>
 #include <earpoint/audio/gcc_phat.h>
-#include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
 #include <earpoint/dataset_testing/tiny_dataset.h>
-#include <earpoint/train/example_source.h>
+#include <earpoint/error.h>
+#include <earpoint/train/example_loader.h>
 #include <earpoint/train/train_config.h>
 #include <earpoint/train/training_task.h>
 #include <earpoint/vigas/description.h>

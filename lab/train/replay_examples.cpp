@@ -2,11 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/random.h>
 #include <earpoint/dataset/numpy_random.h>
 #include <earpoint/dataset/replay_pair.h>
-#include <earpoint/train/example_source.h>
+#include <earpoint/error.h>
+#include <earpoint/train/example_loader.h>
 
 namespace earpoint {
 namespace {
@@ -93,7 +93,7 @@ std::optional<TrainingExample> ReplayExamples::validation(std::size_t index) con
   }
 }
 
-std::unique_ptr<ExampleSource> pair_examples(PairOptions options, PairEncoder encode) {
+std::unique_ptr<ExampleLoader> pair_examples(PairOptions options, PairEncoder encode) {
   if (dataset_layout(options.data, options.layout) == DatasetLayout::replay) {
     return std::make_unique<ReplayExamples>(std::move(options), std::move(encode));
   }

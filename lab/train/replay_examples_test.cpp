@@ -7,9 +7,9 @@
 #include <unistd.h>
 
 #include <earpoint/audio/sound_file.h>
-#include <earpoint/core/error.h>
 #include <earpoint/dataset/replay_pair.h>
 #include <earpoint/dataset_testing/tiny_dataset.h>
+#include <earpoint/error.h>
 #include <earpoint/network/pose_encoding.h>
 #include <earpoint/network/weights.h>
 #include <earpoint/train/training_task.h>

@@ -2,9 +2,9 @@
 
 #include <memory>
 
-#include <earpoint/core/image.h>
 #include <earpoint/core/random.h>
 #include <earpoint/dataset/pair_sample.h>
+#include <earpoint/image.h>
 
 namespace earpoint {
 

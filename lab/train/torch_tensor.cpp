@@ -7,7 +7,7 @@
 #include <c10/util/Exception.h>
 #include <fmt/format.h>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 

@@ -9,13 +9,13 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
-#include <earpoint/core/pose.h>
 #include <earpoint/core/quote.h>
 #include <earpoint/core/strict_json.h>
 #include <earpoint/dataset/ambient.h>
+#include <earpoint/error.h>
 #include <earpoint/network/pose_encoding.h>
+#include <earpoint/pose.h>
 
 namespace earpoint {
 namespace {

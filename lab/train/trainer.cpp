@@ -14,7 +14,7 @@
 
 #include <fmt/format.h>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {
@@ -83,7 +83,7 @@ class Exchange {
 
 class Run {
  public:
-  Run(Learner& learner, const ExampleSource& examples, const TrainerOptions& options,
+  Run(Learner& learner, const ExampleLoader& examples, const TrainerOptions& options,
       const SafetensorsFile* checkpoint, ProgressSink& progress)
       : learner_(learner),
         examples_(examples),
@@ -241,7 +241,7 @@ class Run {
   }
 
   Learner& learner_;
-  const ExampleSource& examples_;
+  const ExampleLoader& examples_;
   const TrainerOptions& options_;
   const TrainingPlan& plan_;
   ProgressSink& progress_;
@@ -267,7 +267,7 @@ std::string_view name_of(TrainingEnd end) {
   EARPOINT_CHECK(false);
 }
 
-TrainingSummary train(Learner& learner, const ExampleSource& examples,
+TrainingSummary train(Learner& learner, const ExampleLoader& examples,
                       const TrainerOptions& options, const SafetensorsFile* checkpoint,
                       ProgressSink& progress) {
   return Run(learner, examples, options, checkpoint, progress).go();

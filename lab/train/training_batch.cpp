@@ -1,6 +1,6 @@
 #include <earpoint/train/training_batch.h>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include <earpoint/core/image.h>
+#include <earpoint/image.h>
 
 namespace earpoint {
 

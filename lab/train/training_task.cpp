@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/network/pose_encoding.h>
 #include <earpoint/train/initial_weights.h>
 #include <earpoint/train/vigas_learner.h>

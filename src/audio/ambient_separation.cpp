@@ -9,7 +9,7 @@
 
 #include <earpoint/audio/fft.h>
 #include <earpoint/audio/noise_tracker.h>
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {

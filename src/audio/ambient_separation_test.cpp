@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 
 #include <earpoint/audio/ambient_separation.h>
-#include <earpoint/core/pose.h>
 #include <earpoint/core/random.h>
+#include <earpoint/pose.h>
 
 namespace earpoint {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <complex>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {

@@ -9,8 +9,8 @@
 #include <utility>
 
 #include <earpoint/audio/fft.h>
-#include <earpoint/core/error.h>
 #include <earpoint/core/vector_clones.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {

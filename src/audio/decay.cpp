@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {

@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 
 #include <earpoint/audio/decay.h>
-#include <earpoint/core/error.h>
 #include <earpoint/core/random.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 

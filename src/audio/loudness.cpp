@@ -7,7 +7,7 @@
 
 #include <earpoint/audio/butterworth.h>
 #include <earpoint/audio/resample.h>
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {

@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <earpoint/audio/peak_limiter.h>
-#include <earpoint/core/pose.h>
 #include <earpoint/core/random.h>
+#include <earpoint/pose.h>
 
 namespace earpoint {
 namespace {

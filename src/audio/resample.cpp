@@ -9,7 +9,7 @@
 
 #include <soxr.h>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {

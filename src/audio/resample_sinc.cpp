@@ -4,7 +4,7 @@
 #include <vector>
 
 #include <earpoint/audio/resample.h>
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {

@@ -10,8 +10,8 @@
 
 #include <fmt/format.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/wav_data.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace fs = std::filesystem;

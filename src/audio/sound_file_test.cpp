@@ -11,9 +11,9 @@
 #include <sys/resource.h>
 
 #include <earpoint/audio/sound_file.h>
-#include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
 #include <earpoint/core/random.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {

@@ -5,7 +5,7 @@
 #include <fuzz_file.h>
 
 #include <earpoint/audio/sound_file.h>
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 /// Any bytes as a sound file: refused with InputError, or read in blocks of finite samples up to
 /// the length that was told.

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include <earpoint/audio/fft.h>
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 

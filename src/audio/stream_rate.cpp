@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numeric>
 
-#include <earpoint/core/error.h>
-#include <earpoint/core/pose.h>
+#include <earpoint/error.h>
+#include <earpoint/pose.h>
 
 namespace earpoint {
 namespace {

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <earpoint/audio/stream_rate.h>
-#include <earpoint/core/pose.h>
+#include <earpoint/pose.h>
 
 namespace earpoint {
 namespace {

@@ -15,9 +15,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
 #include <earpoint/core/platform/range_locks.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace fs = std::filesystem;

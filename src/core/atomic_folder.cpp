@@ -4,7 +4,7 @@
 #include <system_error>
 #include <utility>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <string>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {

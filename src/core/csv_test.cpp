@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <earpoint/core/csv.h>
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {

@@ -7,7 +7,7 @@
 #include <string>
 #include <system_error>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <system_error>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace fs = std::filesystem;

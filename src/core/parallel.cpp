@@ -8,8 +8,8 @@
 #include <thread>
 #include <vector>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/platform/usable_processors.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 

@@ -1,9 +1,9 @@
-#include <earpoint/core/pose.h>
+#include <earpoint/pose.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {

@@ -8,8 +8,8 @@
 
 #include <fcntl.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/platform/range_locks.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {

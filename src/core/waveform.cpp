@@ -1,6 +1,6 @@
-#include <earpoint/core/waveform.h>
+#include <earpoint/waveform.h>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 

@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include <earpoint/core/image.h>
-#include <earpoint/core/waveform.h>
+#include <earpoint/image.h>
+#include <earpoint/waveform.h>
 
 namespace earpoint {
 namespace {

@@ -4,8 +4,8 @@
 #include <cstring>
 #include <new>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/platform/memory.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 // Compiled once per instruction set; the best one that the processor has is chosen at run time.
 // clang-format off

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/parallel.h>
+#include <earpoint/error.h>
 #include <earpoint/kernels/aligned_floats.h>
 #include <earpoint/kernels/tile_kernels.h>
 

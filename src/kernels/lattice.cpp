@@ -1,6 +1,6 @@
 #include <earpoint/kernels/lattice.h>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 namespace earpoint::kernels {
 namespace {

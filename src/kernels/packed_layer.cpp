@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 namespace earpoint::kernels {
 

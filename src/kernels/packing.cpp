@@ -5,7 +5,7 @@
 #include <array>
 #include <cstddef>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/kernels/tile_shape.h>
 
 namespace earpoint::kernels {

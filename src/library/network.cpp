@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/network/checked_tensors.h>
 #include <earpoint/network/model_names.h>
 #include <earpoint/network/network_kind.h>

@@ -10,7 +10,7 @@
 
 #include <fmt/format.h>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/network/model_names.h>
 #include <earpoint/render/make_synthesizer.h>
 #include <earpoint/render/render_in_memory.h>

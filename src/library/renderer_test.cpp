@@ -11,8 +11,8 @@
 #include <unistd.h>
 
 #include <earpoint/audio/energy.h>
-#include <earpoint/core/error.h>
 #include <earpoint/core/random.h>
+#include <earpoint/error.h>
 #include <earpoint/gtf/description.h>
 #include <earpoint/network.h>
 #include <earpoint/network/weights.h>

@@ -9,14 +9,14 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/random.h>
-#include <earpoint/core/waveform.h>
 #include <earpoint/core_testing/allocation_count.h>
+#include <earpoint/error.h>
 #include <earpoint/gtf/description.h>
 #include <earpoint/network/weights.h>
 #include <earpoint/network_testing/random_weights.h>
 #include <earpoint/renderer.h>
+#include <earpoint/waveform.h>
 #include <earpoint/weights/safetensors.h>
 
 namespace earpoint {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/locate/box_overlap.h>
 #include <earpoint/people/description.h>
 

@@ -11,7 +11,7 @@
 
 #include <fmt/format.h>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/render_files/picture_stream.h>
 
 namespace earpoint {
@@ -33,7 +33,7 @@ double mean_power(const Waveform& sound) {
 /// Looks for people where they have not been looked for yet: a still picture is seen once.
 class People {
  public:
-  People(const RenderSource& source, PeopleDetector* detector)
+  People(const RenderInput& source, PeopleDetector* detector)
       : source_(source), detector_(detector) {
     if (detector != nullptr && !source.speaker_track) {
       pictures_ = open_pictures(source.picture, source.sound.path);
@@ -56,7 +56,7 @@ class People {
   [[nodiscard]] bool has_picture() const { return seen_ != nullptr; }
 
  private:
-  const RenderSource& source_;
+  const RenderInput& source_;
   PeopleDetector* detector_;
   PictureStream pictures_;
   PersonTracker tracker_;
@@ -73,7 +73,7 @@ std::optional<std::size_t> likeliest(const SpeakerBelief& belief) {
 
 }  // namespace
 
-PeopleInClip find_people(const RenderSource& source, const SoundSurvey& survey,
+PeopleInClip find_people(const RenderInput& source, const SoundSurvey& survey,
                          const PeopleSearch& search, ProgressSink& progress) {
   PeopleInClip found;
   found.hears_direction = search.hears_direction && !source.speaker_track;

@@ -6,12 +6,12 @@
 #include <gtest/gtest.h>
 
 #include <earpoint/audio/sound_file.h>
-#include <earpoint/core/pose.h>
 #include <earpoint/core/random.h>
 #include <earpoint/locate/find_people.h>
 #include <earpoint/locate/plot_people.h>
 #include <earpoint/media/image_file.h>
 #include <earpoint/media/media.h>
+#include <earpoint/pose.h>
 #include <earpoint/spatial/binaural.h>
 
 namespace earpoint {
@@ -87,7 +87,7 @@ class FindPeople : public ::testing::Test {
   }
 
   fs::path folder_;
-  RenderSource source_;
+  RenderInput source_;
 };
 
 TEST_F(FindPeople, FollowsTurnsOfTwoPeopleAndOneWhoIsNotInThePicture) {

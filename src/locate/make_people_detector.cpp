@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include <earpoint/core/data_folder.h>
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/network/network_kind.h>
 #include <earpoint/network/shipped_model.h>
 #include <earpoint/people/weights.h>

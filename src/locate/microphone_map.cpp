@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/locate/assignment.h>
 
 namespace earpoint {

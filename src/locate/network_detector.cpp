@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/locate/decode_people.h>
 #include <earpoint/people/description.h>
 #include <earpoint/people/view.h>

@@ -14,9 +14,9 @@
 #include <opencv2/core/utils/logger.hpp>
 #include <opencv2/dnn.hpp>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
 #include <earpoint/core/resize.h>
+#include <earpoint/error.h>
 #include <earpoint/locate/box_overlap.h>
 
 namespace earpoint {

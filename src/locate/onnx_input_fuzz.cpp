@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <cstdlib>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 /// Any bytes as an ONNX file: refused with InputError, or its input has a size.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

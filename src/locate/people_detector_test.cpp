@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
+#include <earpoint/error.h>
 #include <earpoint/locate/people_detector.h>
 #include <earpoint/weights/safetensors.h>
 

@@ -8,7 +8,7 @@
 #include <map>
 #include <optional>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/locate/assignment.h>
 #include <earpoint/locate/box_overlap.h>
 

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/media/media.h>
 #include <earpoint/media/movie_writer.h>
 #include <earpoint/plot/draw.h>
@@ -73,7 +73,7 @@ const PeopleFrame& nearest_frame(const PeopleInClip& people, double time_s) {
   return time_s - before->time_s <= after->time_s - time_s ? *before : *after;
 }
 
-double picture_rate_hz(const RenderSource& source) {
+double picture_rate_hz(const RenderInput& source) {
   const MediaInfo info = probe_media(source.picture.value_or(source.sound.path));
   const StreamInfo* picture = info.preferred(StreamKind::video);
   if (info.kind != MediaKind::movie || picture == nullptr) return kStillRate_hz;
@@ -99,7 +99,7 @@ void draw_people(Image& picture, const PeopleFrame& frame) {
             "the speaker is not in the picture", style);
 }
 
-void write_people_movie(const std::filesystem::path& path, const RenderSource& source,
+void write_people_movie(const std::filesystem::path& path, const RenderInput& source,
                         const PeopleInClip& people, ProgressSink& progress) {
   PictureStream pictures = open_pictures(source.picture, source.sound.path);
   if (pictures.empty()) {

@@ -2,9 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include <earpoint/core/pose.h>
 #include <earpoint/core/random.h>
 #include <earpoint/locate/voice_direction.h>
+#include <earpoint/pose.h>
 #include <earpoint/spatial/binaural.h>
 
 namespace earpoint {

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/media/media.h>
 
 namespace earpoint {

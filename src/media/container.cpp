@@ -14,8 +14,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/wav_data.h>
+#include <earpoint/error.h>
 
 extern "C" {
 #include <libavutil/avstring.h>

@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include <earpoint/core/image.h>
 #include <earpoint/core/parallel.h>
-#include <earpoint/core/waveform.h>
+#include <earpoint/image.h>
+#include <earpoint/waveform.h>
 
 namespace earpoint::ffmpeg {
 

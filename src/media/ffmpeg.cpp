@@ -6,7 +6,7 @@
 #include <mutex>
 #include <new>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 namespace earpoint::ffmpeg {
 namespace {

@@ -7,7 +7,7 @@
 #include <new>
 #include <vector>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 extern "C" {
 #include <libavutil/imgutils.h>

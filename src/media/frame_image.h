@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include <earpoint/core/image.h>
+#include <earpoint/image.h>
 
 namespace earpoint::ffmpeg {
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <utility>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/media/media.h>
 
 namespace earpoint {

@@ -12,7 +12,7 @@
 #include <optional>
 #include <string>
 
-#include <earpoint/core/image.h>
+#include <earpoint/image.h>
 #include <earpoint/media/media.h>
 
 namespace earpoint::ffmpeg {

@@ -12,8 +12,8 @@
 
 #include <fmt/format.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
+#include <earpoint/error.h>
 
 extern "C" {
 #include <libavutil/opt.h>

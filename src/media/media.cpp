@@ -7,8 +7,8 @@
 #include <array>
 #include <fstream>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
+#include <earpoint/error.h>
 #include <earpoint/media/image_file.h>
 
 namespace earpoint {

@@ -6,7 +6,7 @@
 
 #include <fuzz_file.h>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/media/media.h>
 
 namespace {

@@ -2,12 +2,12 @@
 
 #include "encoder.h"
 #include "output_container.h"
-#include "picture_source.h"
+#include "picture_writer.h"
 
 #include <optional>
 #include <utility>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {
@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 using ffmpeg::OutputContainer;
 
 /// Pictures that the caller hands over one by one.
-class GivenPictures : public ffmpeg::PictureSource {
+class GivenPictures : public ffmpeg::PictureWriter {
  public:
   GivenPictures(OutputContainer& output, int width, int height, AVRational frame_rate)
       : output_(output),
@@ -52,7 +52,7 @@ struct MovieWriter::State {
   State(const fs::path& path, int sample_rate_hz)
       : output(path), sound(path.string(), sample_rate_hz) {}
 
-  void begin(std::unique_ptr<ffmpeg::PictureSource> source) {
+  void begin(std::unique_ptr<ffmpeg::PictureWriter> source) {
     pictures = std::move(source);
     sound_stream = &output.add_stream(sound.codec());  // after the picture, as is the custom
     output.begin();
@@ -77,7 +77,7 @@ struct MovieWriter::State {
   OutputContainer output;
   ffmpeg::SoundEncoder sound;
   AVStream* sound_stream = nullptr;
-  std::unique_ptr<ffmpeg::PictureSource> pictures;
+  std::unique_ptr<ffmpeg::PictureWriter> pictures;
   GivenPictures* given = nullptr;  // the same, if the caller hands them over
   bool is_open = true;
 };

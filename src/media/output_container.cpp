@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 extern "C" {
 #include <libavutil/dict.h>

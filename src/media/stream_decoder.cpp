@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/parallel.h>
+#include <earpoint/error.h>
 
 namespace earpoint::ffmpeg {
 

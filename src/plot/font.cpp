@@ -6,7 +6,7 @@
 #include <sstream>
 #include <string>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {

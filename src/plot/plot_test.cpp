@@ -9,8 +9,8 @@
 
 #include <gtest/gtest.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/random.h>
+#include <earpoint/error.h>
 #include <earpoint/plot/plot.h>
 
 namespace earpoint {

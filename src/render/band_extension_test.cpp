@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include <earpoint/core/pose.h>
 #include <earpoint/core/random.h>
+#include <earpoint/pose.h>
 #include <earpoint/render/band_extension.h>
 
 namespace earpoint {

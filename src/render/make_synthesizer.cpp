@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/gtf/synthesizer.h>
 #include <earpoint/gtf/weights.h>
 #include <earpoint/network/network_kind.h>

@@ -5,8 +5,8 @@
 #include <span>
 #include <utility>
 
-#include <earpoint/core/error.h>
-#include <earpoint/core/pose.h>
+#include <earpoint/error.h>
+#include <earpoint/pose.h>
 
 namespace earpoint {
 namespace {

@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/progress.h>
+#include <earpoint/error.h>
 #include <earpoint/render/sound_sink.h>
 
 namespace earpoint {

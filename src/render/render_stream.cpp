@@ -15,7 +15,7 @@
 #include <earpoint/audio/peak_limiter.h>
 #include <earpoint/audio/stream_rate.h>
 #include <earpoint/core/ears.h>
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/gtf/description.h>
 #include <earpoint/gtf/engine.h>
 #include <earpoint/gtf/level.h>
@@ -192,7 +192,7 @@ void RenderStream::State::split_hop(std::ptrdiff_t start) {
 
 void RenderStream::State::run_hop(std::ptrdiff_t start) {
   split_hop(start);
-  network.aim(source_from_target, mouth_m);
+  network.set_pose(source_from_target, mouth_m);
   network.advance(primary, result);
   has_heard = true;
   source_delay.process(primary);
@@ -257,8 +257,8 @@ void RenderStream::see(const Image* picture, const std::optional<Box>& speaker_b
   const int size = s.network.description().picture_px;
   const GtfView view = gtf_view(size > 0 ? picture : nullptr, speaker_box,
                                 s.options.horizontal_fov_rad, std::max(size, 1));
-  s.network.look(size > 0 ? std::span<const float>(view.picture) : std::span<const float>(),
-                 view.speaker_box);
+  s.network.set_picture(size > 0 ? std::span<const float>(view.picture) : std::span<const float>(),
+                        view.speaker_box);
 }
 
 void RenderStream::place_speaker(const std::optional<Vector3>& mouth_m) {

@@ -6,8 +6,8 @@
 
 #include <earpoint/audio/convolution.h>
 #include <earpoint/audio/stereo_check.h>
-#include <earpoint/core/pose.h>
 #include <earpoint/core/random.h>
+#include <earpoint/pose.h>
 #include <earpoint/render/source_stream.h>
 #include <earpoint/spatial/hrtf.h>
 

@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/random.h>
+#include <earpoint/error.h>
 #include <earpoint/render/make_synthesizer.h>
 #include <earpoint/vam/description.h>
 #include <earpoint/vam/synthesizer.h>

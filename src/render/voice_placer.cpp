@@ -6,7 +6,7 @@
 #include <span>
 #include <utility>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/spatial/binaural.h>
 #include <earpoint/spatial/dsp_renderer.h>
 #include <earpoint/spatial/speaker_direction.h>

@@ -77,8 +77,8 @@ TEST(GtfSynthesizer, GivesWhatTheNetworkGivesForTheView) {
 
   Gtf network(make_weights());
   const GtfView view = gtf_view(&picture, observation.speaker_box, kFov_rad, 32);
-  network.look(view.picture, view.speaker_box);
-  network.aim(pose);
+  network.set_picture(view.picture, view.speaker_box);
+  network.set_pose(pose);
   std::vector<float> expected(2 * 4000);
   network.synthesize(observation.sound.planar(), expected);
   EXPECT_EQ(samples(found), expected);
@@ -155,7 +155,7 @@ class GtfPaths : public testing::Test {
 
   [[nodiscard]] Waveform rendered(const EarpointPath& path) const {
     GtfSynthesizer synthesizer(make_weights(0), kFov_rad);
-    RenderSource source;
+    RenderInput source;
     source.sound.path = folder_ / "in.wav";
     const std::vector<RenderTarget> targets = {{path, folder_ / "out.wav"}};
     SilentProgress progress;

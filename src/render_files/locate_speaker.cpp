@@ -6,7 +6,7 @@
 #include <memory>
 #include <utility>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/gtf/description.h>
 #include <earpoint/gtf/view.h>
 #include <earpoint/render/source_stream.h>
@@ -60,7 +60,7 @@ LocatedSpeaker mean_speaker(std::vector<SpeakerSighting> sightings) {
   return located;
 }
 
-LocatedSpeaker locate_speaker(const RenderSource& source, const GtfWeights& weights,
+LocatedSpeaker locate_speaker(const RenderInput& source, const GtfWeights& weights,
                               double horizontal_fov_rad, ProgressSink& progress) {
   Gtf network(weights);
   const GtfDescription& description = network.description();
@@ -90,7 +90,7 @@ LocatedSpeaker locate_speaker(const RenderSource& source, const GtfWeights& weig
         source.speaker_track ? source.speaker_track->at(middle_s) : std::nullopt;
     const GtfView view =
         gtf_view(picture.get(), box, horizontal_fov_rad, std::max(description.picture_px, 1));
-    network.look(view.picture, view.speaker_box);
+    network.set_picture(view.picture, view.speaker_box);
     const GtfSpeaker found = network.locate(window.primary.planar()).value();
     sightings.push_back({middle_s, found, network.statistics().level});
     has_picture |= picture != nullptr;

@@ -56,7 +56,7 @@ TEST(LocateSpeaker, HearsEveryWindowOfARecording) {
   const std::filesystem::path path =
       std::filesystem::path(testing::TempDir()) / ("locate." + std::to_string(::getpid()) + ".wav");
   write_sound(path, sound, SampleFormat::float32);
-  RenderSource source;
+  RenderInput source;
   source.sound.path = path;
   SilentProgress progress;
   const LocatedSpeaker located = locate_speaker(source, weights, 0.5 * kPi, progress);

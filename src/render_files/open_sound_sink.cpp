@@ -5,7 +5,7 @@
 #include <string>
 
 #include <earpoint/audio/sound_file.h>
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/media/movie_writer.h>
 
 namespace earpoint {

@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
+#include <earpoint/error.h>
 #include <earpoint/media/media.h>
 #include <earpoint/render/clip_rendering.h>
 #include <earpoint/render_files/open_sound_sink.h>
@@ -17,12 +17,12 @@ namespace earpoint {
 namespace {
 
 /// The movie whose picture goes with the sound; empty if there is none.
-std::filesystem::path moving_picture(const RenderSource& source) {
+std::filesystem::path moving_picture(const RenderInput& source) {
   const std::filesystem::path path = source.picture.value_or(source.sound.path);
   return probe_media(path).kind == MediaKind::movie ? path : std::filesystem::path();
 }
 
-PictureStream pictures_for(const RenderSource& source, const AcousticSynthesizer& synthesizer) {
+PictureStream pictures_for(const RenderInput& source, const AcousticSynthesizer& synthesizer) {
   const PictureUse use = synthesizer.picture_use();
   const bool by_box = source.speaker_track && !source.speaker_m;
   if (use == PictureUse::never || (use == PictureUse::with_box && !by_box)) return {};
@@ -34,7 +34,7 @@ PictureStream pictures_for(const RenderSource& source, const AcousticSynthesizer
   return pictures;
 }
 
-RenderOutline outline_of(const RenderSource& source, const SoundSurvey& survey,
+RenderOutline outline_of(const RenderInput& source, const SoundSurvey& survey,
                          std::span<const RenderTarget> targets, bool has_picture) {
   RenderOutline outline{.duration_s = survey.duration_s(),
                         .level_db = std::max(survey.level_db[0], survey.level_db[1]),
@@ -47,7 +47,7 @@ RenderOutline outline_of(const RenderSource& source, const SoundSurvey& survey,
 }
 
 std::vector<std::unique_ptr<SoundSink>> open_sinks(std::span<const RenderTarget> targets,
-                                                   const RenderSource& source,
+                                                   const RenderInput& source,
                                                    const SoundSurvey& survey, RenderAnswer answer) {
   const int channels = answer == RenderAnswer::voice ? 1 : 2;
   const std::filesystem::path movie = moving_picture(source);
@@ -59,7 +59,7 @@ std::vector<std::unique_ptr<SoundSink>> open_sinks(std::span<const RenderTarget>
   return sinks;
 }
 
-void check_outputs(std::span<const RenderTarget> targets, const RenderSource& source) {
+void check_outputs(std::span<const RenderTarget> targets, const RenderInput& source) {
   for (std::size_t i = 0; i < targets.size(); ++i) {
     const std::filesystem::path& output = targets[i].output;
     for (std::size_t j = 0; j < i; ++j) {
@@ -75,7 +75,7 @@ void check_outputs(std::span<const RenderTarget> targets, const RenderSource& so
   }
 }
 
-ClipReading reading_of(const RenderSource& source, const AcousticSynthesizer& synthesizer) {
+ClipReading reading_of(const RenderInput& source, const AcousticSynthesizer& synthesizer) {
   if (synthesizer.needs_speaker_track() && !source.speaker_track) {
     throw InputError(source.sound.path.string(), "the network needs the speaker's box",
                      "give the speaker's box or a table of boxes");
@@ -96,7 +96,7 @@ ClipReading reading_of(const RenderSource& source, const AcousticSynthesizer& sy
 
 }  // namespace
 
-RenderReport render(const RenderSource& source, AcousticSynthesizer& synthesizer,
+RenderReport render(const RenderInput& source, AcousticSynthesizer& synthesizer,
                     std::span<const RenderTarget> targets, const ClipRenderOptions& options,
                     ProgressSink& progress) {
   EARPOINT_CHECK(!targets.empty());

@@ -9,9 +9,9 @@
 
 #include <earpoint/audio/energy.h>
 #include <earpoint/audio/resample.h>
-#include <earpoint/core/error.h>
 #include <earpoint/core/random.h>
 #include <earpoint/core_testing/allocation_count.h>
+#include <earpoint/error.h>
 #include <earpoint/gtf/description.h>
 #include <earpoint/gtf/synthesizer.h>
 #include <earpoint/gtf/weights.h>

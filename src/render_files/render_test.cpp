@@ -10,8 +10,8 @@
 #include <gtest/gtest.h>
 
 #include <earpoint/audio/sound_file.h>
-#include <earpoint/core/error.h>
 #include <earpoint/core/random.h>
+#include <earpoint/error.h>
 #include <earpoint/render/render_in_memory.h>
 #include <earpoint/render_files/render.h>
 #include <earpoint/synthesis/input_synthesizer.h>
@@ -67,7 +67,7 @@ class RenderTest : public ::testing::Test {
                                   const ClipRenderOptions& options = {}, double gain = 1.0) const {
     const std::vector<RenderTarget> targets = {
         {EarpointPath(Pose{{gain, 0, 0}, {}}), folder_ / "out.wav"}};
-    RenderSource source;
+    RenderInput source;
     source.sound.path = input;
     SilentProgress progress;
     (void)render(source, synthesizer, targets, options, progress);
@@ -265,7 +265,7 @@ TEST_F(RenderTest, SeveralTargetsShareOneReading) {
   const std::vector<RenderTarget> targets = {
       {EarpointPath(Pose{{1.0, 0, 0}, {}}), folder_ / "a.wav"},
       {EarpointPath(Pose{{0.5, 0, 0}, {}}), folder_ / "b.flac"}};
-  RenderSource source;
+  RenderInput source;
   source.sound.path = input;
   IdentityNetwork network;
   SilentProgress progress;
@@ -289,7 +289,7 @@ TEST_F(RenderTest, ReadingAheadChangesNoSample) {
 
 TEST_F(RenderTest, OutputStaysWithinFullScaleUnlessThatIsNotWished) {
   const Waveform sound = noise(2.0, 16000);
-  RenderSource source;
+  RenderInput source;
   source.sound.path = write(sound);
   const std::vector<RenderTarget> targets = {
       {EarpointPath(Pose{{1, 0, 0}, {}}), folder_ / "o.wav"}};
@@ -335,7 +335,7 @@ TEST_F(RenderTest, BadRecordingsGetOneLineAndLeaveNothing) {
 
 TEST_F(RenderTest, AnUnwritableOrUnknownOutputIsNamedBeforeTheWork) {
   const fs::path input = write(noise(1.0, 16000));
-  RenderSource source;
+  RenderInput source;
   source.sound.path = input;
   InputSynthesizer copy;
   SilentProgress progress;

@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/synthesis/earpoint_path.h>
 
 namespace earpoint {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/serve/clip_library.h>
 
 namespace earpoint {

@@ -19,8 +19,8 @@
 #include <httplib.h>
 #include <nlohmann/json.hpp>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/temporary_folder.h>
+#include <earpoint/error.h>
 #include <earpoint/serve/listener_registry.h>
 #include <earpoint/serve/walk_export.h>
 

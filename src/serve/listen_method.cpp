@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/network/model_names.h>
 #include <earpoint/network/network_kind.h>
 #include <earpoint/render/make_synthesizer.h>

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include <earpoint/audio/energy.h>
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/synthesis/earpoint_path.h>
 
 namespace earpoint {

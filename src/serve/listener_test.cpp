@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/render/make_synthesizer.h>
 #include <earpoint/render/render_in_memory.h>
 #include <earpoint/serve/listener.h>

@@ -6,7 +6,7 @@
 #include <optional>
 #include <utility>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/gtf/weights.h>
 #include <earpoint/render/render_stream.h>
 

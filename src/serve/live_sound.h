@@ -3,12 +3,12 @@
 #include <cstddef>
 #include <memory>
 
-#include <earpoint/core/pose.h>
-#include <earpoint/core/waveform.h>
+#include <earpoint/pose.h>
 #include <earpoint/render/make_synthesizer.h>
 #include <earpoint/render/render_in_memory.h>
 #include <earpoint/serve/listen_method.h>
 #include <earpoint/serve/served_clip.h>
+#include <earpoint/waveform.h>
 
 namespace earpoint {
 

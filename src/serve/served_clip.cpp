@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/media/image_file.h>
 #include <earpoint/render_files/locate_speaker.h>
 #include <earpoint/render_files/picture_stream.h>
@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::ptrdiff_t kBlock = 65536;  // samples read at once
 
-Waveform read_whole(const SoundSource& source, const SoundSurvey& survey) {
+Waveform read_whole(const SoundInput& source, const SoundSurvey& survey) {
   if (survey.duration_s() > kLongestServed_s) {
     throw InputError(source.path.string(),
                      fmt::format("lasts {:.0f} minutes, at most {:.0f} can be played live",
@@ -37,7 +37,7 @@ Waveform read_whole(const SoundSource& source, const SoundSurvey& survey) {
 
 }  // namespace
 
-ServedClip open_served_clip(const RenderSource& source, const GtfWeights* finder,
+ServedClip open_served_clip(const RenderInput& source, const GtfWeights* finder,
                             double horizontal_fov_rad, ProgressSink& progress) {
   ServedClip clip;
   clip.name = source.sound.path.filename().string();

@@ -26,7 +26,7 @@ inline const std::vector<ListenMethod>& bundled_methods() {
 /// The clip that comes with Earpoint; its speaker is found.
 inline std::shared_ptr<const ServedClip> bundled_clip() {
   static const auto clip = [] {
-    RenderSource source;
+    RenderInput source;
     source.sound.path = std::filesystem::path(EARPOINT_SOURCE_DIR) / "examples/clip.mp4";
     SilentProgress silent;
     return std::make_shared<const ServedClip>(open_served_clip(

@@ -4,8 +4,8 @@
 
 #include <array>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/progress.h>
+#include <earpoint/error.h>
 #include <earpoint/render_files/open_sound_sink.h>
 
 namespace earpoint {
@@ -17,7 +17,7 @@ void export_walk(const ServedClip& clip, const ListenMethod& method, const std::
   const auto synthesizer = make_synthesizer(method.model, seen_with(clip.horizontal_fov_rad));
   if (clip.source) {
     SilentProgress silent;
-    RenderSource source = *clip.source;
+    RenderInput source = *clip.source;
     // As `earpoint render`: to gtf a moment without a box means a speaker out of sight; others keep
     // the last box.
     if (!method.gtf && source.speaker_track) source.speaker_track = source.speaker_track->held();

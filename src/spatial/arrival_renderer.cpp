@@ -9,7 +9,7 @@
 #include <vector>
 
 #include <earpoint/audio/fft.h>
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/spatial/air_absorption.h>
 #include <earpoint/spatial/octave_bands.h>
 

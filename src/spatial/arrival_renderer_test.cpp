@@ -10,8 +10,8 @@
 #include <earpoint/audio/decay.h>
 #include <earpoint/audio/energy.h>
 #include <earpoint/audio/fft.h>
-#include <earpoint/core/pose.h>
 #include <earpoint/core/random.h>
+#include <earpoint/pose.h>
 #include <earpoint/spatial/arrival_renderer.h>
 #include <earpoint/spatial/shoebox.h>
 

@@ -8,7 +8,7 @@
 
 #include <earpoint/audio/convolution.h>
 #include <earpoint/audio/fft.h>
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/spatial/dsp_renderer.h>
 
 namespace earpoint {

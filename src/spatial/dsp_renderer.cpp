@@ -7,7 +7,7 @@
 
 #include <earpoint/audio/convolution.h>
 #include <earpoint/audio/fft.h>
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {

@@ -10,8 +10,8 @@
 #include <fmt/format.h>
 
 #include <earpoint/audio/fft.h>
-#include <earpoint/core/error.h>
-#include <earpoint/core/pose.h>
+#include <earpoint/error.h>
+#include <earpoint/pose.h>
 #include <earpoint/spatial/direction_mesh.h>
 #include <earpoint/spatial/rigid_sphere.h>
 

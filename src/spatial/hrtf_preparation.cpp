@@ -7,8 +7,8 @@
 #include <numeric>
 
 #include <earpoint/audio/fft.h>
-#include <earpoint/core/error.h>
-#include <earpoint/core/pose.h>
+#include <earpoint/error.h>
+#include <earpoint/pose.h>
 
 namespace earpoint {
 namespace {

@@ -7,9 +7,9 @@
 #include <gtest/gtest.h>
 
 #include <earpoint/audio/fft.h>
-#include <earpoint/core/error.h>
-#include <earpoint/core/pose.h>
 #include <earpoint/core/random.h>
+#include <earpoint/error.h>
+#include <earpoint/pose.h>
 #include <earpoint/spatial/hrtf.h>
 
 namespace earpoint {

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/spatial/octave_bands.h>
 
 namespace earpoint {

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <earpoint/audio/fft.h>
-#include <earpoint/core/pose.h>
+#include <earpoint/pose.h>
 #include <earpoint/spatial/dsp_renderer.h>
 #include <earpoint/spatial/hrtf.h>
 #include <earpoint/spatial/rigid_sphere.h>

@@ -12,8 +12,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/platform/private_pipe.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {

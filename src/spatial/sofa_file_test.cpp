@@ -8,10 +8,10 @@
 
 #include <gtest/gtest.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
-#include <earpoint/core/pose.h>
 #include <earpoint/core/random.h>
+#include <earpoint/error.h>
+#include <earpoint/pose.h>
 #include <earpoint/spatial/sofa_file.h>
 
 namespace earpoint {

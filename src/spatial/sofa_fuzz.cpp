@@ -6,7 +6,7 @@
 #include <pthread.h>
 #include <sys/time.h>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/spatial/sofa_file.h>
 
 // Of the sanitizers, where they are linked in.

@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <span>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 /// Any bytes as what the child process sends that reads SOFA files: refused with InputError, or a
 /// set of responses that is whole and finite. sofa_fuzz tries the same with the child in between,

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/spatial/speaker_direction.h>
 
 namespace earpoint {

@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <earpoint/audio/convolution.h>
-#include <earpoint/core/error.h>
 #include <earpoint/core/random.h>
+#include <earpoint/error.h>
 #include <earpoint/synthesis/dsp_synthesizer.h>
 
 namespace earpoint {

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/synthesis/earpoint_path.h>
 #include <earpoint/synthesis/speaker_track.h>
 

@@ -3,7 +3,7 @@
 #include <cstdlib>
 #include <string>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/synthesis/earpoint_path.h>
 #include <earpoint/synthesis/speaker_track.h>
 

@@ -10,8 +10,8 @@
 
 #include <fmt/format.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/quote.h>
+#include <earpoint/error.h>
 #include <earpoint/weights/pickle.h>
 #include <earpoint/weights/zip_archive.h>
 

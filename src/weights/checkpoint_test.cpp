@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
+#include <earpoint/error.h>
 #include <earpoint/weights/checkpoint.h>
 #include <earpoint/weights_testing/checkpoint_bytes.h>
 

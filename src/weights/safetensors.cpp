@@ -11,9 +11,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
 #include <earpoint/core/quote.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace fs = std::filesystem;

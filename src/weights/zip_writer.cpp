@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {

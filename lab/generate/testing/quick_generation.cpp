@@ -6,10 +6,10 @@
 
 #include <earpoint/audio/sound_file.h>
 #include <earpoint/core/file.h>
-#include <earpoint/core/pose.h>
 #include <earpoint/core/random.h>
-#include <earpoint/core/waveform.h>
+#include <earpoint/pose.h>
 #include <earpoint/scene/material_table.h>
+#include <earpoint/waveform.h>
 
 namespace earpoint {
 
@@ -89,11 +89,11 @@ Scene two_rooms() {
   return scene;
 }
 
-std::shared_ptr<const PreparedScene> TestSource::make(int scene) const {
+std::shared_ptr<const PreparedScene> TestScenes::make(int scene) const {
   return prepare_home(name(scene), two_rooms());
 }
 
-std::string TestSource::name(int scene) const { return "rooms-" + std::to_string(scene); }
+std::string TestScenes::name(int scene) const { return "rooms-" + std::to_string(scene); }
 
 std::map<std::string, std::string> contents_of(const fs::path& folder) {
   std::map<std::string, std::string> files;

@@ -9,7 +9,7 @@
 
 #include <fmt/core.h>
 
-#include <earpoint/trace/response_renderer.h>
+#include <earpoint/trace/response_synthesizer.h>
 
 namespace earpoint::gates {
 namespace {
@@ -27,8 +27,9 @@ double octave_energy(const Scene& scene, const Vector3& listener, double centre_
   options.mirror_rays = 2000;
   const TraceResult traced =
       trace(AcousticScene(scene), {&source, 1}, {&listener, 1}, options, pool);
-  const ResponseRenderer renderer({.sample_rate_hz = kRate_hz, .duration_s = options.duration_s});
-  const Waveform response = renderer.mono(traced.responses[0][0], 0);
+  const ResponseSynthesizer synthesizer(
+      {.sample_rate_hz = kRate_hz, .duration_s = options.duration_s});
+  const Waveform response = synthesizer.mono(traced.responses[0][0], 0);
   return energy(band_of(response.channel(0), kRate_hz, centre_hz, 1.0));
 }
 

@@ -14,7 +14,7 @@
 
 #include <earpoint/audio/fft.h>
 #include <earpoint/spatial/hrtf.h>
-#include <earpoint/trace/response_renderer.h>
+#include <earpoint/trace/response_synthesizer.h>
 
 namespace earpoint::gates {
 namespace {
@@ -40,8 +40,8 @@ Waveform response_from(const Scene& scene, const Vector3& towards, const EulerAn
   const Source source = omni(towards * 2.0);
   const TraceResult traced = trace(AcousticScene(scene), {&source, 1}, {&listener, 1},
                                    {.rays = 1000, .duration_s = 0.3}, pool);
-  const ResponseRenderer renderer({.sample_rate_hz = kRate_hz, .duration_s = 0.3});
-  return renderer.binaural(traced.responses[0][0], quaternion_from_euler(head), hrtf, 0);
+  const ResponseSynthesizer synthesizer({.sample_rate_hz = kRate_hz, .duration_s = 0.3});
+  return synthesizer.binaural(traced.responses[0][0], quaternion_from_euler(head), hrtf, 0);
 }
 
 // Where a signal first exceeds a tenth of its peak.

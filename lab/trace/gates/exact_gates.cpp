@@ -10,7 +10,7 @@
 #include <fmt/core.h>
 
 #include <earpoint/spatial/air_absorption.h>
-#include <earpoint/trace/response_renderer.h>
+#include <earpoint/trace/response_synthesizer.h>
 
 namespace earpoint::gates {
 namespace {
@@ -76,12 +76,12 @@ std::vector<GateRow> free_field_gate(ThreadPool& pool) {
   const Source source = omni({0, 0, 0});
   const TraceOptions options{.rays = 1000, .air_absorbs = false};
   const TraceResult result = trace(scene, {&source, 1}, listeners, options, pool);
-  const ResponseRenderer renderer({.sample_rate_hz = kRate_hz});
+  const ResponseSynthesizer synthesizer({.sample_rate_hz = kRate_hz});
   double worst_db = 0.0;
   double worst_samples = 0.0;
   double previous = 0.0;
   for (std::size_t i = 0; i < listeners.size(); ++i) {
-    const Waveform response = renderer.mono(result.responses[0][i], i);
+    const Waveform response = synthesizer.mono(result.responses[0][i], i);
     const double energy = total_energy(response.channel(0));
     if (i > 0) worst_db = std::max(worst_db, std::abs(decibels(previous / energy) - 6.0206));
     previous = energy;
@@ -112,8 +112,9 @@ std::vector<GateRow> image_source_gate(ThreadPool& pool) {
   const AcousticScene scene(make_shoebox(box.lengths_m, box.absorption, all_bands(0.0F)));
   const Source from = omni(source);
   const TraceResult result = trace(scene, {&from, 1}, {&listener, 1}, options, pool);
-  const ResponseRenderer renderer({.sample_rate_hz = kRate_hz, .duration_s = options.duration_s});
-  const Waveform response = renderer.mono(result.responses[0][0], 0);
+  const ResponseSynthesizer synthesizer(
+      {.sample_rate_hz = kRate_hz, .duration_s = options.duration_s});
+  const Waveform response = synthesizer.mono(result.responses[0][0], 0);
   const std::span<const float> found = response.channel(0);
 
   std::vector<GateRow> rows;

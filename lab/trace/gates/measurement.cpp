@@ -6,7 +6,7 @@
 #include <stdexcept>
 
 #include <earpoint/audio/fft.h>
-#include <earpoint/core/pose.h>
+#include <earpoint/pose.h>
 
 namespace earpoint::gates {
 double band_weight(double octaves_away, double half_width) {

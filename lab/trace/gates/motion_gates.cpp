@@ -9,10 +9,10 @@
 
 #include <fmt/core.h>
 
-#include <earpoint/core/pose.h>
+#include <earpoint/pose.h>
 #include <earpoint/spatial/hrtf.h>
 #include <earpoint/trace/moving_sound.h>
-#include <earpoint/trace/response_renderer.h>
+#include <earpoint/trace/response_synthesizer.h>
 
 namespace earpoint::gates {
 namespace {
@@ -44,9 +44,9 @@ std::complex<double> component(std::span<const float> samples, double frequency_
 }
 
 GateRow edge_row() {
-  const ResponseRenderer renderer({.sample_rate_hz = kRate_hz, .duration_s = 0.3});
+  const ResponseSynthesizer synthesizer({.sample_rate_hz = kRate_hz, .duration_s = 0.3});
   constexpr double kDelay_s = 0.1000213;  // between two samples
-  const Waveform response = renderer.mono(lone_arrival(kDelay_s, {1, 0, 0}, 0.03F), 0);
+  const Waveform response = synthesizer.mono(lone_arrival(kDelay_s, {1, 0, 0}, 0.03F), 0);
   const std::span<const float> samples = response.channel(0);
   const double peak = largest(samples);
   const auto behind = static_cast<std::size_t>((kDelay_s + 0.05) * kRate_hz);
@@ -63,11 +63,11 @@ GateRow edge_row() {
 // the side: Duda and Martens, JASA 104 (1998), ears at +-90 degrees, radius 0.0875 m.
 GateRow near_field_row() {
   const HrtfSet hrtf = HrtfSet::load(kRate_hz);
-  const ResponseRenderer renderer({.sample_rate_hz = kRate_hz, .duration_s = 0.3});
+  const ResponseSynthesizer synthesizer({.sample_rate_hz = kRate_hz, .duration_s = 0.3});
   constexpr double kSpeed_m_per_s = 343.2;
   const auto ears_at = [&](double distance_m) {
-    return renderer.binaural(lone_arrival(distance_m / kSpeed_m_per_s, {0, 1, 0}, 1.0F), {}, hrtf,
-                             0);
+    return synthesizer.binaural(lone_arrival(distance_m / kSpeed_m_per_s, {0, 1, 0}, 1.0F), {},
+                                hrtf, 0);
   };
   const Waveform near = ears_at(0.3);
   const Waveform far = ears_at(1.4);
@@ -109,7 +109,7 @@ GateRow doppler_row(ThreadPool& pool) {
   TraceOptions options{.rays = 200, .mirror_rays = 0, .duration_s = 0.2};
   options.air_absorbs = false;
   const Waveform heard =
-      render_motion(AcousticScene(open_air()), omni({}), motion, tone, kRate_hz, {}, options, pool);
+      trace_motion(AcousticScene(open_air()), omni({}), motion, tone, kRate_hz, {}, options, pool);
   // How far the phase turns between two stretches of a tenth of a second, a second apart.
   const double expected_hz = kTone_hz / (1.0 - kNearer_m_per_s / 343.2);
   const auto phase_at = [&](double time_s) {

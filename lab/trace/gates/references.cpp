@@ -6,8 +6,8 @@
 #include <complex>
 
 #include <earpoint/audio/fft.h>
-#include <earpoint/core/pose.h>
 #include <earpoint/core/random.h>
+#include <earpoint/pose.h>
 #include <earpoint/spatial/octave_bands.h>
 
 namespace earpoint::gates {

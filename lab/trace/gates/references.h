@@ -5,7 +5,7 @@
 #include <vector>
 
 #include <earpoint/core/octave_bands.h>
-#include <earpoint/core/vector3.h>
+#include <earpoint/vector3.h>
 
 namespace earpoint::gates {
 

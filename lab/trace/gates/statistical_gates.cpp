@@ -8,9 +8,9 @@
 
 #include <fmt/core.h>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/spatial/air_absorption.h>
-#include <earpoint/trace/response_renderer.h>
+#include <earpoint/trace/response_synthesizer.h>
 
 namespace earpoint::gates {
 namespace {
@@ -79,12 +79,12 @@ double particle_time_s(const Box& box, int band, std::vector<std::vector<double>
   return decay_time_s(sum, 1.0 / kBin_s, -5.0, -35.0);
 }
 
-std::vector<double> band_energies(const PointResponse& response, const ResponseRenderer& renderer,
-                                  std::uint64_t stream) {
+std::vector<double> band_energies(const PointResponse& response,
+                                  const ResponseSynthesizer& synthesizer, std::uint64_t stream) {
   constexpr int kDraws = 4;  // of the late field's noise
   std::vector<double> energies(kLastBand - kFirstBand + 1);
   for (int draw = 0; draw < kDraws; ++draw) {
-    const Waveform waveform = renderer.mono(response, kDraws * stream + draw);
+    const Waveform waveform = synthesizer.mono(response, kDraws * stream + draw);
     for (int band = kFirstBand; band <= kLastBand; ++band) {
       energies[band - kFirstBand] +=
           energy(band_of(waveform.channel(0), kRate_hz, kOctaveBandCentresHz[band], 1.0)) / kDraws;
@@ -100,7 +100,7 @@ constexpr Vector3 kThere{4.3, 3.9, 1.3};
 std::vector<std::vector<double>> seeded_energies(const AcousticScene& scene, const Vector3& from,
                                                  const Vector3& to, int rays, int seeds,
                                                  std::uint64_t first_seed, ThreadPool& pool) {
-  const ResponseRenderer renderer(
+  const ResponseSynthesizer synthesizer(
       {.sample_rate_hz = kRate_hz, .duration_s = 0.8, .seed = first_seed});
   std::vector<std::vector<double>> result(kLastBand - kFirstBand + 1);
   const Source source = omni(from);
@@ -109,7 +109,7 @@ std::vector<std::vector<double>> seeded_energies(const AcousticScene& scene, con
     options.seed = first_seed + static_cast<std::uint64_t>(i);
     const TraceResult traced = trace(scene, {&source, 1}, {&to, 1}, options, pool);
     const std::vector<double> energies =
-        band_energies(traced.responses[0][0], renderer, options.seed);
+        band_energies(traced.responses[0][0], synthesizer, options.seed);
     for (std::size_t band = 0; band < energies.size(); ++band)
       result[band].push_back(energies[band]);
   }
@@ -132,13 +132,14 @@ std::vector<GateRow> reverberation_gate(ThreadPool& pool) {
     const AcousticScene scene(make_shoebox(box.lengths_m, box.absorption, all_bands(1.0F)));
     const Source from = omni(source);
     const TraceResult traced = trace(scene, {&from, 1}, listeners, options, pool);
-    const ResponseRenderer renderer({.sample_rate_hz = kRate_hz, .duration_s = options.duration_s});
+    const ResponseSynthesizer synthesizer(
+        {.sample_rate_hz = kRate_hz, .duration_s = options.duration_s});
     // A fast decay holds few periods of a low band: more draws of its noise.
     const std::uint64_t draws = absorption < 0.3F ? 4 : 24;
     std::vector<Waveform> responses;
     for (std::size_t i = 0; i < listeners.size(); ++i) {
       for (std::uint64_t draw = 0; draw < draws; ++draw) {
-        responses.push_back(renderer.mono(traced.responses[0][i], draws * i + draw));
+        responses.push_back(synthesizer.mono(traced.responses[0][i], draws * i + draw));
       }
     }
     const auto decays = particle_decays(box, static_cast<double>(absorption), source, listeners,
@@ -236,7 +237,7 @@ std::vector<GateRow> determinism_gate() {
   const AcousticScene scene(obstacle_room());
   const Source sources[] = {omni(kHere), omni({3, 4, 1})};
   const Vector3 listeners[] = {kThere, {1, 4, 1}};
-  const ResponseRenderer renderer({.sample_rate_hz = kRate_hz});
+  const ResponseSynthesizer synthesizer({.sample_rate_hz = kRate_hz});
   std::vector<std::vector<float>> outputs;
   for (const int threads : {1, 2, 3}) {
     ThreadPool pool(threads);
@@ -244,7 +245,7 @@ std::vector<GateRow> determinism_gate() {
     std::vector<float>& all = outputs.emplace_back();
     for (const auto& responses : traced.responses) {
       for (const PointResponse& response : responses) {
-        const Waveform waveform = renderer.mono(response, all.size());
+        const Waveform waveform = synthesizer.mono(response, all.size());
         all.insert(all.end(), waveform.planar().begin(), waveform.planar().end());
       }
     }

@@ -9,7 +9,7 @@
 #include <fmt/core.h>
 
 #include <earpoint/spatial/air_absorption.h>
-#include <earpoint/trace/response_renderer.h>
+#include <earpoint/trace/response_synthesizer.h>
 
 namespace earpoint::gates {
 namespace {
@@ -63,9 +63,9 @@ std::vector<PointResponse> trace_all(const Scene& scene, const Vector3& from,
   return trace(AcousticScene(scene), {&source, 1}, listeners, options, pool).responses[0];
 }
 
-double octave_energy(const ResponseRenderer& renderer, const PointResponse& response,
+double octave_energy(const ResponseSynthesizer& synthesizer, const PointResponse& response,
                      double centre_hz) {
-  const Waveform sound = renderer.mono(response, 0);
+  const Waveform sound = synthesizer.mono(response, 0);
   return energy(band_of(sound.channel(0), kRate_hz, centre_hz, 1.0));
 }
 
@@ -76,13 +76,13 @@ std::vector<SolvedLevels> traced_levels(const Plan& plan, ThreadPool& pool) {
   const Vector3 source{plan.source.x, plan.source.y, 0};
   const auto walled = trace_all(scene_of(plan), source, listeners, pool);
   const auto free = trace_all(open_air(), source, listeners, pool);
-  const ResponseRenderer renderer({.sample_rate_hz = kRate_hz, .duration_s = kDuration_s});
+  const ResponseSynthesizer synthesizer({.sample_rate_hz = kRate_hz, .duration_s = kDuration_s});
   std::vector<SolvedLevels> levels(listeners.size());
   for (std::size_t i = 0; i < listeners.size(); ++i) {
     for (std::size_t octave = 0; octave < kSolvedOctavesHz.size(); ++octave) {
       const double centre_hz = kSolvedOctavesHz[octave];
-      levels[i][octave] = decibels(octave_energy(renderer, walled[i], centre_hz) /
-                                   octave_energy(renderer, free[i], centre_hz));
+      levels[i][octave] = decibels(octave_energy(synthesizer, walled[i], centre_hz) /
+                                   octave_energy(synthesizer, free[i], centre_hz));
     }
   }
   return levels;

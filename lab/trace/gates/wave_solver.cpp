@@ -6,7 +6,7 @@
 #include <cmath>
 #include <complex>
 
-#include <earpoint/core/pose.h>
+#include <earpoint/pose.h>
 
 namespace earpoint::gates {
 namespace {

@@ -10,7 +10,7 @@
 #include <ATen/ops/log10.h>
 #include <ATen/ops/view_as_real.h>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {

@@ -3,11 +3,11 @@
 
 #include <gtest/gtest.h>
 
-#include <earpoint/core/pose.h>
 #include <earpoint/core/random.h>
 #include <earpoint/gtf/description.h>
 #include <earpoint/gtf/engine.h>
 #include <earpoint/gtf/weights.h>
+#include <earpoint/pose.h>
 #include <earpoint/spatial/hrtf.h>
 #include <earpoint/train/gtf_learner.h>
 
@@ -56,8 +56,8 @@ void expect_engines_prediction(const GtfDescription& d, bool is_seen, std::int64
 
   Gtf engine(weights);
   engine.ask_for_texture(kTexture);
-  engine.look(batch.pictures, is_seen ? std::optional(box) : std::nullopt);
-  engine.aim({{1.5, -0.7, 0.2}, quaternion_from_euler({.yaw_rad = 0.8})});
+  engine.set_picture(batch.pictures, is_seen ? std::optional(box) : std::nullopt);
+  engine.set_pose({{1.5, -0.7, 0.2}, quaternion_from_euler({.yaw_rad = 0.8})});
   std::vector<float> found(expected.size());
   engine.synthesize(batch.source, found);
   for (std::size_t i = 0; i < found.size(); ++i) {

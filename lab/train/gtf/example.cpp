@@ -1,8 +1,8 @@
 #include <cmath>
 
-#include <earpoint/core/pose.h>
 #include <earpoint/gtf/description.h>
 #include <earpoint/gtf/view.h>
+#include <earpoint/pose.h>
 #include <earpoint/train/gtf_learner.h>
 
 namespace earpoint {

@@ -17,8 +17,8 @@
 #include <torch/csrc/autograd/custom_function.h>
 
 #include <earpoint/core/ears.h>
-#include <earpoint/core/error.h>
-#include <earpoint/core/pose.h>
+#include <earpoint/error.h>
+#include <earpoint/pose.h>
 
 namespace earpoint {
 namespace {

@@ -5,9 +5,9 @@
 #include <ATen/ops/cat.h>
 #include <ATen/ops/stack.h>
 
-#include <earpoint/core/pose.h>
 #include <earpoint/gtf/constants.h>
 #include <earpoint/gtf/description.h>
+#include <earpoint/pose.h>
 
 namespace earpoint {
 namespace {

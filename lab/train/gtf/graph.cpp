@@ -19,10 +19,10 @@
 #include <ATen/ops/zeros.h>
 #include <fmt/format.h>
 
-#include <earpoint/core/error.h>
-#include <earpoint/core/pose.h>
+#include <earpoint/error.h>
 #include <earpoint/gtf/constants.h>
 #include <earpoint/gtf/sight.h>
+#include <earpoint/pose.h>
 
 namespace earpoint {
 namespace {
@@ -59,7 +59,7 @@ FrameLayer GtfGraph::modulated(const std::string& name, const at::Tensor& condit
           linear(name + ".static", conditions) + parameter(name + ".bias")};
 }
 
-GtfGraph::Seen GtfGraph::look(const at::Tensor& picture, const at::Tensor& box) const {
+GtfGraph::Seen GtfGraph::encode(const at::Tensor& picture, const at::Tensor& box) const {
   // A fourth channel marks the box.
   const std::int64_t size = description_.picture_px;
   const at::Tensor middles =
@@ -81,7 +81,7 @@ GtfGraph::Seen GtfGraph::look(const at::Tensor& picture, const at::Tensor& box) 
   return seen;
 }
 
-at::Tensor GtfGraph::look_along(const at::Tensor& map, const at::Tensor& target_m) const {
+at::Tensor GtfGraph::encode_towards(const at::Tensor& map, const at::Tensor& target_m) const {
   const std::int64_t clips = map.size(0);
   const int side = static_cast<int>(map.size(3));
   std::vector<GtfSight> places(std::size_t{2} * description_.sight_points);
@@ -147,7 +147,7 @@ GtfGraph::Conditions GtfGraph::condition(const GtfInputs& inputs, const SoundFea
                                          std::optional<SpeakerPlace>& speaker) const {
   Conditions conditions;
   const at::Tensor box = description_.box ? inputs.box : inputs.box * 0;
-  const Seen seen = description_.picture_px > 0 ? look(inputs.picture, box) : Seen();
+  const Seen seen = description_.picture_px > 0 ? encode(inputs.picture, box) : Seen();
   const at::Tensor& picture = seen.feature;
   std::vector<at::Tensor> known;
   if (description_.geometry) {
@@ -164,7 +164,7 @@ GtfGraph::Conditions GtfGraph::condition(const GtfInputs& inputs, const SoundFea
   if (description_.texture) {
     known.push_back(at::full({heard.summary.size(0), 1}, inputs.texture));
   }
-  if (description_.sight_points > 0) known.push_back(look_along(seen.map, inputs.target_m));
+  if (description_.sight_points > 0) known.push_back(encode_towards(seen.map, inputs.target_m));
   const at::Tensor hidden = at::silu(linear("conditioning.0", at::cat(known, 1)));
   conditions.vector = at::silu(linear("conditioning.1", hidden));
   return conditions;

@@ -60,8 +60,8 @@ class GtfGraph {
     at::Tensor feature;  ///< [clips][picture width]; undefined if the network does not look
     at::Tensor map;      ///< [clips][channels][side][side]: after kSightLayer layers
   };
-  Seen look(const at::Tensor& picture, const at::Tensor& box) const;
-  at::Tensor look_along(const at::Tensor& map, const at::Tensor& target_m) const;
+  Seen encode(const at::Tensor& picture, const at::Tensor& box) const;
+  at::Tensor encode_towards(const at::Tensor& map, const at::Tensor& target_m) const;
   SpeakerPlace locate(const at::Tensor& picture, const at::Tensor& box,
                       const at::Tensor& summary) const;
   Conditions condition(const GtfInputs& inputs, const SoundFeatures& heard,

@@ -9,11 +9,11 @@
 
 #include <earpoint/audio/fft.h>
 #include <earpoint/core/ears.h>
-#include <earpoint/core/error.h>
-#include <earpoint/core/pose.h>
 #include <earpoint/core/random.h>
+#include <earpoint/error.h>
 #include <earpoint/gtf/description.h>
 #include <earpoint/gtf/weights.h>
+#include <earpoint/pose.h>
 #include <earpoint/train/gtf_learner.h>
 
 namespace earpoint {

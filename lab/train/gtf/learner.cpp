@@ -16,7 +16,7 @@
 
 #include <ATen/core/grad_mode.h>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 

@@ -10,11 +10,11 @@
 #include <gtest/gtest.h>
 
 #include <earpoint/audio/energy.h>
-#include <earpoint/core/error.h>
-#include <earpoint/core/pose.h>
 #include <earpoint/core/random.h>
+#include <earpoint/error.h>
 #include <earpoint/gtf/description.h>
 #include <earpoint/gtf/weights.h>
+#include <earpoint/pose.h>
 #include <earpoint/spatial/hrtf.h>
 #include <earpoint/train/gtf_learner.h>
 #include <earpoint/train/initial_weights.h>

@@ -34,8 +34,8 @@
 #include <gtest/gtest.h>
 #include <hwy/targets.h>
 
-#include <earpoint/core/pose.h>
 #include <earpoint/core/random.h>
+#include <earpoint/pose.h>
 
 namespace earpoint {
 namespace {

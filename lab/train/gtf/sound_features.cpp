@@ -14,8 +14,8 @@
 #include <ATen/ops/zeros.h>
 
 #include <earpoint/core/ears.h>
-#include <earpoint/core/pose.h>
 #include <earpoint/gtf/constants.h>
+#include <earpoint/pose.h>
 
 namespace earpoint {
 namespace {

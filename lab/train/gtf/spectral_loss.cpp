@@ -14,7 +14,7 @@
 #include <torch/csrc/autograd/custom_function.h>
 
 #include <earpoint/core/ears.h>
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {

@@ -8,9 +8,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/strict_json.h>
 #include <earpoint/dataset/ambient.h>
+#include <earpoint/error.h>
 #include <earpoint/gtf/description.h>
 #include <earpoint/gtf/training_range.h>
 #include <earpoint/gtf/weights.h>

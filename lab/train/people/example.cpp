@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <utility>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/people/description.h>
 #include <earpoint/people/view.h>
 

@@ -11,7 +11,7 @@
 #include <ATen/TensorOperators.h>
 #include <ATen/core/grad_mode.h>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/locate/decode_people.h>
 #include <earpoint/locate/detection_count.h>
 #include <earpoint/train/people_example.h>

@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/strict_json.h>
+#include <earpoint/error.h>
 #include <earpoint/media/image_file.h>
 #include <earpoint/people/description.h>
 #include <earpoint/train/initial_weights.h>
@@ -49,7 +49,7 @@ PictureOptions picture_options(std::string_view text, std::string_view where) {
 }
 
 /// Pictures of `train`, varied, and of `val` as they are.
-class PictureExamples : public ExampleSource {
+class PictureExamples : public ExampleLoader {
  public:
   PictureExamples(const TaskOptions& options, const PictureOptions& pictures, std::uint64_t seed)
       : options_(pictures),

@@ -6,7 +6,7 @@
 #include <ATen/ops/where.h>
 
 #include <earpoint/audio/stft.h>
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {

@@ -7,11 +7,11 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/strict_json.h>
 #include <earpoint/dataset/dataset_folder.h>
 #include <earpoint/dataset/pair_sample.h>
 #include <earpoint/dataset/reverberant_speech.h>
+#include <earpoint/error.h>
 #include <earpoint/rt60/description.h>
 #include <earpoint/train/initial_weights.h>
 #include <earpoint/train/rt60_learner.h>
@@ -40,7 +40,7 @@ SpeechOptions speech_options(std::string_view text, std::string_view where) {
 }
 
 /// Seconds of speech in known rooms: varied ones of `train`, those of `val` as they are.
-class SpeechExamples : public ExampleSource {
+class SpeechExamples : public ExampleLoader {
  public:
   SpeechExamples(const std::filesystem::path& data, const SpeechOptions& options,
                  std::uint64_t seed)

@@ -9,7 +9,7 @@
 
 #include <ATen/core/grad_mode.h>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/vam/encoding.h>
 
 namespace earpoint {

@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/dataset/ambient.h>
+#include <earpoint/error.h>
 #include <earpoint/train/initial_weights.h>
 #include <earpoint/train/vam_learner.h>
 #include <earpoint/vam/description.h>

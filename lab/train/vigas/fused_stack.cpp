@@ -7,7 +7,7 @@
 #include <span>
 #include <utility>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/kernels/aligned_floats.h>
 
 namespace earpoint::train {

@@ -11,7 +11,7 @@
 #include <ATen/ops/linear.h>
 #include <fmt/format.h>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {

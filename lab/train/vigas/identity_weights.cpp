@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/random.h>
+#include <earpoint/error.h>
 #include <earpoint/train/initial_weights.h>
 #include <earpoint/vigas/description.h>
 #include <earpoint/vigas/weights.h>

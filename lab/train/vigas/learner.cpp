@@ -13,7 +13,7 @@
 #include <ATen/core/grad_mode.h>
 #include <dlfcn.h>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 

@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/random.h>
+#include <earpoint/error.h>
 #include <earpoint/network/pose_encoding.h>
 #include <earpoint/network_testing/refusal.h>
 #include <earpoint/train/initial_weights.h>

@@ -22,7 +22,7 @@
 #include <fmt/format.h>
 #include <torch/csrc/autograd/custom_function.h>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 #if AT_PARALLEL_OPENMP && !defined(_OPENMP)
 #error "at::parallel_for() is a plain loop where OpenMP is not switched on"

@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/quote.h>
+#include <earpoint/error.h>
 #include <earpoint/network/network_kind.h>
 
 namespace earpoint {

@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/quote.h>
+#include <earpoint/error.h>
 #include <earpoint/network/layer_shapes.h>
 
 namespace earpoint {

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include <earpoint/core/pose.h>
 #include <earpoint/network/pose_encoding.h>
+#include <earpoint/pose.h>
 #include <earpoint/weights/safetensors.h>
 #include <earpoint/weights_testing/reference_folders.h>
 

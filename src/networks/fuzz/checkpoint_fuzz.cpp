@@ -2,7 +2,7 @@
 #include <cstdlib>
 #include <span>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/vigas/weights.h>
 #include <earpoint/weights/checkpoint.h>
 

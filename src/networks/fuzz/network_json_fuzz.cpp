@@ -2,7 +2,7 @@
 #include <cstdlib>
 #include <string_view>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/vigas/description.h>
 
 /// Any text as a network's description: refused with InputError, or read, and then it round-trips

@@ -2,7 +2,7 @@
 #include <cstdlib>
 #include <string>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/vigas/weights.h>
 #include <earpoint/weights/checkpoint.h>
 #include <earpoint/weights_testing/checkpoint_bytes.h>

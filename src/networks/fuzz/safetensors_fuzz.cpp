@@ -2,7 +2,7 @@
 #include <cstdlib>
 #include <span>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/gtf/weights.h>
 #include <earpoint/network/network_kind.h>
 #include <earpoint/people/weights.h>

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/kernels/matrix.h>
 
 namespace earpoint::gtf {
@@ -48,10 +48,10 @@ void GtfConditions::put_box(const std::optional<Box>& box) {
   std::ranges::copy(seen, box_.begin());
 }
 
-void GtfConditions::look(std::span<const float> picture, const std::optional<Box>& box) {
+void GtfConditions::set_picture(std::span<const float> picture, const std::optional<Box>& box) {
   const std::optional<Box> told = description_.box ? box : std::nullopt;
   put_box(told);
-  if (picture_encoder_) picture_encoder_->look(picture, told, feature_);
+  if (picture_encoder_) picture_encoder_->encode(picture, told, feature_);
 }
 
 void GtfConditions::locate(std::span<const float> summary) {
@@ -77,14 +77,15 @@ void GtfConditions::locate(std::span<const float> summary) {
               found_[6]};
 }
 
-void GtfConditions::hear(std::span<const float> summary) {
+void GtfConditions::set_summary(std::span<const float> summary) {
   EARPOINT_CHECK(std::ssize(summary) == description_.summary_features());
   if (description_.geometry) locate(summary);
   summary_.apply(summary, heard_);
   kernels::silu(heard_);
 }
 
-void GtfConditions::aim(const std::optional<Vector3>& speaker_m, const Pose& source_from_target) {
+void GtfConditions::set_pose(const std::optional<Vector3>& speaker_m,
+                             const Pose& source_from_target) {
   float* to = joined_.data();
   Vector3 target_m = source_from_target.position_m;
   if (description_.geometry) {
@@ -100,8 +101,8 @@ void GtfConditions::aim(const std::optional<Vector3>& speaker_m, const Pose& sou
   to = std::copy(heard_.begin(), heard_.end(), to);
   if (description_.texture) *to++ = texture_;
   if (description_.sight_points > 0) {
-    picture_encoder_->look_along(target_m,
-                                 {to, static_cast<std::size_t>(description_.sight_features())});
+    picture_encoder_->encode_towards(target_m,
+                                     {to, static_cast<std::size_t>(description_.sight_features())});
     to += description_.sight_features();
   }
   EARPOINT_CHECK(to == joined_.data() + joined_.size());

@@ -8,13 +8,13 @@
 #include <span>
 #include <vector>
 
-#include <earpoint/core/image.h>
-#include <earpoint/core/pose.h>
-#include <earpoint/core/vector3.h>
 #include <earpoint/gtf/constants.h>
 #include <earpoint/gtf/description.h>
 #include <earpoint/gtf/weights.h>
+#include <earpoint/image.h>
 #include <earpoint/kernels/dense.h>
+#include <earpoint/pose.h>
+#include <earpoint/vector3.h>
 
 namespace earpoint::gtf {
 
@@ -24,25 +24,25 @@ class GtfConditions {
   explicit GtfConditions(const GtfWeights& weights);
 
   /// What the camera sees; kept until it changes. Allocates nothing.
-  void look(std::span<const float> picture, const std::optional<Box>& box);
+  void set_picture(std::span<const float> picture, const std::optional<Box>& box);
 
   /// What the ears heard, and from that and what was seen, where the speaker is. Allocates nothing.
   /// @param summary  [summary features]
-  void hear(std::span<const float> summary);
+  void set_summary(std::span<const float> summary);
 
   /// @param natural  0 the mean, 1 the natural texture; means nothing to a network with one
   void ask_for_texture(float natural) { texture_ = natural; }
 
   /// Computes vector() and geometry(), of what was seen and heard. Allocates nothing.
   /// @param speaker_m  the mouth, if it is known
-  void aim(const std::optional<Vector3>& speaker_m, const Pose& source_from_target);
+  void set_pose(const std::optional<Vector3>& speaker_m, const Pose& source_from_target);
 
   [[nodiscard]] std::span<const float> vector() const { return vector_; }
   /// What the move does; null for a network that knows the bare pose.
   [[nodiscard]] const GtfGeometry* geometry() const { return geometry_ ? &*geometry_ : nullptr; }
-  /// As hear() found it.
+  /// As set_summary() found it.
   [[nodiscard]] const GtfPlace& located() const { return located_; }
-  /// As aim() took it.
+  /// As set_pose() took it.
   [[nodiscard]] const GtfPlace& place() const { return place_; }
 
  private:
@@ -60,7 +60,7 @@ class GtfConditions {
   std::array<float, gtf::kLocatorOutputs> found_{};
   std::vector<float> heard_;  // of the summary
   float texture_ = 1.0F;
-  GtfPlace located_;  // by hear()
+  GtfPlace located_;  // by set_summary()
   GtfPlace place_;
 };
 

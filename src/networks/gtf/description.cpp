@@ -6,9 +6,9 @@
 #include <nlohmann/json.hpp>
 
 #include <earpoint/core/ears.h>
-#include <earpoint/core/error.h>
 #include <earpoint/core/quote.h>
 #include <earpoint/core/strict_json.h>
+#include <earpoint/error.h>
 #include <earpoint/gtf/constants.h>
 #include <earpoint/network/checked_tensors.h>
 #include <earpoint/network/description_head.h>

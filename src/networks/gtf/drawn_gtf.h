@@ -8,12 +8,12 @@
 #include <string>
 #include <vector>
 
-#include <earpoint/core/image.h>
-#include <earpoint/core/pose.h>
 #include <earpoint/core/random.h>
 #include <earpoint/gtf/description.h>
 #include <earpoint/gtf/engine.h>
 #include <earpoint/gtf/weights.h>
+#include <earpoint/image.h>
+#include <earpoint/pose.h>
 
 // Small networks that were never trained, for the tests of the engine.
 namespace earpoint::gtf {
@@ -60,9 +60,9 @@ inline GtfWeights random_weights(const GtfDescription& d) {
 
 inline Gtf engine_that_looks(const GtfDescription& d) {
   Gtf engine(random_weights(d));
-  engine.look(noise(static_cast<std::size_t>(3 * d.picture_px * d.picture_px), 0.3, 5),
-              Box{0.1, 0.2, 0.3, 0.4});
-  engine.aim({{1, 2, 0}, quaternion_from_euler({.yaw_rad = 0.3})});
+  engine.set_picture(noise(static_cast<std::size_t>(3 * d.picture_px * d.picture_px), 0.3, 5),
+                     Box{0.1, 0.2, 0.3, 0.4});
+  engine.set_pose({{1, 2, 0}, quaternion_from_euler({.yaw_rad = 0.3})});
   return engine;
 }
 

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include <earpoint/core/ears.h>
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {
@@ -25,12 +25,12 @@ Gtf& Gtf::operator=(Gtf&&) noexcept = default;
 
 const GtfDescription& Gtf::description() const { return state_->description; }
 
-void Gtf::look(std::span<const float> picture, const std::optional<Box>& speaker_box) {
-  state_->conditions.look(picture, speaker_box);
+void Gtf::set_picture(std::span<const float> picture, const std::optional<Box>& speaker_box) {
+  state_->conditions.set_picture(picture, speaker_box);
   state_->is_heard = false;
 }
 
-void Gtf::aim(const Pose& source_from_target, const std::optional<Vector3>& speaker_m) {
+void Gtf::set_pose(const Pose& source_from_target, const std::optional<Vector3>& speaker_m) {
   state_->source_from_target = source_from_target;
   if (state_->speaker_m == speaker_m) return;
   state_->speaker_m = speaker_m;
@@ -57,7 +57,7 @@ void Gtf::synthesize(std::span<const float> source, std::span<const Pose> path,
   state.is_stream = false;
   state.phases.reset(state.description.phase_rounds, std::ssize(source) / kEars);
   state.measure_window(source);
-  state.hear();
+  state.update_summary();
   state.render_window(path, output);
 }
 
@@ -82,7 +82,7 @@ std::optional<GtfSpeaker> Gtf::locate(std::span<const float> source) {
   state.start_over();
   state.is_stream = false;
   state.measure_window(source);
-  state.hear();
+  state.update_summary();
   if (!state.description.geometry) return std::nullopt;
   const gtf::GtfPlace& place = state.conditions.located();
   return GtfSpeaker{.position_m = place.position_m,

@@ -109,8 +109,8 @@ TEST(Gtf, RoundsOfPhasesMakeFramesAgree) {
       tensor = make_tensor<float>(values, tensor.shape);
     }
     Gtf engine(weights);
-    engine.look(std::vector<float>(std::size_t{3} * 32 * 32), {});
-    engine.aim(kThere);
+    engine.set_picture(std::vector<float>(std::size_t{3} * 32 * 32), {});
+    engine.set_pose(kThere);
     std::vector<float> output(source.size());
     engine.synthesize(source, output);
     errors.push_back(magnitude_difference(output, source));
@@ -131,8 +131,8 @@ TEST(Gtf, TellsTheVoiceByAGainOfWhatBothEarsHear) {
         std::vector<float>(static_cast<std::size_t>(tensor.elements()), value), tensor.shape);
   }
   Gtf engine(weights);
-  engine.look(std::vector<float>(std::size_t{3} * 32 * 32), {});
-  engine.aim(kThere);
+  engine.set_picture(std::vector<float>(std::size_t{3} * 32 * 32), {});
+  engine.set_pose(kThere);
   std::vector<float> source = noise(2 * kSamples, 0.1, 2);
   std::copy_n(source.begin(), kSamples, source.begin() + kSamples);
   std::vector<float> before(source.size());

@@ -166,7 +166,7 @@ void Gtf::State::take_hop() {
     sound_encoder.summarize(statistics.summary);
     is_heard = false;
   }
-  if (!is_heard) hear();
+  if (!is_heard) update_summary();
   condition(source_from_target);
   take(1, features.data(), spectrum.data(), magnitude.data());
 }

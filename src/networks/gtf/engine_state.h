@@ -16,12 +16,12 @@
 #include <vector>
 
 #include <earpoint/core/ears.h>
-#include <earpoint/core/pose.h>
-#include <earpoint/core/vector3.h>
 #include <earpoint/gtf/constants.h>
 #include <earpoint/gtf/description.h>
 #include <earpoint/gtf/engine.h>
 #include <earpoint/gtf/weights.h>
+#include <earpoint/pose.h>
+#include <earpoint/vector3.h>
 
 namespace earpoint {
 
@@ -79,8 +79,8 @@ struct Gtf::State {
   }
 
   /// Takes in what was heard and seen.
-  void hear() {
-    conditions.hear(statistics.summary);
+  void update_summary() {
+    conditions.set_summary(statistics.summary);
     is_heard = true;
     is_aimed = false;
   }
@@ -89,7 +89,7 @@ struct Gtf::State {
   void condition(const Pose& pose) {
     if (is_aimed && pose == conditioned) return;
     conditioned = pose;
-    conditions.aim(speaker_m, pose);
+    conditions.set_pose(speaker_m, pose);
     trunk.condition(conditions.vector());
     filter.condition(conditions);
     const gtf::GtfGeometry* geometry = conditions.geometry();

@@ -9,10 +9,10 @@
 
 #include <gtest/gtest.h>
 
-#include <earpoint/core/pose.h>
 #include <earpoint/core/random.h>
 #include <earpoint/core_testing/allocation_count.h>
 #include <earpoint/gtf/engine.h>
+#include <earpoint/pose.h>
 
 namespace earpoint {
 namespace {
@@ -64,12 +64,12 @@ TEST(Gtf, AllocatesNothingAfterTheFirstWindow) {
   std::vector<float> hop(2 * kHop);
   AllocationCount counted;
   engine.ask_for_texture(0.5);
-  engine.look(picture, Box{0.1, 0.2, 0.3, 0.4});
-  engine.aim({}, Vector3{1, 1, 0});
+  engine.set_picture(picture, Box{0.1, 0.2, 0.3, 0.4});
+  engine.set_pose({}, Vector3{1, 1, 0});
   engine.synthesize(source, output);
   engine.start();
   for (int i = 0; i < 20; ++i) {
-    engine.aim({{0.1 * i, 0, 0}, {}});
+    engine.set_pose({{0.1 * i, 0, 0}, {}});
     engine.advance(std::span(source).first(2 * kHop), hop);
   }
   EXPECT_EQ(counted.count(), 0);
@@ -82,10 +82,10 @@ TEST(Gtf, TakesTheSpeakersPlaceWhenItIsTold) {
   std::vector<float> told(source.size());
   engine.synthesize(source, guessed);
   const Vector3 place = engine.speaker_m().value();
-  engine.aim({{1, 2, 0}, quaternion_from_euler({.yaw_rad = 0.3})}, place);
+  engine.set_pose({{1, 2, 0}, quaternion_from_euler({.yaw_rad = 0.3})}, place);
   engine.synthesize(source, told);
   EXPECT_EQ(told, guessed);
-  engine.aim({{1, 2, 0}, quaternion_from_euler({.yaw_rad = 0.3})}, -place);
+  engine.set_pose({{1, 2, 0}, quaternion_from_euler({.yaw_rad = 0.3})}, -place);
   engine.synthesize(source, told);
   EXPECT_NE(told, guessed);
   EXPECT_EQ(engine.speaker_m().value(), -place);
@@ -97,7 +97,7 @@ TEST(Gtf, ItsTrainingRangeDecidesWhichMovesAreShortened) {
     GtfDescription d = small();
     d.training_range.farthest_move_m = farthest_m;
     Gtf engine = engine_that_looks(d);
-    engine.aim({{distance_m, 0, 0}, {}}, Vector3{1, 1, 0});
+    engine.set_pose({{distance_m, 0, 0}, {}}, Vector3{1, 1, 0});
     std::vector<float> output(source.size());
     engine.synthesize(source, output);
     return output;
@@ -131,17 +131,17 @@ TEST(Gtf, AMovingTargetIsHeardAtEachOfItsPlaces) {
   const Pose here{{1, 2, 0}, {}};
   const Pose there{{-1, 0.5, 0}, quaternion_from_euler({.yaw_rad = 2})};
   const auto standing = [&](const Pose& pose) {
-    engine.aim(pose);
+    engine.set_pose(pose);
     engine.start(statistics);
     return streamed(engine, source, [](std::size_t) {});
   };
   const std::vector<float> at_first = standing(here);
   const std::vector<float> at_last = standing(there);
-  engine.aim(here);
+  engine.set_pose(here);
   engine.start(statistics);
   constexpr std::size_t kTurn = 25;
   const std::vector<float> moving = streamed(engine, source, [&](std::size_t hop) {
-    if (hop == kTurn) engine.aim(there);
+    if (hop == kTurn) engine.set_pose(there);
   });
   const auto latency = static_cast<std::size_t>(engine.latency_samples());
   // Until the turn the first place; and once the trunk has forgotten the old conditions (62 frames
@@ -177,9 +177,9 @@ TEST(Gtf, APathThatStandsStillEqualsStandingStill) {
   Gtf engine = engine_that_looks(small());
   const std::vector<float> source = noise(4 * kSamples, 0.1, 2);
   std::vector<float> still(source.size());
-  engine.aim(kThere);
+  engine.set_pose(kThere);
   engine.synthesize(source, still);
-  engine.aim(kHere);
+  engine.set_pose(kHere);
   EXPECT_EQ(along(engine, source, std::vector<Pose>(kFrames, kThere)), still);
 }
 
@@ -224,7 +224,7 @@ TEST(Gtf, AStreamThatIsAimedAtEveryHopEqualsAWindowAlongThePath) {
   // out.
   const auto late = static_cast<std::size_t>(1 + d.needed_ahead());
   const std::vector<float> stream = streamed(
-      engine, source, [&](std::size_t hop) { engine.aim(path[hop < late ? 0 : hop - late]); });
+      engine, source, [&](std::size_t hop) { engine.set_pose(path[hop < late ? 0 : hop - late]); });
   const auto latency = static_cast<std::size_t>(engine.latency_samples());
   for (std::size_t i = 0; i + latency + 2 * kHop < 2 * kSamples; ++i) {
     ASSERT_NEAR(stream[latency + i], window[i], 1e-6) << i;
@@ -233,7 +233,7 @@ TEST(Gtf, AStreamThatIsAimedAtEveryHopEqualsAWindowAlongThePath) {
 
 TEST(Gtf, ASmoothWalkHasNoClicks) {
   Gtf engine(steady_weights(small()));
-  engine.look(std::vector<float>(std::size_t{3} * 32 * 32), {});
+  engine.set_picture(std::vector<float>(std::size_t{3} * 32 * 32), {});
   std::vector<float> tone(4 * kSamples);
   for (std::size_t i = 0; i < tone.size(); ++i) {
     tone[i] = static_cast<float>(0.1 * std::sin(2 * kPi * 330.0 / 16000 * static_cast<double>(i)));

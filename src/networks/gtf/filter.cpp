@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include <earpoint/core/ears.h>
-#include <earpoint/core/error.h>
-#include <earpoint/core/pose.h>
+#include <earpoint/error.h>
 #include <earpoint/gtf/constants.h>
+#include <earpoint/pose.h>
 
 namespace earpoint::gtf {
 namespace {

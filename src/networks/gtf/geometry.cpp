@@ -4,7 +4,7 @@
 #include <cmath>
 #include <initializer_list>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/gtf/constants.h>
 
 namespace earpoint::gtf {

@@ -5,11 +5,11 @@
 #include <span>
 #include <vector>
 
-#include <earpoint/core/pose.h>
-#include <earpoint/core/vector3.h>
 #include <earpoint/gtf/description.h>
 #include <earpoint/gtf/training_range.h>
 #include <earpoint/gtf/weights.h>
+#include <earpoint/pose.h>
+#include <earpoint/vector3.h>
 
 namespace earpoint::gtf {
 

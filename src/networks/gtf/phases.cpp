@@ -5,7 +5,7 @@
 #include <utility>
 
 #include <earpoint/core/ears.h>
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/gtf/constants.h>
 
 namespace earpoint::gtf {

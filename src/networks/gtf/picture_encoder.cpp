@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/gtf/constants.h>
 #include <earpoint/gtf/description.h>
 #include <earpoint/kernels/matrix.h>
@@ -133,8 +133,8 @@ void GtfPictureEncoder::convolve(const Layer& layer) {
             layer.norm_scale, layer.norm_shift);
 }
 
-void GtfPictureEncoder::look(std::span<const float> picture, const std::optional<Box>& box,
-                             std::span<float> feature) {
+void GtfPictureEncoder::encode(std::span<const float> picture, const std::optional<Box>& box,
+                               std::span<float> feature) {
   const std::size_t pixels = static_cast<std::size_t>(size_) * size_;
   EARPOINT_CHECK(picture.size() == 3 * pixels && std::ssize(feature) == output_.outputs());
   for (int y = 0; y < size_; ++y) {
@@ -165,7 +165,7 @@ void GtfPictureEncoder::look(std::span<const float> picture, const std::optional
   kernels::silu(feature);
 }
 
-void GtfPictureEncoder::look_along(const Vector3& target_m, std::span<float> sight) {
+void GtfPictureEncoder::encode_towards(const Vector3& target_m, std::span<float> sight) {
   EARPOINT_CHECK(sight_.has_value());
   EARPOINT_CHECK(sight.size() == places_.size() * (D::kSightWidth + 1));
   find_sights(target_m, size_ >> D::kSightLayer, places_);

@@ -5,13 +5,13 @@
 #include <string>
 #include <vector>
 
-#include <earpoint/core/image.h>
-#include <earpoint/core/vector3.h>
 #include <earpoint/gtf/sight.h>
 #include <earpoint/gtf/weights.h>
+#include <earpoint/image.h>
 #include <earpoint/kernels/aligned_floats.h>
 #include <earpoint/kernels/dense.h>
 #include <earpoint/kernels/frame_product.h>
+#include <earpoint/vector3.h>
 
 namespace earpoint::gtf {
 
@@ -27,14 +27,14 @@ class GtfPictureEncoder {
   /// Allocates nothing.
   /// @param picture  [3][size][size], 0 to 1
   /// @param feature  [picture_width]
-  void look(std::span<const float> picture, const std::optional<Box>& box,
-            std::span<float> feature);
+  void encode(std::span<const float> picture, const std::optional<Box>& box,
+              std::span<float> feature);
 
   /// What the picture shows on the way to a target, of the last picture looked at, in a network
   /// with sight points. Allocates nothing.
   /// @param target_m  in the camera's frame
   /// @param sight     [sight features]
-  void look_along(const Vector3& target_m, std::span<float> sight);
+  void encode_towards(const Vector3& target_m, std::span<float> sight);
 
  private:
   struct Layer {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {

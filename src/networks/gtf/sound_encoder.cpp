@@ -2,9 +2,9 @@
 
 #include <cmath>
 
-#include <earpoint/core/error.h>
-#include <earpoint/core/pose.h>
+#include <earpoint/error.h>
 #include <earpoint/gtf/constants.h>
+#include <earpoint/pose.h>
 
 namespace earpoint::gtf {
 namespace {

@@ -40,7 +40,7 @@ void GtfSynthesizer::observe(const Observation& observation) {
   if (!seen_ || *seen_ != seen) {
     const GtfView view = gtf_view(size > 0 ? seen.picture.get() : nullptr, seen.speaker_box,
                                   horizontal_fov_rad_, size > 0 ? size : 1);
-    network_.look(view.picture, view.speaker_box);
+    network_.set_picture(view.picture, view.speaker_box);
     seen_ = seen;
   }
   speaker_m_ = observation.speaker_m;
@@ -52,7 +52,7 @@ Waveform GtfSynthesizer::synthesize(const Pose& source_from_target) {
 }
 
 Waveform GtfSynthesizer::synthesize_along(std::span<const Pose> path) {
-  network_.aim(path.front(), speaker_m_);
+  network_.set_pose(path.front(), speaker_m_);
   Waveform result(2, sound_.samples(), sound_.sample_rate_hz());
   network_.synthesize(sound_.planar(), path, result.planar());
   if (!limits_level_) return result;

@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/strict_json.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {

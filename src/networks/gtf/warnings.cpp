@@ -6,9 +6,9 @@
 
 #include <fmt/format.h>
 
-#include <earpoint/core/pose.h>
 #include <earpoint/gtf/training_range.h>
 #include <earpoint/gtf/view.h>
+#include <earpoint/pose.h>
 
 namespace earpoint {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include <earpoint/core/area_mean.h>
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/people/description.h>
 
 namespace earpoint {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include <earpoint/audio/stft.h>
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/kernels/dense.h>
 #include <earpoint/kernels/resnet18.h>
 

@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/quote.h>
 #include <earpoint/core/strict_json.h>
+#include <earpoint/error.h>
 #include <earpoint/network/checked_tensors.h>
 #include <earpoint/network/description_head.h>
 #include <earpoint/network/layer_shapes.h>

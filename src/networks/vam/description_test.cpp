@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/network/network_kind.h>
 #include <earpoint/vam/description.h>
 #include <earpoint/vam/weights.h>

@@ -2,8 +2,8 @@
 
 #include <utility>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/resize.h>
+#include <earpoint/error.h>
 #include <earpoint/network/pose_encoding.h>
 
 namespace earpoint {

@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/kernels/matrix.h>
 #include <earpoint/kernels/openmp_threads.h>
 #include <earpoint/kernels/resnet18.h>

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/vam/encoding.h>
 
 namespace earpoint {

@@ -11,7 +11,7 @@
 
 #include <fmt/format.h>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/network/network_kind.h>
 #include <earpoint/vigas/weights.h>
 #include <earpoint/weights/pickle_writer.h>

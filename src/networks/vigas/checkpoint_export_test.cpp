@@ -5,9 +5,9 @@
 
 #include <gtest/gtest.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/file.h>
 #include <earpoint/core/random.h>
+#include <earpoint/error.h>
 #include <earpoint/network/pose_encoding.h>
 #include <earpoint/network_testing/random_weights.h>
 #include <earpoint/vigas/checkpoint_export.h>

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/network/checked_tensors.h>
 #include <earpoint/network/layer_shapes.h>
 #include <earpoint/network/pose_encoding.h>

@@ -4,9 +4,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/quote.h>
 #include <earpoint/core/strict_json.h>
+#include <earpoint/error.h>
 #include <earpoint/network/pose_encoding.h>
 #include <earpoint/vigas/description.h>
 

@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/kernels/dense.h>
 #include <earpoint/kernels/gated_stack.h>
 #include <earpoint/network/pose_encoding.h>

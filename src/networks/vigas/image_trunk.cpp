@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/vigas/description.h>
 
 namespace earpoint {

@@ -4,7 +4,7 @@
 #include <array>
 #include <string_view>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 #include <earpoint/network/pose_encoding.h>
 #include <earpoint/vigas/description.h>
 

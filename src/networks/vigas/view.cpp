@@ -2,8 +2,8 @@
 
 #include <utility>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/resize.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <optional>
 
-#include <earpoint/core/image.h>
+#include <earpoint/image.h>
 
 namespace earpoint {
 

@@ -5,8 +5,8 @@
 
 #include <earpoint/audio/ambient_separation.h>
 #include <earpoint/core/random.h>
-#include <earpoint/core/waveform.h>
 #include <earpoint/dataset/pair_sample.h>
+#include <earpoint/waveform.h>
 
 namespace earpoint {
 

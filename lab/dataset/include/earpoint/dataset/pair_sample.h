@@ -6,10 +6,10 @@
 #include <optional>
 #include <string>
 
-#include <earpoint/core/image.h>
-#include <earpoint/core/pose.h>
-#include <earpoint/core/waveform.h>
 #include <earpoint/dataset/soundspaces.h>
+#include <earpoint/image.h>
+#include <earpoint/pose.h>
+#include <earpoint/waveform.h>
 
 namespace earpoint {
 

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include <earpoint/core/image.h>
+#include <earpoint/image.h>
 
 namespace earpoint {
 

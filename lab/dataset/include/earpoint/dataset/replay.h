@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include <earpoint/core/vector3.h>
 #include <earpoint/dataset/numpy_random.h>
 #include <earpoint/dataset/sample.h>
+#include <earpoint/vector3.h>
 
 namespace earpoint {
 

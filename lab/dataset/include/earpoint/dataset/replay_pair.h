@@ -1,8 +1,8 @@
 #pragma once
 
-#include <earpoint/core/pose.h>
 #include <earpoint/dataset/pair_sample.h>
 #include <earpoint/dataset/replay.h>
+#include <earpoint/pose.h>
 
 namespace earpoint {
 

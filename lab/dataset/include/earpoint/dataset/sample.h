@@ -4,7 +4,7 @@
 #include <vector>
 
 #include <earpoint/core/resize.h>
-#include <earpoint/core/waveform.h>
+#include <earpoint/waveform.h>
 
 namespace earpoint {
 

@@ -9,8 +9,8 @@
 #include <string_view>
 #include <vector>
 
-#include <earpoint/core/image.h>
-#include <earpoint/core/pose.h>
+#include <earpoint/image.h>
+#include <earpoint/pose.h>
 
 namespace earpoint {
 

@@ -9,8 +9,8 @@
 #include <string_view>
 #include <vector>
 
-#include <earpoint/core/waveform.h>
 #include <earpoint/dataset/pair_sample.h>
+#include <earpoint/waveform.h>
 
 namespace earpoint {
 

@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include <earpoint/core/waveform.h>
+#include <earpoint/waveform.h>
 
 namespace earpoint {
 

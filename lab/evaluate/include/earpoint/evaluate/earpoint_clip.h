@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include <earpoint/core/image.h>
-#include <earpoint/core/pose.h>
+#include <earpoint/image.h>
+#include <earpoint/pose.h>
 
 namespace earpoint {
 

@@ -6,9 +6,9 @@
 #include <string>
 #include <string_view>
 
-#include <earpoint/core/waveform.h>
 #include <earpoint/dataset/pair_sample.h>
 #include <earpoint/render/make_synthesizer.h>
+#include <earpoint/waveform.h>
 
 namespace earpoint {
 

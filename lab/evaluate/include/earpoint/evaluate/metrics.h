@@ -6,7 +6,7 @@
 #include <span>
 #include <string_view>
 
-#include <earpoint/core/waveform.h>
+#include <earpoint/waveform.h>
 
 namespace earpoint {
 

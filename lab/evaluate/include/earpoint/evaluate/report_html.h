@@ -5,8 +5,8 @@
 #include <string>
 #include <string_view>
 
-#include <earpoint/core/image.h>
-#include <earpoint/core/waveform.h>
+#include <earpoint/image.h>
+#include <earpoint/waveform.h>
 
 namespace earpoint {
 

@@ -1,7 +1,7 @@
 #pragma once
 
-#include <earpoint/core/waveform.h>
 #include <earpoint/rt60/engine.h>
+#include <earpoint/waveform.h>
 
 namespace earpoint {
 

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include <earpoint/core/image.h>
-#include <earpoint/core/pose.h>
-#include <earpoint/core/waveform.h>
+#include <earpoint/image.h>
+#include <earpoint/pose.h>
+#include <earpoint/waveform.h>
 
 namespace earpoint {
 

@@ -8,11 +8,11 @@
 #include <string>
 #include <vector>
 
-#include <earpoint/core/image.h>
 #include <earpoint/dataset/dataset_folder.h>
 #include <earpoint/dataset/pair_sample.h>
 #include <earpoint/evaluate/method.h>
 #include <earpoint/evaluate/view_figure.h>
+#include <earpoint/image.h>
 
 namespace earpoint {
 

@@ -7,13 +7,13 @@
 #include <string>
 #include <vector>
 
-#include <earpoint/camera/scene_renderer.h>
-#include <earpoint/core/waveform.h>
+#include <earpoint/camera/scene_drawer.h>
 #include <earpoint/generate/conversation_plan.h>
 #include <earpoint/generate/stage_clock.h>
 #include <earpoint/scene/scene.h>
 #include <earpoint/spatial/hrtf.h>
-#include <earpoint/trace/response_renderer.h>
+#include <earpoint/trace/response_synthesizer.h>
+#include <earpoint/waveform.h>
 
 namespace earpoint {
 
@@ -26,7 +26,7 @@ struct PreparedScene {
   Scene scene;
   RayCaster caster;
   FloorMap floor;
-  SceneRenderer renderer;  ///< its light is solved once for all conversations
+  SceneDrawer drawer;  ///< its light is solved once for all conversations
 };
 
 /// A procedural home: its floor lies at height 0 already.
@@ -84,12 +84,12 @@ class ConversationSimulator {
  private:
   void hear(const std::string& name, const Scene& scene, std::uint64_t seed,
             SimulatedConversation& conversation, StageClock& clock) const;
-  void see(const SceneRenderer& camera, std::uint64_t seed,
+  void see(const SceneDrawer& camera, std::uint64_t seed,
            SimulatedConversation& conversation) const;
 
   ConversationQuality quality_;
   HrtfSet hrtf_;
-  ResponseRenderer renderer_;
+  ResponseSynthesizer synthesizer_;
 };
 
 /// What a viewpoint hears of a person's speech.

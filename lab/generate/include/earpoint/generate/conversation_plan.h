@@ -4,9 +4,9 @@
 #include <string_view>
 #include <vector>
 
-#include <earpoint/core/pose.h>
 #include <earpoint/core/random.h>
 #include <earpoint/generate/floor_map.h>
+#include <earpoint/pose.h>
 #include <earpoint/scene/people.h>
 #include <earpoint/scene/ray_caster.h>
 

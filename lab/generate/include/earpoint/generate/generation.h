@@ -43,9 +43,9 @@ struct GenerationOptions {
 };
 
 /// Where the scenes of a data set come from.
-class SceneSource {
+class SceneMaker {
  public:
-  virtual ~SceneSource() = default;
+  virtual ~SceneMaker() = default;
   /// Makes a scene; the same index gives the same scene. Called from many threads at once.
   [[nodiscard]] virtual std::shared_ptr<const PreparedScene> make(int scene) const = 0;
   /// @return the folder's name
@@ -65,7 +65,7 @@ class SceneSource {
 /// @throws InputError if the folder holds a data set that was begun with other options, another
 ///         process makes one of these conversations, the corpus lacks speakers, a scene has no
 ///         room, or the disk is full
-GenerationSummary generate_dataset(const GenerationOptions& options, const SceneSource& scenes,
+GenerationSummary generate_dataset(const GenerationOptions& options, const SceneMaker& scenes,
                                    const FigureLibrary& figures, const SpeechCorpus& corpus,
                                    ProgressSink& progress);
 

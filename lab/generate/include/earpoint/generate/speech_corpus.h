@@ -8,8 +8,8 @@
 #include <vector>
 
 #include <earpoint/core/random.h>
-#include <earpoint/core/waveform.h>
 #include <earpoint/scene/people.h>
+#include <earpoint/waveform.h>
 
 namespace earpoint {
 

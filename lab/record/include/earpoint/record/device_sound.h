@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-#include <earpoint/core/pose.h>
 #include <earpoint/core/progress.h>
-#include <earpoint/core/waveform.h>
+#include <earpoint/pose.h>
 #include <earpoint/record/session.h>
+#include <earpoint/waveform.h>
 
 namespace earpoint {
 

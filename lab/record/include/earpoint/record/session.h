@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
-#include <earpoint/core/pose.h>
-#include <earpoint/core/vector3.h>
+#include <earpoint/pose.h>
+#include <earpoint/vector3.h>
 
 namespace earpoint {
 

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include <earpoint/core/image.h>
-#include <earpoint/core/vector3.h>
+#include <earpoint/image.h>
+#include <earpoint/vector3.h>
 
 namespace earpoint {
 

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include <earpoint/core/progress.h>
-#include <earpoint/core/vector3.h>
 #include <earpoint/record/device_sound.h>
 #include <earpoint/record/session_truth.h>
+#include <earpoint/vector3.h>
 
 namespace earpoint {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <earpoint/core/image.h>
+#include <earpoint/image.h>
 #include <earpoint/record/sync.h>
 
 namespace earpoint {

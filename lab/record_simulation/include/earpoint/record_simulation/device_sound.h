@@ -5,11 +5,11 @@
 #include <vector>
 
 #include <earpoint/core/random.h>
-#include <earpoint/core/waveform.h>
 #include <earpoint/record/session_truth.h>
 #include <earpoint/record_simulation/session_plan.h>
 #include <earpoint/record_simulation/session_speech.h>
 #include <earpoint/spatial/hrtf.h>
+#include <earpoint/waveform.h>
 
 namespace earpoint {
 

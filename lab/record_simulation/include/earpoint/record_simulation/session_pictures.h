@@ -4,8 +4,8 @@
 #include <functional>
 #include <vector>
 
-#include <earpoint/core/image.h>
 #include <earpoint/core/progress.h>
+#include <earpoint/image.h>
 #include <earpoint/record/session_truth.h>
 #include <earpoint/record_simulation/session_plan.h>
 

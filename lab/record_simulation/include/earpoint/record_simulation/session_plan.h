@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include <earpoint/core/pose.h>
 #include <earpoint/core/random.h>
 #include <earpoint/generate/conversation.h>
 #include <earpoint/generate/speech_corpus.h>
+#include <earpoint/pose.h>
 #include <earpoint/record/session_truth.h>
 #include <earpoint/record_simulation/person_path.h>
 #include <earpoint/record_simulation/spoken_turns.h>

@@ -4,11 +4,11 @@
 #include <vector>
 
 #include <earpoint/core/progress.h>
-#include <earpoint/core/waveform.h>
 #include <earpoint/record_simulation/session_plan.h>
 #include <earpoint/scene/scene.h>
 #include <earpoint/spatial/hrtf.h>
 #include <earpoint/trace/tracer.h>
+#include <earpoint/waveform.h>
 
 namespace earpoint {
 

@@ -3,9 +3,9 @@
 #include <vector>
 
 #include <earpoint/core/random.h>
-#include <earpoint/core/waveform.h>
 #include <earpoint/generate/speech_corpus.h>
 #include <earpoint/record/session_truth.h>
+#include <earpoint/waveform.h>
 
 namespace earpoint {
 

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include <earpoint/core/vector3.h>
+#include <earpoint/vector3.h>
 
 namespace earpoint {
 

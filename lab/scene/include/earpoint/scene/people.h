@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
-#include <earpoint/core/pose.h>
 #include <earpoint/core/random.h>
+#include <earpoint/pose.h>
 #include <earpoint/scene/scene_builder.h>
 
 namespace earpoint {

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include <earpoint/core/image.h>
+#include <earpoint/image.h>
 #include <earpoint/scene/material.h>
 #include <earpoint/scene/mesh.h>
 

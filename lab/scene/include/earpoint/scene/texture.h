@@ -3,7 +3,7 @@
 #include <array>
 #include <cstdint>
 
-#include <earpoint/core/image.h>
+#include <earpoint/image.h>
 
 namespace earpoint {
 

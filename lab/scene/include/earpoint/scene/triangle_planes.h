@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include <earpoint/core/vector3.h>
 #include <earpoint/scene/mesh.h>
+#include <earpoint/vector3.h>
 
 namespace earpoint {
 

@@ -6,9 +6,9 @@
 #include <optional>
 #include <string>
 
-#include <earpoint/core/image.h>
 #include <earpoint/dataset/dataset_folder.h>
 #include <earpoint/dataset/pair_sample.h>
+#include <earpoint/image.h>
 
 namespace earpoint {
 

@@ -7,11 +7,11 @@
 #include <vector>
 
 #include <earpoint/core/parallel.h>
-#include <earpoint/core/pose.h>
-#include <earpoint/core/waveform.h>
+#include <earpoint/pose.h>
 #include <earpoint/spatial/hrtf.h>
-#include <earpoint/trace/response_renderer.h>
+#include <earpoint/trace/response_synthesizer.h>
 #include <earpoint/trace/tracer.h>
+#include <earpoint/waveform.h>
 
 namespace earpoint {
 
@@ -77,9 +77,9 @@ class MovingSound {
 
 /// Both together: traces along the motion and plays the sound.
 /// @param sound  dry, shape [samples], at `sample_rate_hz`
-[[nodiscard]] Waveform render_motion(const AcousticScene& scene, const Source& source,
-                                     const Motion& motion, std::span<const float> sound,
-                                     int sample_rate_hz, const Microphone& microphone,
-                                     const TraceOptions& options, ThreadPool& pool);
+[[nodiscard]] Waveform trace_motion(const AcousticScene& scene, const Source& source,
+                                    const Motion& motion, std::span<const float> sound,
+                                    int sample_rate_hz, const Microphone& microphone,
+                                    const TraceOptions& options, ThreadPool& pool);
 
 }  // namespace earpoint

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include <earpoint/core/octave_bands.h>
-#include <earpoint/core/pose.h>
+#include <earpoint/pose.h>
 
 namespace earpoint {
 

@@ -5,12 +5,12 @@
 #include <vector>
 
 #include <earpoint/core/parallel.h>
-#include <earpoint/core/vector3.h>
 #include <earpoint/spatial/air_absorption.h>
 #include <earpoint/spatial/arrival.h>
 #include <earpoint/trace/acoustic_scene.h>
 #include <earpoint/trace/energy_histogram.h>
 #include <earpoint/trace/source.h>
+#include <earpoint/vector3.h>
 
 namespace earpoint {
 
@@ -51,7 +51,7 @@ struct TraceResult {
 
 /// Traces sound from every source to every listener, source-centred: one bundle of rays per source
 /// serves all listeners.
-/// @param listeners  positions; the head's turn comes later (`ResponseRenderer`)
+/// @param listeners  positions; the head's turn comes later (`ResponseSynthesizer`)
 /// @throws InputError if more than `max_escape_fraction` of the energy escapes, a listener is less
 ///         than 1 mm from a source, or the air is out of range
 /// @throws std::logic_error if an option is out of range

@@ -4,10 +4,10 @@
 #include <string_view>
 #include <vector>
 
-#include <earpoint/core/image.h>
 #include <earpoint/core/random.h>
 #include <earpoint/core/resize.h>
 #include <earpoint/dataset/people_pictures.h>
+#include <earpoint/image.h>
 #include <earpoint/train/training_batch.h>
 
 namespace earpoint {

@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include <earpoint/train/example_source.h>
+#include <earpoint/train/example_loader.h>
 #include <earpoint/train/vigas_learner.h>
 #include <earpoint/vigas/description.h>
 

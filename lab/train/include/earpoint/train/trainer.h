@@ -11,7 +11,7 @@
 
 #include <earpoint/core/progress.h>
 #include <earpoint/core/range_lock.h>
-#include <earpoint/train/example_source.h>
+#include <earpoint/train/example_loader.h>
 #include <earpoint/train/learner.h>
 #include <earpoint/train/process_group.h>
 #include <earpoint/train/train_config.h>
@@ -86,7 +86,7 @@ class RunLock {
 ///                    that it holds
 /// @throws InputError if the folder cannot be written, an example cannot be made, or another
 ///         process ends
-TrainingSummary train(Learner& learner, const ExampleSource& examples,
+TrainingSummary train(Learner& learner, const ExampleLoader& examples,
                       const TrainerOptions& options, const SafetensorsFile* checkpoint,
                       ProgressSink& progress);
 

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include <earpoint/train/example_source.h>
+#include <earpoint/train/example_loader.h>
 #include <earpoint/train/learner.h>
 #include <earpoint/train/train_config.h>
 #include <earpoint/vigas/description.h>
@@ -19,7 +19,7 @@ namespace earpoint {
 /// What a Trainer runs: a learner and its examples.
 struct TrainingTask {
   std::unique_ptr<Learner> learner;
-  std::unique_ptr<ExampleSource> examples;
+  std::unique_ptr<ExampleLoader> examples;
 };
 
 struct TaskOptions {

@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include <earpoint/core/waveform.h>
+#include <earpoint/waveform.h>
 
 namespace earpoint {
 

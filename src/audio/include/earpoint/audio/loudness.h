@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include <earpoint/core/waveform.h>
+#include <earpoint/waveform.h>
 
 namespace earpoint {
 

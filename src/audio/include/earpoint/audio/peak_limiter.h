@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include <earpoint/core/waveform.h>
+#include <earpoint/waveform.h>
 
 namespace earpoint {
 

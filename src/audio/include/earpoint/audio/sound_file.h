@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <memory>
 
-#include <earpoint/core/waveform.h>
+#include <earpoint/waveform.h>
 
 namespace earpoint {
 

@@ -8,7 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include <earpoint/core/vector3.h>
+#include <earpoint/vector3.h>
 
 namespace earpoint {
 

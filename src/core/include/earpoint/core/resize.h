@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include <earpoint/core/image.h>
+#include <earpoint/image.h>
 
 namespace earpoint {
 

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include <earpoint/core/image.h>
+#include <earpoint/image.h>
 #include <earpoint/locate/people_detector.h>
 
 namespace earpoint {

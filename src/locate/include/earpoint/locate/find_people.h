@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include <earpoint/core/image.h>
 #include <earpoint/core/progress.h>
+#include <earpoint/image.h>
 #include <earpoint/locate/active_speaker.h>
 #include <earpoint/locate/people_detector.h>
 #include <earpoint/locate/person_tracker.h>
@@ -58,7 +58,7 @@ struct PeopleSearch {
 /// @param survey  of the source's sound
 /// @throws InputError for a bad recording or picture; if the head that directions are heard by is
 ///         missing
-[[nodiscard]] PeopleInClip find_people(const RenderSource& source, const SoundSurvey& survey,
+[[nodiscard]] PeopleInClip find_people(const RenderInput& source, const SoundSurvey& survey,
                                        const PeopleSearch& search, ProgressSink& progress);
 
 /// Where the most probable speaker is seen; nothing if no person ever is.

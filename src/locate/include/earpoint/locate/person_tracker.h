@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include <earpoint/core/image.h>
+#include <earpoint/image.h>
 #include <earpoint/locate/people_detector.h>
 
 namespace earpoint {

@@ -2,8 +2,8 @@
 
 #include <filesystem>
 
-#include <earpoint/core/image.h>
 #include <earpoint/core/progress.h>
+#include <earpoint/image.h>
 #include <earpoint/locate/find_people.h>
 #include <earpoint/render_files/render.h>
 
@@ -18,7 +18,7 @@ void draw_people(Image& picture, const PeopleFrame& frame);
 /// second), a still picture at 5 a second.
 /// @param path  .mp4, .m4v or .mov
 /// @throws InputError if the recording has no picture, or as MovieWriter
-void write_people_movie(const std::filesystem::path& path, const RenderSource& source,
+void write_people_movie(const std::filesystem::path& path, const RenderInput& source,
                         const PeopleInClip& people, ProgressSink& progress);
 
 }  // namespace earpoint

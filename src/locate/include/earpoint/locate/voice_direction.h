@@ -3,8 +3,8 @@
 #include <memory>
 #include <vector>
 
-#include <earpoint/core/waveform.h>
 #include <earpoint/spatial/hrtf.h>
+#include <earpoint/waveform.h>
 
 namespace earpoint {
 

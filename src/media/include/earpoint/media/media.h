@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include <earpoint/core/image.h>
-#include <earpoint/core/waveform.h>
+#include <earpoint/image.h>
+#include <earpoint/waveform.h>
 
 namespace earpoint {
 

@@ -3,8 +3,8 @@
 #include <filesystem>
 #include <memory>
 
-#include <earpoint/core/image.h>
-#include <earpoint/core/waveform.h>
+#include <earpoint/image.h>
+#include <earpoint/waveform.h>
 
 namespace earpoint {
 

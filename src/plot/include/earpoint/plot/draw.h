@@ -4,7 +4,7 @@
 #include <span>
 #include <string_view>
 
-#include <earpoint/core/image.h>
+#include <earpoint/image.h>
 
 namespace earpoint {
 

@@ -7,11 +7,11 @@
 #include <vector>
 
 #include <earpoint/audio/ambient_separation.h>
-#include <earpoint/core/image.h>
 #include <earpoint/core/parallel.h>
-#include <earpoint/core/pose.h>
 #include <earpoint/core/progress.h>
+#include <earpoint/image.h>
 #include <earpoint/plot/plot.h>
+#include <earpoint/pose.h>
 #include <earpoint/render/clip_options.h>
 #include <earpoint/render/sound_sink.h>
 #include <earpoint/render/source_stream.h>

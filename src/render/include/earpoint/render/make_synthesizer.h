@@ -5,8 +5,8 @@
 #include <optional>
 #include <string>
 
-#include <earpoint/core/pose.h>
 #include <earpoint/gtf/weights.h>
+#include <earpoint/pose.h>
 #include <earpoint/synthesis/synthesizer.h>
 
 namespace earpoint {

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <vector>
 
-#include <earpoint/core/waveform.h>
+#include <earpoint/waveform.h>
 
 namespace earpoint {
 

@@ -3,12 +3,12 @@
 #include <memory>
 #include <optional>
 
-#include <earpoint/core/image.h>
-#include <earpoint/core/pose.h>
-#include <earpoint/core/waveform.h>
+#include <earpoint/image.h>
+#include <earpoint/pose.h>
 #include <earpoint/render/clip_rendering.h>
 #include <earpoint/synthesis/earpoint_path.h>
 #include <earpoint/synthesis/synthesizer.h>
+#include <earpoint/waveform.h>
 
 namespace earpoint {
 

@@ -6,9 +6,9 @@
 #include <optional>
 #include <span>
 
-#include <earpoint/core/image.h>
-#include <earpoint/core/pose.h>
 #include <earpoint/gtf/weights.h>
+#include <earpoint/image.h>
+#include <earpoint/pose.h>
 
 namespace earpoint {
 

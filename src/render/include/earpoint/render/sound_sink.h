@@ -1,6 +1,6 @@
 #pragma once
 
-#include <earpoint/core/waveform.h>
+#include <earpoint/waveform.h>
 
 namespace earpoint {
 

@@ -12,9 +12,9 @@
 #include <earpoint/audio/butterworth.h>
 #include <earpoint/audio/resample.h>
 #include <earpoint/audio/stereo_check.h>
-#include <earpoint/core/waveform.h>
 #include <earpoint/plot/plot.h>
 #include <earpoint/render/stream_buffer.h>
+#include <earpoint/waveform.h>
 
 namespace earpoint {
 

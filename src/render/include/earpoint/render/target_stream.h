@@ -8,7 +8,6 @@
 
 #include <earpoint/audio/peak_limiter.h>
 #include <earpoint/audio/resample.h>
-#include <earpoint/core/waveform.h>
 #include <earpoint/plot/plot.h>
 #include <earpoint/render/band_extension.h>
 #include <earpoint/render/clip_options.h>
@@ -16,6 +15,7 @@
 #include <earpoint/render/sound_sink.h>
 #include <earpoint/render/source_stream.h>
 #include <earpoint/synthesis/synthesizer.h>
+#include <earpoint/waveform.h>
 
 namespace earpoint {
 

@@ -6,10 +6,10 @@
 #include <vector>
 
 #include <earpoint/audio/stereo_check.h>
-#include <earpoint/core/pose.h>
-#include <earpoint/core/waveform.h>
+#include <earpoint/pose.h>
 #include <earpoint/spatial/hrtf.h>
 #include <earpoint/synthesis/speaker_track.h>
+#include <earpoint/waveform.h>
 
 namespace earpoint {
 

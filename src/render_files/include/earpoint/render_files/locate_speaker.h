@@ -3,10 +3,10 @@
 #include <optional>
 #include <vector>
 
-#include <earpoint/core/image.h>
 #include <earpoint/core/progress.h>
 #include <earpoint/gtf/engine.h>
 #include <earpoint/gtf/weights.h>
+#include <earpoint/image.h>
 #include <earpoint/render/source_stream.h>
 #include <earpoint/render_files/render.h>
 
@@ -38,7 +38,7 @@ struct LocatedSpeaker {
 /// @param weights             of a network with geometry: others find no speaker
 /// @param horizontal_fov_rad  of the source camera
 /// @throws InputError for a bad recording or picture
-[[nodiscard]] LocatedSpeaker locate_speaker(const RenderSource& source, const GtfWeights& weights,
+[[nodiscard]] LocatedSpeaker locate_speaker(const RenderInput& source, const GtfWeights& weights,
                                             double horizontal_fov_rad, ProgressSink& progress);
 
 /// The mean over sightings, weighted by power. At least one must be no silence.

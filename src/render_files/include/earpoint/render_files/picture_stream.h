@@ -5,7 +5,7 @@
 #include <optional>
 #include <utility>
 
-#include <earpoint/core/image.h>
+#include <earpoint/image.h>
 #include <earpoint/media/media.h>
 
 namespace earpoint {

@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
-#include <earpoint/core/pose.h>
 #include <earpoint/core/progress.h>
 #include <earpoint/plot/plot.h>
+#include <earpoint/pose.h>
 #include <earpoint/render/clip_options.h>
-#include <earpoint/render_files/sound_source.h>
+#include <earpoint/render_files/sound_input.h>
 #include <earpoint/synthesis/earpoint_path.h>
 #include <earpoint/synthesis/speaker_track.h>
 #include <earpoint/synthesis/synthesizer.h>
@@ -18,8 +18,8 @@
 namespace earpoint {
 
 /// What is rendered: the sound, and the picture that goes with it.
-struct RenderSource {
-  SoundSource sound;
+struct RenderInput {
+  SoundInput sound;
   /// A still picture, or a movie. Without it the picture is the sound's own movie, if it is one.
   std::optional<std::filesystem::path> picture;
   /// The speaker's box in the picture, or position in the source view's frame.
@@ -52,7 +52,7 @@ struct RenderReport {
 ///
 /// Memory is bounded by a few windows, whatever the clip's length.
 /// @throws InputError for a bad recording, picture, path or output, with nothing written
-RenderReport render(const RenderSource& source, AcousticSynthesizer& synthesizer,
+RenderReport render(const RenderInput& source, AcousticSynthesizer& synthesizer,
                     std::span<const RenderTarget> targets, const ClipRenderOptions& options,
                     ProgressSink& progress);
 

@@ -6,10 +6,10 @@
 #include <span>
 #include <string>
 
-#include <earpoint/core/pose.h>
-#include <earpoint/core/waveform.h>
+#include <earpoint/pose.h>
 #include <earpoint/serve/listen_method.h>
 #include <earpoint/serve/served_clip.h>
+#include <earpoint/waveform.h>
 
 namespace earpoint {
 

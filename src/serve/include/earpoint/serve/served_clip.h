@@ -8,12 +8,12 @@
 #include <string>
 #include <vector>
 
-#include <earpoint/core/image.h>
-#include <earpoint/core/pose.h>
 #include <earpoint/core/progress.h>
-#include <earpoint/core/waveform.h>
 #include <earpoint/gtf/weights.h>
+#include <earpoint/image.h>
+#include <earpoint/pose.h>
 #include <earpoint/render_files/render.h>
+#include <earpoint/waveform.h>
 
 namespace earpoint {
 
@@ -69,7 +69,7 @@ struct ServedClip {
   std::optional<ServedPlan> plan;
   std::optional<ServedMap> map;
   /// The files that it comes from; nothing where it was made in memory.
-  std::optional<RenderSource> source;
+  std::optional<RenderInput> source;
 };
 
 /// Longer recordings are refused: a clip is held in memory.
@@ -78,7 +78,7 @@ inline constexpr double kLongestServed_s = 1200.0;
 /// Reads a clip, and finds the speaker where nothing tells who it is.
 /// @param finder  a network that finds speakers; null: nobody is looked for
 /// @throws InputError for a bad recording or picture, or one longer than that
-[[nodiscard]] ServedClip open_served_clip(const RenderSource& source, const GtfWeights* finder,
+[[nodiscard]] ServedClip open_served_clip(const RenderInput& source, const GtfWeights* finder,
                                           double horizontal_fov_rad, ProgressSink& progress);
 
 }  // namespace earpoint

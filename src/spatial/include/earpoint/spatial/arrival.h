@@ -1,7 +1,7 @@
 #pragma once
 
 #include <earpoint/core/octave_bands.h>
-#include <earpoint/core/vector3.h>
+#include <earpoint/vector3.h>
 
 namespace earpoint {
 

@@ -2,9 +2,9 @@
 
 #include <span>
 
-#include <earpoint/core/waveform.h>
 #include <earpoint/spatial/arrival.h>
 #include <earpoint/spatial/hrtf.h>
+#include <earpoint/waveform.h>
 
 namespace earpoint {
 

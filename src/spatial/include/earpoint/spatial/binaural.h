@@ -3,9 +3,9 @@
 #include <memory>
 #include <span>
 
-#include <earpoint/core/pose.h>
-#include <earpoint/core/waveform.h>
+#include <earpoint/pose.h>
 #include <earpoint/spatial/hrtf.h>
+#include <earpoint/waveform.h>
 
 namespace earpoint {
 

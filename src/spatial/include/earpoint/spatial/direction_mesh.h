@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include <earpoint/core/vector3.h>
+#include <earpoint/vector3.h>
 
 namespace earpoint {
 

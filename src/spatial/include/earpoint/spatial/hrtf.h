@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include <earpoint/core/vector3.h>
 #include <earpoint/spatial/sofa_file.h>
+#include <earpoint/vector3.h>
 
 namespace earpoint {
 

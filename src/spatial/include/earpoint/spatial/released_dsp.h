@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include <earpoint/core/waveform.h>
 #include <earpoint/spatial/sofa_file.h>
+#include <earpoint/waveform.h>
 
 namespace earpoint {
 

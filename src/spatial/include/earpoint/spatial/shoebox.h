@@ -3,7 +3,7 @@
 #include <array>
 #include <vector>
 
-#include <earpoint/core/pose.h>
+#include <earpoint/pose.h>
 #include <earpoint/spatial/air_absorption.h>
 #include <earpoint/spatial/arrival.h>
 

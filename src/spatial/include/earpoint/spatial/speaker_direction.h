@@ -1,7 +1,7 @@
 #pragma once
 
-#include <earpoint/core/image.h>
-#include <earpoint/core/pose.h>
+#include <earpoint/image.h>
+#include <earpoint/pose.h>
 
 namespace earpoint {
 

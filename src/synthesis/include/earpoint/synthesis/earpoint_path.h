@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include <earpoint/core/pose.h>
+#include <earpoint/pose.h>
 
 namespace earpoint {
 

@@ -7,12 +7,12 @@
 #include <string>
 #include <vector>
 
-#include <earpoint/core/error.h>
-#include <earpoint/core/image.h>
-#include <earpoint/core/pose.h>
-#include <earpoint/core/waveform.h>
+#include <earpoint/error.h>
+#include <earpoint/image.h>
+#include <earpoint/pose.h>
 #include <earpoint/synthesis/earpoint_path.h>
 #include <earpoint/synthesis/speaker_track.h>
+#include <earpoint/waveform.h>
 
 namespace earpoint {
 

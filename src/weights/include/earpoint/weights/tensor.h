@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 

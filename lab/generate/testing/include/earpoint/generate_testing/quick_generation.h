@@ -36,7 +36,7 @@ GenerationOptions quick_options(const std::filesystem::path& folder);
 Scene two_rooms();
 
 /// Two rooms at any index.
-class TestSource : public SceneSource {
+class TestScenes : public SceneMaker {
  public:
   [[nodiscard]] std::shared_ptr<const PreparedScene> make(int scene) const override;
   [[nodiscard]] std::string name(int scene) const override;

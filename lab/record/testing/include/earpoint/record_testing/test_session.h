@@ -4,11 +4,11 @@
 #include <filesystem>
 #include <vector>
 
-#include <earpoint/core/vector3.h>
-#include <earpoint/core/waveform.h>
 #include <earpoint/record/device_sound.h>
 #include <earpoint/record/session.h>
 #include <earpoint/record/session_truth.h>
+#include <earpoint/vector3.h>
+#include <earpoint/waveform.h>
 
 namespace earpoint {
 

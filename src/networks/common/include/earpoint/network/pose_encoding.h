@@ -3,8 +3,8 @@
 #include <optional>
 #include <vector>
 
-#include <earpoint/core/image.h>
-#include <earpoint/core/pose.h>
+#include <earpoint/image.h>
+#include <earpoint/pose.h>
 
 namespace earpoint {
 

@@ -6,11 +6,11 @@
 #include <span>
 #include <vector>
 
-#include <earpoint/core/image.h>
-#include <earpoint/core/pose.h>
-#include <earpoint/core/vector3.h>
 #include <earpoint/gtf/description.h>
 #include <earpoint/gtf/weights.h>
+#include <earpoint/image.h>
+#include <earpoint/pose.h>
+#include <earpoint/vector3.h>
 
 namespace earpoint {
 
@@ -31,11 +31,11 @@ struct GtfSpeaker {
 
 /// A geometric time-frequency network, ready to run on the processor. Either window by window,
 ///
-///   look(), aim(), synthesize()
+///   set_picture(), set_pose(), synthesize()
 ///
 /// or as a stream, hop by hop, whose conditions may change at any hop:
 ///
-///   start(), then look() and aim() whenever something changes, and advance().
+///   start(), then set_picture() and set_pose() whenever something changes, and advance().
 ///
 /// Both are exactly equivariant to gain, up to rounding, above -80 dB re full scale. Nothing
 /// allocates after the first window of a length. One caller at a time, one thread.
@@ -50,13 +50,13 @@ class Gtf {
 
   /// What the source's camera sees from here on, as gtf_view() has it.
   /// @param picture  [3][picture_px][picture_px]; empty if the network does not look
-  void look(std::span<const float> picture, const std::optional<Box>& speaker_box);
+  void set_picture(std::span<const float> picture, const std::optional<Box>& speaker_box);
 
   /// Where the target is from here on, and the speaker's mouth if it is known, both in the source's
   /// frame. Pitch and roll turn the ears; what was learned knows the yaw alone. A place beyond the
   /// range of the training data (GtfTrainingRange) is heard as the nearest one within it, and by as
   /// much weaker as the way to it costs the direct sound; the diffuse field stays.
-  void aim(const Pose& source_from_target, const std::optional<Vector3>& speaker_m = {});
+  void set_pose(const Pose& source_from_target, const std::optional<Vector3>& speaker_m = {});
 
   /// Which texture is rendered from here on, in a network that has been told it in training: 0 the
   /// mean of what is possible, with the least error of magnitudes; 1 a natural one, with the depth
@@ -68,7 +68,7 @@ class Gtf {
   /// @param output  the same size; must not overlap it
   void synthesize(std::span<const float> source, std::span<float> output);
 
-  /// The same for a target that moves, in place of the pose that aim() was given.
+  /// The same for a target that moves, in place of the pose that set_pose() was given.
   /// @param path  source_from_target at every frame, which is at every hop of samples:
   ///              1 + samples / hop poses. Equal neighbours cost nothing more than standing still
   void synthesize(std::span<const float> source, std::span<const Pose> path,

@@ -2,9 +2,9 @@
 
 #include <span>
 
-#include <earpoint/core/pose.h>
-#include <earpoint/core/waveform.h>
 #include <earpoint/gtf/training_range.h>
+#include <earpoint/pose.h>
+#include <earpoint/waveform.h>
 
 namespace earpoint {
 

@@ -3,7 +3,7 @@
 #include <array>
 #include <span>
 
-#include <earpoint/core/vector3.h>
+#include <earpoint/vector3.h>
 
 namespace earpoint {
 

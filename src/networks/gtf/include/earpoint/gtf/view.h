@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include <earpoint/core/image.h>
+#include <earpoint/image.h>
 
 namespace earpoint {
 

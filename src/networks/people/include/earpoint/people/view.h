@@ -1,7 +1,7 @@
 #pragma once
 
-#include <earpoint/core/image.h>
 #include <earpoint/core/resize.h>
+#include <earpoint/image.h>
 
 namespace earpoint {
 

@@ -4,9 +4,9 @@
 #include <span>
 #include <vector>
 
-#include <earpoint/core/waveform.h>
 #include <earpoint/rt60/description.h>
 #include <earpoint/rt60/weights.h>
+#include <earpoint/waveform.h>
 
 namespace earpoint {
 

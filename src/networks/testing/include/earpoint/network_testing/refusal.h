@@ -3,7 +3,7 @@
 #include <functional>
 #include <string>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 

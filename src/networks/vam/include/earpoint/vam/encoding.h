@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include <earpoint/core/image.h>
-#include <earpoint/core/pose.h>
+#include <earpoint/image.h>
+#include <earpoint/pose.h>
 #include <earpoint/vam/description.h>
 
 namespace earpoint {

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include <earpoint/core/image.h>
+#include <earpoint/image.h>
 #include <earpoint/vam/description.h>
 #include <earpoint/vam/weights.h>
 

@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
-#include <earpoint/core/image.h>
 #include <earpoint/core/resize.h>
+#include <earpoint/image.h>
 #include <earpoint/vigas/description.h>
 #include <earpoint/vigas/weights.h>
 

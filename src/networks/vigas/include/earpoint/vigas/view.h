@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include <earpoint/core/image.h>
+#include <earpoint/image.h>
 #include <earpoint/vigas/description.h>
 
 namespace earpoint {

@@ -1,4 +1,4 @@
-#include "picture_source.h"
+#include "picture_writer.h"
 
 #include "container.h"
 #include "encoder.h"
@@ -13,7 +13,7 @@
 #include <string>
 #include <utility>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 namespace earpoint::ffmpeg {
 namespace {
@@ -24,7 +24,7 @@ namespace {
 }
 
 /// Another movie's packets, as they are.
-class CopiedPictures : public PictureSource {
+class CopiedPictures : public PictureWriter {
  public:
   CopiedPictures(std::unique_ptr<InputContainer> source, int index, OutputContainer& output)
       : source_(std::move(source)),
@@ -98,7 +98,7 @@ class CopiedPictures : public PictureSource {
 };
 
 /// Another movie's frames, encoded anew, at their own times.
-class EncodedPictures : public PictureSource {
+class EncodedPictures : public PictureWriter {
  public:
   EncodedPictures(const std::filesystem::path& source, OutputContainer& output)
       : output_(output),
@@ -173,7 +173,7 @@ bool begins_with_a_time(const std::filesystem::path& source, int index) {
 
 }  // namespace
 
-std::unique_ptr<PictureSource> picture_of_movie(const std::filesystem::path& source,
+std::unique_ptr<PictureWriter> picture_of_movie(const std::filesystem::path& source,
                                                 OutputContainer& output) {
   auto container = std::make_unique<InputContainer>(source);
   const int index = container->preferred_stream(StreamKind::video);

@@ -1,4 +1,4 @@
-#include <earpoint/render_files/sound_source.h>
+#include <earpoint/render_files/sound_input.h>
 
 #include <memory>
 #include <optional>
@@ -11,13 +11,13 @@
 namespace earpoint {
 namespace {
 
-AudioReader open(const SoundSource& source) {
+AudioReader open(const SoundInput& source) {
   return AudioReader(source.path, source.binaural_channels, source.audio_stream);
 }
 
 }  // namespace
 
-SoundSurvey survey_sound(const SoundSource& source) {
+SoundSurvey survey_sound(const SoundInput& source) {
   AudioReader reader = open(source);
   SoundSurvey survey =
       survey_blocks([&reader](std::ptrdiff_t samples) { return reader.read(samples); },
@@ -31,7 +31,7 @@ SoundSurvey survey_sound(const SoundSource& source) {
   return survey;
 }
 
-BlockReader read_blocks(const SoundSource& source) {
+BlockReader read_blocks(const SoundInput& source) {
   struct Reading {
     AudioReader reader;
     std::optional<VoicePlacer> placer;

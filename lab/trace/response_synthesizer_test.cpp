@@ -7,7 +7,7 @@
 
 #include <earpoint/audio/energy.h>
 #include <earpoint/spatial/hrtf.h>
-#include <earpoint/trace/response_renderer.h>
+#include <earpoint/trace/response_synthesizer.h>
 
 namespace earpoint {
 namespace {
@@ -21,14 +21,14 @@ PointResponse one_arrival(double delay_s, const Vector3& direction, const BandAr
   return response;
 }
 
-TEST(ResponseRenderer, ArrivalIsTheHeadsResponseAtItsSample) {
+TEST(ResponseSynthesizer, ArrivalIsTheHeadsResponseAtItsSample) {
   const HrtfSet hrtf = HrtfSet::load(kRate_hz);
-  const ResponseRenderer renderer({.sample_rate_hz = kRate_hz, .duration_s = 0.1});
+  const ResponseSynthesizer synthesizer({.sample_rate_hz = kRate_hz, .duration_s = 0.1});
   // At a whole sample after the head's own delay, no fraction is left.
   const double centre = hrtf.centre_delay_samples();
   const int place = 400;
   const Vector3 direction{0.6, 0.8, 0.0};
-  const Waveform ears = renderer.binaural(
+  const Waveform ears = synthesizer.binaural(
       one_arrival((place + centre) / kRate_hz, direction, all_bands(0.5F)), {}, hrtf, 0);
   const Hrir hrir = hrtf.interpolated(direction);
   for (int ear = 0; ear < 2; ++ear) {
@@ -42,28 +42,28 @@ TEST(ResponseRenderer, ArrivalIsTheHeadsResponseAtItsSample) {
   }
 }
 
-TEST(ResponseRenderer, ArrivalsPastTheInterpolatedOnesAreAsLoud) {
+TEST(ResponseSynthesizer, ArrivalsPastTheInterpolatedOnesAreAsLoud) {
   const HrtfSet hrtf = HrtfSet::load(kRate_hz);
-  const ResponseRenderer renderer({.sample_rate_hz = kRate_hz, .duration_s = 0.2});
+  const ResponseSynthesizer synthesizer({.sample_rate_hz = kRate_hz, .duration_s = 0.2});
   PointResponse response = one_arrival(0.1, {0.0, 1.0, 0.0}, all_bands(1.0F));
-  const Waveform first = renderer.binaural(response, {}, hrtf, 0);
+  const Waveform first = synthesizer.binaural(response, {}, hrtf, 0);
   // 256 silent ones before it.
   const Arrival arrival = response.arrivals[0];
   response.arrivals.assign(256, arrival);
   for (Arrival& silent : response.arrivals) silent.gain = all_bands(0.0F);
   response.arrivals.push_back(arrival);
-  const Waveform last = renderer.binaural(response, {}, hrtf, 0);
+  const Waveform last = synthesizer.binaural(response, {}, hrtf, 0);
   for (int ear = 0; ear < 2; ++ear) {
     // The direction is a measured one, where interpolation keeps -60 dB.
     EXPECT_NEAR(gates::decibels(energy(last.channel(ear)) / energy(first.channel(ear))), 0.0, 0.05);
   }
 }
 
-TEST(ResponseRenderer, WhatStartsBeforeTheResponseDoesNotComeRoundItsEnd) {
+TEST(ResponseSynthesizer, WhatStartsBeforeTheResponseDoesNotComeRoundItsEnd) {
   const HrtfSet hrtf = HrtfSet::load(kRate_hz);
-  const ResponseRenderer renderer({.sample_rate_hz = kRate_hz, .duration_s = 0.1});
+  const ResponseSynthesizer synthesizer({.sample_rate_hz = kRate_hz, .duration_s = 0.1});
   const Waveform ears =
-      renderer.binaural(one_arrival(0.0, {1.0, 0.0, 0.0}, all_bands(1.0F)), {}, hrtf, 0);
+      synthesizer.binaural(one_arrival(0.0, {1.0, 0.0, 0.0}, all_bands(1.0F)), {}, hrtf, 0);
   EXPECT_LT(energy(ears.channel(0).subspan(1200)), 1e-5 * energy(ears.channel(0)));
 }
 
@@ -82,16 +82,16 @@ double largest_db(const Waveform& waveform, double from_s, double to_s) {
   return gates::decibels(static_cast<double>(part * part) / static_cast<double>(all * all));
 }
 
-TEST(ResponseRenderer, LoneSoundRingsNeitherAheadNorOn) {
+TEST(ResponseSynthesizer, LoneSoundRingsNeitherAheadNorOn) {
   const HrtfSet hrtf = HrtfSet::load(kRate_hz);
-  const ResponseRenderer renderer({.sample_rate_hz = kRate_hz, .duration_s = 0.4});
+  const ResponseSynthesizer synthesizer({.sample_rate_hz = kRate_hz, .duration_s = 0.4});
   // 34 m through air at 20 degrees: 8 kHz has lost 3.6 dB, and falls between two samples.
   const BandArray air = {1.0F, 1.0F, 0.998F, 0.99F, 0.98F, 0.96F, 0.89F, 0.66F};
   const double delay_s = 0.1000213;
   const PointResponse response = one_arrival(delay_s, {0.6, 0.8, 0.0}, air);
-  const Waveform responses[] = {renderer.mono(response, 0),
-                                renderer.binaural(response, {}, hrtf, 0),
-                                renderer.ambisonic(response, {}, 2, 0)};
+  const Waveform responses[] = {synthesizer.mono(response, 0),
+                                synthesizer.binaural(response, {}, hrtf, 0),
+                                synthesizer.ambisonic(response, {}, 2, 0)};
   for (const Waveform& waveform : responses) {
     EXPECT_EQ(largest_db(waveform, 0.0, delay_s - 0.006), -INFINITY);
     // The pulse's own flanks, which the fade to silence cuts.

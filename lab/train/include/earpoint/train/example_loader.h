@@ -19,9 +19,9 @@
 namespace earpoint {
 
 /// Where a Trainer's examples come from. Any thread may call it.
-class ExampleSource {
+class ExampleLoader {
  public:
-  virtual ~ExampleSource() = default;
+  virtual ~ExampleLoader() = default;
 
   /// Example number `number` of the run: the same number gives the same example.
   [[nodiscard]] virtual TrainingExample training(std::uint64_t number) const = 0;
@@ -79,7 +79,7 @@ using PairEncoder = std::function<TrainingExample(const PairSample&)>;
 
 /// Pairs of viewpoints in the SoundSpaces layout: random clip, pair, speaker and window of `train`
 /// of all folders; of `val` of the first one the frozen pair list, drawn where there is none.
-class PairExamples : public ExampleSource {
+class PairExamples : public ExampleLoader {
  public:
   /// @throws InputError if the data set or its pair list is missing or malformed
   PairExamples(PairOptions options, PairEncoder encode);
@@ -102,7 +102,7 @@ class PairExamples : public ExampleSource {
 /// the released loader takes it; of `val` the pairs that the released draw gives. With
 /// Alignment::gcc_phat the source is moved by the delay found against the target, as the released
 /// loader does, in validation too; with Alignment::none it is not.
-class ReplayExamples : public ExampleSource {
+class ReplayExamples : public ExampleLoader {
  public:
   /// @throws InputError if the data set is missing or malformed, or an option asks for what
   ///         recordings do not tell (responses, near microphones, room noise, other speech), for
@@ -127,7 +127,7 @@ class ReplayExamples : public ExampleSource {
 
 /// PairExamples or ReplayExamples, as the data set is.
 /// @throws InputError as these do
-[[nodiscard]] std::unique_ptr<ExampleSource> pair_examples(PairOptions options, PairEncoder encode);
+[[nodiscard]] std::unique_ptr<ExampleLoader> pair_examples(PairOptions options, PairEncoder encode);
 
 /// In a row, by when a data set is beyond repair.
 inline constexpr std::uint64_t kMostBadExamples = 100;

@@ -1,4 +1,4 @@
-#include <earpoint/camera/scene_renderer.h>
+#include <earpoint/camera/scene_drawer.h>
 
 #include "default_lamps.h"
 #include "denoise.h"
@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {
@@ -34,7 +34,7 @@ struct TracedView {
 
 }  // namespace
 
-struct SceneRenderer::Parts {
+struct SceneDrawer::Parts {
   Parts(const Scene& scene, const Lighting& lighting, ThreadPool& pool)
       : surfaces(scene),
         tracer(surfaces),
@@ -77,9 +77,9 @@ struct SceneRenderer::Parts {
   SolvedLight solved;
 };
 
-TracedView SceneRenderer::Parts::trace(const Camera& camera, const PixelRegion& region,
-                                       const RenderQuality& quality, std::uint64_t seed,
-                                       ThreadPool& pool) const {
+TracedView SceneDrawer::Parts::trace(const Camera& camera, const PixelRegion& region,
+                                     const RenderQuality& quality, std::uint64_t seed,
+                                     ThreadPool& pool) const {
   check_camera(camera);
   check_quality(quality);
   EARPOINT_CHECK(region.x >= 0 && region.width > 0 && region.x + region.width <= camera.width);
@@ -103,37 +103,37 @@ TracedView SceneRenderer::Parts::trace(const Camera& camera, const PixelRegion& 
   return traced;
 }
 
-SceneRenderer::SceneRenderer(const Scene& scene, const Lighting& lighting) {
+SceneDrawer::SceneDrawer(const Scene& scene, const Lighting& lighting) {
   ThreadPool pool(1);
   parts_ = std::make_unique<const Parts>(scene, lighting, pool);
 }
 
-SceneRenderer::SceneRenderer(const Scene& scene, const Lighting& lighting, ThreadPool& pool)
+SceneDrawer::SceneDrawer(const Scene& scene, const Lighting& lighting, ThreadPool& pool)
     : parts_(std::make_unique<const Parts>(scene, lighting, pool)) {}
 
-SceneRenderer::SceneRenderer(std::unique_ptr<const Parts> parts) : parts_(std::move(parts)) {}
+SceneDrawer::SceneDrawer(std::unique_ptr<const Parts> parts) : parts_(std::move(parts)) {}
 
-SceneRenderer SceneRenderer::extended(const Scene& scene) const {
+SceneDrawer SceneDrawer::extended(const Scene& scene) const {
   ThreadPool pool(1);
   return extended(scene, pool);
 }
 
-SceneRenderer SceneRenderer::extended(const Scene& scene, ThreadPool& pool) const {
-  return SceneRenderer(std::make_unique<const Parts>(*parts_, scene, pool));
+SceneDrawer SceneDrawer::extended(const Scene& scene, ThreadPool& pool) const {
+  return SceneDrawer(std::make_unique<const Parts>(*parts_, scene, pool));
 }
 
-SceneRenderer::~SceneRenderer() = default;
-SceneRenderer::SceneRenderer(SceneRenderer&&) noexcept = default;
-SceneRenderer& SceneRenderer::operator=(SceneRenderer&&) noexcept = default;
+SceneDrawer::~SceneDrawer() = default;
+SceneDrawer::SceneDrawer(SceneDrawer&&) noexcept = default;
+SceneDrawer& SceneDrawer::operator=(SceneDrawer&&) noexcept = default;
 
-View SceneRenderer::render(const Camera& camera, const RenderQuality& quality,
-                           std::uint64_t seed) const {
+View SceneDrawer::draw(const Camera& camera, const RenderQuality& quality,
+                       std::uint64_t seed) const {
   ThreadPool pool(1);
-  return render(camera, quality, seed, pool);
+  return draw(camera, quality, seed, pool);
 }
 
-View SceneRenderer::render(const Camera& camera, const RenderQuality& quality, std::uint64_t seed,
-                           ThreadPool& pool) const {
+View SceneDrawer::draw(const Camera& camera, const RenderQuality& quality, std::uint64_t seed,
+                       ThreadPool& pool) const {
   TracedView traced = parts_->trace(camera, whole_picture(camera), quality, seed, pool);
   const float exposure =
       quality.exposure * find_exposure(put_together(traced.buffers, traced.light));
@@ -141,26 +141,26 @@ View SceneRenderer::render(const Camera& camera, const RenderQuality& quality, s
   return std::move(traced.view);
 }
 
-float SceneRenderer::found_exposure(const Camera& camera, const RenderQuality& quality,
-                                    std::uint64_t seed, ThreadPool& pool) const {
+float SceneDrawer::found_exposure(const Camera& camera, const RenderQuality& quality,
+                                  std::uint64_t seed, ThreadPool& pool) const {
   return find_exposure(radiance(camera, quality, seed, pool));
 }
 
-View SceneRenderer::render_region(const Camera& camera, const PixelRegion& region,
-                                  const RenderQuality& quality, float exposure, std::uint64_t seed,
-                                  ThreadPool& pool) const {
+View SceneDrawer::draw_region(const Camera& camera, const PixelRegion& region,
+                              const RenderQuality& quality, float exposure, std::uint64_t seed,
+                              ThreadPool& pool) const {
   EARPOINT_CHECK(exposure > 0.0F);
   TracedView traced = parts_->trace(camera, region, quality, seed, pool);
   traced.view.rgb = develop(traced.buffers, traced.light, quality.exposure * exposure, pool);
   return std::move(traced.view);
 }
 
-FloatImage SceneRenderer::radiance(const Camera& camera, const RenderQuality& quality,
-                                   std::uint64_t seed, ThreadPool& pool) const {
+FloatImage SceneDrawer::radiance(const Camera& camera, const RenderQuality& quality,
+                                 std::uint64_t seed, ThreadPool& pool) const {
   const TracedView traced = parts_->trace(camera, whole_picture(camera), quality, seed, pool);
   return put_together(traced.buffers, traced.light);
 }
 
-std::size_t SceneRenderer::patches() const { return parts_->patches.size(); }
+std::size_t SceneDrawer::patches() const { return parts_->patches.size(); }
 
 }  // namespace earpoint

@@ -3,10 +3,10 @@
 #include <cstdint>
 #include <memory>
 
-#include <earpoint/core/pose.h>
-#include <earpoint/core/waveform.h>
+#include <earpoint/pose.h>
 #include <earpoint/spatial/hrtf.h>
 #include <earpoint/trace/tracer.h>
+#include <earpoint/waveform.h>
 
 namespace earpoint {
 
@@ -25,13 +25,13 @@ struct RenderOptions {
 /// follows the histogram in every band. Up to 6 ms before the first sound all samples are zero.
 /// Holds tables for one rate and duration: make one and keep it. Const calls may be made from many
 /// threads at once.
-class ResponseRenderer {
+class ResponseSynthesizer {
  public:
   /// @throws std::logic_error if an option is out of range
-  explicit ResponseRenderer(const RenderOptions& options);
-  ~ResponseRenderer();
-  ResponseRenderer(ResponseRenderer&&) noexcept;
-  ResponseRenderer& operator=(ResponseRenderer&&) noexcept;
+  explicit ResponseSynthesizer(const RenderOptions& options);
+  ~ResponseSynthesizer();
+  ResponseSynthesizer(ResponseSynthesizer&&) noexcept;
+  ResponseSynthesizer& operator=(ResponseSynthesizer&&) noexcept;
 
   /// The response of an omnidirectional microphone at the listener.
   /// @param stream  names the noise: other numbers give other noise of the same energy
@@ -40,7 +40,7 @@ class ResponseRenderer {
 
   /// The response at two ears: the binaural room impulse response (BRIR).
   /// @param world_from_listener  the head's turn
-  /// @param hrtf                 at the renderer's sampling rate
+  /// @param hrtf                 at the synthesizer's sampling rate
   /// @param stream               as for mono()
   /// @return  two channels, left first
   [[nodiscard]] Waveform binaural(const PointResponse& response,

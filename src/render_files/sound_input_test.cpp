@@ -8,7 +8,7 @@
 #include <earpoint/core/file.h>
 #include <earpoint/core/random.h>
 #include <earpoint/render_files/open_sound_sink.h>
-#include <earpoint/render_files/sound_source.h>
+#include <earpoint/render_files/sound_input.h>
 
 namespace earpoint {
 namespace {
@@ -31,7 +31,7 @@ TEST_F(SurveyTest, WarnsOfStereoThatIsNotBinauralUnlessAskedForOneChannel) {
     panned.channel(1)[i] = 0.5F * panned.channel(0)[i];
   }
   write_sound(file_, panned, SampleFormat::float32);
-  SoundSource source{.path = file_, .binaural_channels = {}, .audio_stream = {}};
+  SoundInput source{.path = file_, .binaural_channels = {}, .audio_stream = {}};
   const SoundSurvey survey = survey_sound(source);
   EXPECT_EQ(survey.stereo, StereoKind::panned);
   ASSERT_EQ(survey.warnings.size(), 1U);

@@ -11,7 +11,7 @@
 namespace earpoint {
 
 /// Which sound of which file.
-struct SoundSource {
+struct SoundInput {
   std::filesystem::path path;                           ///< a sound file or a movie
   std::optional<std::array<int, 2>> binaural_channels;  ///< left, right; needed beyond two channels
   std::optional<int> audio_stream;  ///< StreamInfo::index; by default the preferred
@@ -22,9 +22,9 @@ struct SoundSource {
 
 /// Reads the recording once from end to end, so that nothing is written for a bad one.
 /// @throws InputError if it has no sound, or as survey_blocks()
-SoundSurvey survey_sound(const SoundSource& source);
+SoundSurvey survey_sound(const SoundInput& source);
 
 /// Reads that sound from its beginning. @throws InputError as AudioReader
-[[nodiscard]] BlockReader read_blocks(const SoundSource& source);
+[[nodiscard]] BlockReader read_blocks(const SoundInput& source);
 
 }  // namespace earpoint

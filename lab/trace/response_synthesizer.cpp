@@ -1,4 +1,4 @@
-#include <earpoint/trace/response_renderer.h>
+#include <earpoint/trace/response_synthesizer.h>
 
 #include "ambisonics.h"
 #include "early_field.h"
@@ -10,7 +10,7 @@
 #include <limits>
 #include <vector>
 
-#include <earpoint/core/error.h>
+#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {
@@ -55,7 +55,7 @@ void silence_before(const PointResponse& response, Waveform& waveform) {
 
 }  // namespace
 
-struct ResponseRenderer::State {
+struct ResponseSynthesizer::State {
   explicit State(const RenderOptions& options)
       : shape(make_shape(options)), late(shape, options.seed) {}
 
@@ -63,15 +63,15 @@ struct ResponseRenderer::State {
   LateField late;
 };
 
-ResponseRenderer::ResponseRenderer(const RenderOptions& options) {
+ResponseSynthesizer::ResponseSynthesizer(const RenderOptions& options) {
   EARPOINT_CHECK(options.sample_rate_hz > 0 && options.duration_s > 0.0);
   state_ = std::make_unique<const State>(options);
 }
-ResponseRenderer::~ResponseRenderer() = default;
-ResponseRenderer::ResponseRenderer(ResponseRenderer&&) noexcept = default;
-ResponseRenderer& ResponseRenderer::operator=(ResponseRenderer&&) noexcept = default;
+ResponseSynthesizer::~ResponseSynthesizer() = default;
+ResponseSynthesizer::ResponseSynthesizer(ResponseSynthesizer&&) noexcept = default;
+ResponseSynthesizer& ResponseSynthesizer::operator=(ResponseSynthesizer&&) noexcept = default;
 
-Waveform ResponseRenderer::mono(const PointResponse& response, std::uint64_t stream) const {
+Waveform ResponseSynthesizer::mono(const PointResponse& response, std::uint64_t stream) const {
   const ResponseShape& shape = state_->shape;
   Waveform waveform(1, shape.samples, shape.sample_rate_hz);
   state_->late.add_mono(response.late, response.arrivals, stream, waveform.channel(0));
@@ -79,9 +79,9 @@ Waveform ResponseRenderer::mono(const PointResponse& response, std::uint64_t str
   return waveform;
 }
 
-Waveform ResponseRenderer::binaural(const PointResponse& response,
-                                    const Quaternion& world_from_listener, const HrtfSet& hrtf,
-                                    std::uint64_t stream) const {
+Waveform ResponseSynthesizer::binaural(const PointResponse& response,
+                                       const Quaternion& world_from_listener, const HrtfSet& hrtf,
+                                       std::uint64_t stream) const {
   const ResponseShape& shape = state_->shape;
   EARPOINT_CHECK(hrtf.sample_rate_hz() == shape.sample_rate_hz);
   std::array<std::vector<float>, 2> ears;
@@ -95,9 +95,9 @@ Waveform ResponseRenderer::binaural(const PointResponse& response,
   return waveform;
 }
 
-Waveform ResponseRenderer::ambisonic(const PointResponse& response,
-                                     const Quaternion& world_from_listener, int order,
-                                     std::uint64_t stream) const {
+Waveform ResponseSynthesizer::ambisonic(const PointResponse& response,
+                                        const Quaternion& world_from_listener, int order,
+                                        std::uint64_t stream) const {
   constexpr int kHighestOrder = 7;
   EARPOINT_CHECK(order >= 0 && order <= kHighestOrder);
   const ResponseShape& shape = state_->shape;

@@ -10,9 +10,9 @@
 namespace earpoint::ffmpeg {
 
 /// Adds its stream to the movie when made, before OutputContainer::begin().
-class PictureSource {
+class PictureWriter {
  public:
-  virtual ~PictureSource() = default;
+  virtual ~PictureWriter() = default;
   /// Writes what is due up to that time.
   /// @throws InputError if the source is damaged or the movie cannot be written
   virtual void write_until(double time_s) = 0;
@@ -23,7 +23,7 @@ class PictureSource {
 /// The picture of another movie: copied where an mp4 file may hold it, else encoded again.
 /// @param output  must outlive the result
 /// @throws InputError if there is no picture
-std::unique_ptr<PictureSource> picture_of_movie(const std::filesystem::path& source,
+std::unique_ptr<PictureWriter> picture_of_movie(const std::filesystem::path& source,
                                                 OutputContainer& output);
 
 }  // namespace earpoint::ffmpeg

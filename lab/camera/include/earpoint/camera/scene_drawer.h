@@ -7,8 +7,8 @@
 
 #include <earpoint/camera/camera.h>
 #include <earpoint/camera/view.h>
-#include <earpoint/core/image.h>
 #include <earpoint/core/parallel.h>
+#include <earpoint/image.h>
 #include <earpoint/scene/scene.h>
 
 namespace earpoint {
@@ -33,43 +33,43 @@ struct RenderQuality {
   float exposure = 1.0F;
 };
 
-/// Sees a scene by ray tracing. Light is traced in two steps. When a renderer is made, the light
+/// Sees a scene by ray tracing. Light is traced in two steps. When the drawer is made, the light
 /// that falls on every patch of surface (about 0.25 m wide) is solved once, for every view: direct
 /// light, and what surfaces pass on to each other diffusely, to any number of bounces. A picture
 /// then samples its direct light (lamps, shining surfaces; soft shadows) and its first bounce
 /// exactly and reads the patches only from the second bounce on, so that patches never show.
 /// Surfaces are diffuse; smooth ones reflect as well (Schlick's Fresnel term, GGX).
 ///
-/// Immutable once made: any number of threads may render with one object, each with its own pool.
+/// Immutable once made: any number of threads may draw with one object, each with its own pool.
 /// The same scene, camera, quality and seed give the same bytes with any number of threads, on one
 /// kind of processor.
-class SceneRenderer {
+class SceneDrawer {
  public:
   /// Copies what it needs; the scene may go.
   /// @param scene  as check_scene leaves it
-  explicit SceneRenderer(const Scene& scene, const Lighting& lighting = {});
-  SceneRenderer(const Scene& scene, const Lighting& lighting, ThreadPool& pool);
-  ~SceneRenderer();
-  SceneRenderer(SceneRenderer&&) noexcept;
-  SceneRenderer& operator=(SceneRenderer&&) noexcept;
+  explicit SceneDrawer(const Scene& scene, const Lighting& lighting = {});
+  SceneDrawer(const Scene& scene, const Lighting& lighting, ThreadPool& pool);
+  ~SceneDrawer();
+  SceneDrawer(SceneDrawer&&) noexcept;
+  SceneDrawer& operator=(SceneDrawer&&) noexcept;
 
-  /// A renderer of this scene with more things in it, for a fraction of the time: the people of
+  /// A drawer of this scene with more things in it, for a fraction of the time: the people of
   /// each conversation in one home. The solved light of this scene is kept, and only that of the
   /// added surfaces is solved; what they darken or colour shows in the direct light and in the
   /// first bounce, which a picture traces itself.
-  /// @param scene  begins with this renderer's scene: add_person() leaves it so
+  /// @param scene  begins with this drawer's scene: add_person() leaves it so
   /// @throws std::logic_error if it does not, or if something that was added shines
-  [[nodiscard]] SceneRenderer extended(const Scene& scene) const;
-  [[nodiscard]] SceneRenderer extended(const Scene& scene, ThreadPool& pool) const;
+  [[nodiscard]] SceneDrawer extended(const Scene& scene) const;
+  [[nodiscard]] SceneDrawer extended(const Scene& scene, ThreadPool& pool) const;
 
   /// @param seed  of the samples: another seed, another noise
   /// @throws std::logic_error if the camera or the quality is out of range
-  [[nodiscard]] View render(const Camera& camera, const RenderQuality& quality,
-                            std::uint64_t seed) const;
-  [[nodiscard]] View render(const Camera& camera, const RenderQuality& quality, std::uint64_t seed,
-                            ThreadPool& pool) const;
+  [[nodiscard]] View draw(const Camera& camera, const RenderQuality& quality,
+                          std::uint64_t seed) const;
+  [[nodiscard]] View draw(const Camera& camera, const RenderQuality& quality, std::uint64_t seed,
+                          ThreadPool& pool) const;
 
-  /// What render() multiplies the light of this view by before it is shown, for quality.exposure 1:
+  /// What draw() multiplies the light of this view by before it is shown, for quality.exposure 1:
   /// the pictures of a film are to keep one.
   [[nodiscard]] float found_exposure(const Camera& camera, const RenderQuality& quality,
                                      std::uint64_t seed, ThreadPool& pool) const;
@@ -82,9 +82,9 @@ class SceneRenderer {
   /// @return  the region's pixels
   /// @throws std::logic_error if the camera, the quality, the region or the exposure is out of
   /// range
-  [[nodiscard]] View render_region(const Camera& camera, const PixelRegion& region,
-                                   const RenderQuality& quality, float exposure, std::uint64_t seed,
-                                   ThreadPool& pool) const;
+  [[nodiscard]] View draw_region(const Camera& camera, const PixelRegion& region,
+                                 const RenderQuality& quality, float exposure, std::uint64_t seed,
+                                 ThreadPool& pool) const;
 
   /// The light itself, before exposure and tone mapping.
   /// @return radiance, linear red, green, blue; shape [height][width][3]
@@ -96,7 +96,7 @@ class SceneRenderer {
 
  private:
   struct Parts;
-  explicit SceneRenderer(std::unique_ptr<const Parts> parts);
+  explicit SceneDrawer(std::unique_ptr<const Parts> parts);
 
   std::unique_ptr<const Parts> parts_;
 };

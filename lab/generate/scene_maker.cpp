@@ -1,29 +1,29 @@
-#include <earpoint/generate/scene_source.h>
+#include <earpoint/generate/scene_maker.h>
 
 #include <algorithm>
 
 #include <fmt/format.h>
 
-#include <earpoint/core/error.h>
 #include <earpoint/core/name_number.h>
 #include <earpoint/core/random.h>
+#include <earpoint/error.h>
 #include <earpoint/scene/homes.h>
 
 namespace earpoint {
 
-std::shared_ptr<const PreparedScene> HomeSource::make(int scene) const {
+std::shared_ptr<const PreparedScene> HomeMaker::make(int scene) const {
   const std::uint64_t seed = RandomStream(seed_, {static_cast<std::uint64_t>(scene)}).next();
   return prepare_home(name(scene), make_home(seed, {}, library_).scene);
 }
 
-std::string HomeSource::name(int scene) const { return fmt::format("home-{:04}", scene); }
+std::string HomeMaker::name(int scene) const { return fmt::format("home-{:04}", scene); }
 
-std::string HomeSource::description() const {
+std::string HomeMaker::description() const {
   return fmt::format("homes with {} models of furniture", library_.models().size());
 }
 
-FileSource::FileSource(std::vector<std::filesystem::path> paths, ImportOptions options,
-                       std::string_view materials, Warn warn)
+FileSceneMaker::FileSceneMaker(std::vector<std::filesystem::path> paths, ImportOptions options,
+                               std::string_view materials, Warn warn)
     : paths_(std::move(paths)),
       options_(options),
       materials_(options.materials == nullptr ? "standard"
@@ -40,16 +40,16 @@ FileSource::FileSource(std::vector<std::filesystem::path> paths, ImportOptions o
   }
 }
 
-std::shared_ptr<const PreparedScene> FileSource::make(int scene) const {
+std::shared_ptr<const PreparedScene> FileSceneMaker::make(int scene) const {
   const std::filesystem::path& path = paths_.at(scene);
   ImportedScene imported = import_scene(path, options_);
   for (const std::string& warning : imported.report.warnings()) warn_(path, warning);
   return prepare_scan(name(scene), std::move(imported.scene));
 }
 
-std::string FileSource::name(int scene) const { return paths_.at(scene).stem().string(); }
+std::string FileSceneMaker::name(int scene) const { return paths_.at(scene).stem().string(); }
 
-std::string FileSource::description() const {
+std::string FileSceneMaker::description() const {
   std::string text = "files";
   for (const auto& path : paths_) text += " " + path.filename().string();
   if (options_.up_axis) text += *options_.up_axis == UpAxis::y ? ", up y" : ", up z";

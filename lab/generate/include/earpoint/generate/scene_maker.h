@@ -16,9 +16,9 @@
 namespace earpoint {
 
 /// Procedural homes, drawn from the seed and their index.
-class HomeSource : public SceneSource {
+class HomeMaker : public SceneMaker {
  public:
-  HomeSource(std::uint64_t seed, FurnitureLibrary library)
+  HomeMaker(std::uint64_t seed, FurnitureLibrary library)
       : seed_(seed), library_(std::move(library)) {}
 
   [[nodiscard]] std::shared_ptr<const PreparedScene> make(int scene) const override;
@@ -31,7 +31,7 @@ class HomeSource : public SceneSource {
 };
 
 /// Scans and models from files.
-class FileSource : public SceneSource {
+class FileSceneMaker : public SceneMaker {
  public:
   /// Takes what an importer warns of; called from the threads that make scenes.
   using Warn = std::function<void(const std::filesystem::path&, const std::string& warning)>;
@@ -41,8 +41,8 @@ class FileSource : public SceneSource {
   ///                   apart by it
   /// @param warn       once for every warning of a file, when its scene is made
   /// @throws InputError if two files have the same name
-  FileSource(std::vector<std::filesystem::path> paths, ImportOptions options,
-             std::string_view materials, Warn warn);
+  FileSceneMaker(std::vector<std::filesystem::path> paths, ImportOptions options,
+                 std::string_view materials, Warn warn);
 
   /// @throws InputError if the file cannot be imported
   [[nodiscard]] std::shared_ptr<const PreparedScene> make(int scene) const override;
