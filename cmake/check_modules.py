@@ -7,7 +7,8 @@
 - The graphs that train share a network's description, weights and input encoding with its engine, not the engine: that
   both give the same sound is the proof of both.
 - A source file includes its own header first, so that the header is known to stand alone.
-- No message of a library names a flag: apps/earpoint/flag_advice.cpp adds it.
+- No message of a library names a flag: apps/earpoint/flag_advice.cpp adds it, by phrases and settings that messages still
+  have.
 
 usage: check_modules.py ROOT
 """
@@ -130,9 +131,22 @@ def check_halves(root, modules):
                 yield f"{module.folder.relative_to(root)}: what ships depends on {other} of the lab"
 
 
+def check_advice(root):
+    here = Path("apps/earpoint/flag_advice.cpp")
+    advice = (root / here).read_text()
+    sources = [path.read_text() for folder in ("src", "lab") for path in (root / folder).rglob("*.cpp") if not is_test(path)]
+    messages = re.sub(r'"\s*"', "", "\n".join(sources))  # literals that continue on the next line
+    for phrase in re.findall(r'Advice\{"([^"]+)"', advice):
+        if phrase not in messages:
+            yield f"{here}: no message says '{phrase}'"
+    for setting in re.findall(r'"(\w+)"', re.search(r"kSettings =.*?;", advice, re.S).group(0)):
+        if not re.search(rf'"{setting}[": ]', messages):
+            yield f"{here}: no message begins with '{setting}'"
+
+
 def main(root):
     modules = read_modules(root)
-    faults = [*check_circles(modules), *check_halves(root, modules)]
+    faults = [*check_circles(modules), *check_halves(root, modules), *check_advice(root)]
     for folder in ("src", "lab"):
         for path in sorted((root / folder).rglob("*")):
             if path.suffix in (".h", ".cpp"):

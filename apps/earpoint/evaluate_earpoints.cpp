@@ -3,10 +3,10 @@
 #include "evaluate_figure.h"
 
 #include <algorithm>
-#include <system_error>
 
 #include <fmt/format.h>
 
+#include <earpoint/core/file.h>
 #include <earpoint/core/temporary_folder.h>
 #include <earpoint/error.h>
 #include <earpoint/evaluate/earpoint_comparison.h>
@@ -57,12 +57,6 @@ std::vector<ClipMethod> methods_of(const EarpointsRequest& request,
   return methods;
 }
 
-void create_folder(const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) throw InputError(folder.string(), "cannot be created: " + error.message());
-}
-
 }  // namespace
 
 void evaluate_earpoints(const EarpointsRequest& request, earpoint::ProgressSink& progress) {
@@ -72,7 +66,7 @@ void evaluate_earpoints(const EarpointsRequest& request, earpoint::ProgressSink&
   // Without a report nobody keeps the sounds.
   std::optional<earpoint::TemporaryFolder> passing;
   if (request.report) {
-    create_folder(*request.report);
+    earpoint::create_folder(*request.report);
   } else {
     passing.emplace();
   }

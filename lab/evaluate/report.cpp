@@ -7,14 +7,12 @@
 #include <cmath>
 #include <numeric>
 #include <optional>
-#include <system_error>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include <earpoint/core/file.h>
 #include <earpoint/core/random.h>
-#include <earpoint/error.h>
 #include <earpoint/evaluate/report_html.h>
 
 namespace earpoint {
@@ -252,9 +250,7 @@ std::string head_of(const EvaluationTable& table, const ReportOptions& options) 
 void write_report(const std::filesystem::path& folder, const EvaluationSet& set,
                   std::span<const MethodEntry> methods, const EvaluationResult& result,
                   const ReportOptions& options, ProgressSink& progress) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error) throw InputError(folder.string(), "cannot be created: " + error.message());
+  create_folder(folder);
   std::string body = head_of(make_table(result), options);
   body +=
       "<h2>Error over distance and angle</h2>\n<p>Five bins of equally many clips; bars are "

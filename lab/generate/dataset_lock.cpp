@@ -1,28 +1,20 @@
 #include "dataset_lock.h"
 
 #include <algorithm>
-#include <system_error>
 
 #include <fmt/format.h>
 
+#include <earpoint/core/file.h>
 #include <earpoint/error.h>
 
 namespace earpoint {
-namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path& made(const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) throw InputError(folder.string(), "cannot be created: " + error.message());
-  return folder;
-}
-
-}  // namespace
-
 DatasetLock::DatasetLock(const fs::path& folder, const WorkOrder& order)
-    : folder_(folder), conversations_(order.conversations), ranges_(made(folder) / kFile) {}
+    : folder_(folder),
+      conversations_(order.conversations),
+      ranges_(create_folder(folder) / kFile) {}
 
 void DatasetLock::take(const std::vector<WorkItem>& items) {
   std::vector<std::int64_t> numbers;

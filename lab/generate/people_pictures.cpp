@@ -169,7 +169,7 @@ void draw_home(const PeoplePictureOptions& options, const FurnitureLibrary& furn
   const auto home =
       prepare_home(folder.filename().string(), make_home(random.next(), {}, furniture).scene);
   const std::vector<const FigureModel*> figures = figures_of(library, split);
-  fs::create_directories(folder);
+  create_folder(folder);
   ThreadPool pool(1);
   std::vector<PeoplePicture> pictures;
   for (int group = 0; group < options.groups; ++group) {

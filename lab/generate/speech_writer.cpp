@@ -1,8 +1,7 @@
 #include "speech_writer.h"
 
-#include <system_error>
-
 #include <earpoint/audio/sound_file.h>
+#include <earpoint/core/file.h>
 #include <earpoint/dataset/soundspaces_metadata.h>
 #include <earpoint/error.h>
 
@@ -12,9 +11,7 @@ namespace {
 namespace fs = std::filesystem;
 
 void write_speech(const fs::path& path, const Waveform& speech, SpeechForm form) {
-  std::error_code error;
-  fs::create_directories(path.parent_path(), error);
-  if (error) throw InputError(path.parent_path().string(), "cannot be created: " + error.message());
+  create_folder(path.parent_path());
   if (form == SpeechForm::flac) {
     write_sound(path, speech, SampleFormat::pcm24);
     return;

@@ -167,9 +167,7 @@ class Preparation {
  private:
   /// A scene's folder belongs to one session description and one hop.
   void claim_folder() {
-    std::error_code error;
-    fs::create_directories(folder_ / "aligned", error);
-    if (error) throw InputError(folder_.string(), "cannot be created: " + error.message());
+    create_folder(folder_ / "aligned");
     const std::string text =
         fmt::format("{}\nhop_s {}\n", read_text_file(session_.file), options_.hop_s);
     const fs::path record = folder_ / "session.txt";

@@ -1,7 +1,6 @@
 #include "session_files.h"
 
 #include <algorithm>
-#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -68,9 +67,7 @@ bool SessionFiles::has_all() const {
 bool SessionFiles::has_sound() const { return all_there(camera_sounds) && all_there(microphones); }
 
 void begin_simulation(const SessionSimulationOptions& options, const std::string& scene) {
-  std::error_code error;
-  fs::create_directories(options.folder, error);
-  if (error) throw InputError(options.folder.string(), "cannot be created: " + error.message());
+  create_folder(options.folder);
   const fs::path path = options.folder / "simulation.json";
   const Json wanted = record_of(options, scene);
   if (!fs::exists(path)) {

@@ -12,6 +12,7 @@
 
 #include <earpoint/audio/resample.h>
 #include <earpoint/audio/sound_file.h>
+#include <earpoint/core/file.h>
 #include <earpoint/core/parallel.h>
 #include <earpoint/error.h>
 #include <earpoint/generate/work_plan.h>
@@ -28,12 +29,6 @@ namespace fs = std::filesystem;
 enum StreamKey : std::uint64_t { kPlanKey = 1, kTraceKey, kClapKey, kNoiseKey, kPixelKey };
 
 constexpr int kSpeechRate_hz = 16000;  // what read_speech gives
-
-void make_folder(const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) throw InputError(folder.string(), "cannot be created: " + error.message());
-}
 
 /// Makes one session.
 class SessionMaker {
@@ -60,7 +55,7 @@ class SessionMaker {
     upsample(speech.cameras, pool);
     upsample(speech.microphones, pool);
     add_clap(scene_, plan_, options_.sound, ears, stream(kClapKey).next(), speech);
-    make_folder(files_.sound_folder);
+    create_folder(files_.sound_folder);
     const auto cameras = std::ssize(files_.movies);
     progress_.begin("recording", static_cast<double>(plan_.clocks.size()), "devices");
     pool.run(std::ssize(plan_.clocks), [&](std::ptrdiff_t task, int) {
@@ -142,7 +137,7 @@ void simulate_session(const SessionSimulationOptions& options, int scenario, Dat
   const SessionPlan plan = plan_session(scene, figures, corpus, split, options.session, random);
   const SessionFiles files(session_folder(options, scenario), plan);
   if (files.has_all()) return;
-  make_folder(files.folder);
+  create_folder(files.folder);
   SessionMaker maker(options, scene, plan, files, scenario, progress);
   if (!files.has_sound()) maker.make_sound();
   maker.make_movies();

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <earpoint/audio/sound_file.h>
+#include <earpoint/core/file.h>
 #include <earpoint/waveform.h>
 
 namespace earpoint {
@@ -43,7 +44,7 @@ Waveform tones(int quietest, int opposite) {
 }  // namespace
 
 std::vector<HeadphoneTrial> write_headphone_trials(const std::filesystem::path& folder) {
-  std::filesystem::create_directories(folder / "headphones");
+  create_folder(folder / "headphones");
   std::vector<HeadphoneTrial> trials;
   for (int quietest = 0; quietest < 3; ++quietest) {
     for (int opposite = 0; opposite < 3; ++opposite) {

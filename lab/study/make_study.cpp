@@ -189,7 +189,7 @@ class StudyMaker {
 
     StudyClip& clip = drawn.clip;
     const std::string place = "clips/" + clip.id;
-    fs::create_directories(folder_ / place);
+    create_folder(folder_ / place);
     clip.picture = place + "/picture.png";
     write_image(folder_ / clip.picture, *material_.target_picture(drawn.pair));
     clip.reference = place + "/reference.wav";

@@ -3,13 +3,11 @@
 #include "study_page.h"
 
 #include <algorithm>
-#include <system_error>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <earpoint/core/file.h>
-#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {
@@ -201,9 +199,7 @@ std::string answers_csv(const Study& study, std::span<const StudyGroup> groups) 
 
 void write_study_report(const std::filesystem::path& folder, const Study& study,
                         std::span<const StudyGroup> groups) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error) throw InputError(folder.string(), "cannot be created: " + error.message());
+  create_folder(folder);
   write_file(folder / "index.html", study_page(study, groups));
   write_file(folder / "answers.csv", answers_csv(study, groups));
   write_file(folder / "results.json", json_of(study, groups));

@@ -1,6 +1,5 @@
 #include "run_folder.h"
 
-#include <system_error>
 #include <vector>
 
 #include <fmt/format.h>
@@ -40,16 +39,9 @@ Json without_limits(const std::string& config) {
   return json;
 }
 
-const fs::path& made(const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) throw InputError(folder.string(), "cannot be created: " + error.message());
-  return folder;
-}
-
 }  // namespace
 
-RunLock::RunLock(const fs::path& folder) : lock_(made(folder) / ".lock") {
+RunLock::RunLock(const fs::path& folder) : lock_(create_folder(folder) / ".lock") {
   if (lock_.try_lock(0, 1)) return;
   throw InputError(folder.string(), "another process is training there",
                    "wait for it, or choose another output folder");

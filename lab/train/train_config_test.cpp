@@ -30,7 +30,7 @@ TEST(TrainConfig, MisspeltKeysAndBadValuesAreNamed) {
             "c.json: 'training': unknown key 'bathc'");
   EXPECT_EQ(refusal_of(vigas, R"({"steps": 5, "batch": 0})"),
             "c.json: 'training': 'batch': expected 1 to 65536, found 0");
-  EXPECT_EQ(refusal_of(vigas, R"({})"), "c.json: 'training': has no 'steps'");
+  EXPECT_EQ(refusal_of(vigas, R"({})"), "c.json: 'training': the field 'steps' is missing");
   EXPECT_EQ(refusal_of(vigas, R"({"steps": 5, "schedule": "cosin"})"),
             "c.json: 'training': 'schedule': expected one of \"constant\", \"cosine\", found "
             "\"cosin\"");

@@ -53,6 +53,13 @@ void write_file(const fs::path& path, std::span<const std::byte> bytes) {
   file.commit();
 }
 
+const fs::path& create_folder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) throw InputError(folder.string(), "cannot be created: " + error.message());
+  return folder;
+}
+
 void write_file(const fs::path& path, std::string_view text) {
   write_file(path, std::as_bytes(std::span(text.data(), text.size())));
 }

@@ -40,66 +40,26 @@ Json parse_strict_json(std::string_view text, std::string_view where, int max_de
 }
 
 JsonObjectReader::JsonObjectReader(const Json& object, std::string_view where)
-    : object_(object), where_(where) {
-  if (!object.is_object()) {
-    throw InputError(where, fmt::format("expected an object, found {}", object.type_name()));
-  }
+    : object_(object, std::string(where)) {
+  if (!object.is_object()) object_.fail("an object");
 }
 
-void JsonObjectReader::fail(const std::string& key, std::string_view expected,
-                            const Json& found) const {
-  const std::string text = found.dump(-1, ' ', false, Json::error_handler_t::replace);
-  throw InputError(where_, fmt::format("{}: expected {}, found {}", in_quotes(key), expected,
-                                       text.size() <= 60 ? text : text.substr(0, 60) + "..."));
-}
+bool JsonObjectReader::has(const std::string& key) const { return object_.has(key); }
 
-bool JsonObjectReader::has(const std::string& key) const { return object_.contains(key); }
-
-const Json& JsonObjectReader::value(const std::string& key) {
-  const auto found = object_.find(key);
-  if (found == object_.end()) throw InputError(where_, fmt::format("has no {}", in_quotes(key)));
+JsonField JsonObjectReader::field(const std::string& key) {
   taken_.insert(key);
-  return *found;
-}
-
-std::string JsonObjectReader::string(const std::string& key) {
-  const Json& found = value(key);
-  if (!found.is_string()) fail(key, "a string", found);
-  return found.get<std::string>();
-}
-
-int JsonObjectReader::integer(const std::string& key) {
-  const Json& found = value(key);
-  constexpr int kMost = std::numeric_limits<int>::max();
-  const bool fits = found.is_number_unsigned()
-                        ? found.get<std::uint64_t>() <= unsigned{kMost}
-                        : found.is_number_integer() && found.get<std::int64_t>() >= -kMost;
-  if (!fits) fail(key, "an integer", found);
-  return found.get<int>();
-}
-
-double JsonObjectReader::number(const std::string& key) {
-  const Json& found = value(key);
-  if (!found.is_number()) fail(key, "a number", found);
-  return found.get<double>();
-}
-
-bool JsonObjectReader::boolean(const std::string& key) {
-  const Json& found = value(key);
-  if (!found.is_boolean()) fail(key, "true or false", found);
-  return found.get<bool>();
+  return object_.field(key);
 }
 
 const Json& JsonObjectReader::list(const std::string& key) {
-  const Json& found = value(key);
-  if (!found.is_array()) fail(key, "a list", found);
-  return found;
+  const JsonField found = field(key);
+  if (!found.json().is_array()) found.fail("a list");
+  return found.json();
 }
 
 void JsonObjectReader::expect_nothing_else() const {
-  for (const auto& [key, unused] : object_.items()) {
-    if (!taken_.contains(key))
-      throw InputError(where_, fmt::format("unknown key {}", in_quotes(key)));
+  for (const auto& [key, unused] : object_.json().items()) {
+    if (!taken_.contains(key)) object_.refuse(fmt::format("unknown key {}", in_quotes(key)));
   }
 }
 

@@ -67,7 +67,7 @@ TEST(GtfDescription, JsonMistakesAreNamed) {
   };
   expect(refusal_with("\"format\":1", "\"format\":2"), "format: expected 1, found 2");
   expect(refusal_with("\"gtf\"", "\"vigas\""), "expected 'gtf', found 'vigas'");
-  expect(refusal_with("\"box\":true,", ""), "has no 'box'");
+  expect(refusal_with("\"box\":true,", ""), "the field 'box' is missing");
   expect(refusal_with("\"layers\":6", "\"layers\":6,\"layer\":6"), "unknown key 'layer'");
   expect(refusal_with("\"layers\":6", "\"layers\":0"), "layers: expected 1 to 64, found 0");
   expect(refusal_with("\"bands\":40", "\"bands\":200"), "bands: too many for 257 bins");

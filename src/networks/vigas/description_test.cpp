@@ -82,12 +82,13 @@ TEST(ViGasDescription, JsonMistakesAreNamed) {
   };
   expect(refusal_with("\"format\":1", "\"format\":2"), "'format': expected 1, found 2");
   expect(refusal_with("\"vigas\"", "\"sigvas\""), "expected 'vigas', found 'sigvas'");
-  expect(refusal_with("\"acausal\":true,", ""), "has no 'acausal'");
+  expect(refusal_with("\"acausal\":true,", ""), "the field 'acausal' is missing");
   expect(refusal_with("\"acausal\":true", "\"acausal\":1"), "expected true or false, found 1");
   expect(refusal_with("\"blocks\":3", "\"blocks\":3,\"block\":3"), "unknown key 'block'");
   expect(refusal_with("\"blocks\":3", "\"blocks\":3,\"blocks\":3"), "'blocks' occurs twice");
-  expect(refusal_with("\"blocks\":3", "\"blocks\":3.5"), "expected an integer, found 3.5");
-  expect(refusal_with("\"blocks\":3", "\"blocks\":18446744073709551615"), "expected an integer");
+  expect(refusal_with("\"blocks\":3", "\"blocks\":3.5"), "expected a whole number, found 3.5");
+  expect(refusal_with("\"blocks\":3", "\"blocks\":18446744073709551615"),
+         "expected a whole number");
   expect(refusal_with("\"blocks\":3", "\"blocks\":3000"), "blocks: expected 1 to 1024");
   expect(refusal_with("\"pose_encoding\":\"soundspaces\"", "\"pose_encoding\":\"half\""),
          "expected 'soundspaces' or 'replay' or 'full', found 'half'");

@@ -17,6 +17,11 @@ std::vector<std::byte> read_file(const std::filesystem::path& path);
 /// @throws InputError as read_file
 std::string read_text_file(const std::filesystem::path& path);
 
+/// Makes the folder, and those above it, unless it is there.
+/// @return  its path
+/// @throws InputError if it cannot be made
+const std::filesystem::path& create_folder(const std::filesystem::path& folder);
+
 /// A file written aside and renamed when whole: a crash, a kill or a full disk leaves either the
 /// old file or the new one, never half of it. Write to `temporary_path()`, then `commit()`;
 /// without commit() the destructor removes what was written. What a killed process left aside is

@@ -1,11 +1,12 @@
 #pragma once
 
-#include <cstdint>
 #include <set>
 #include <string>
 #include <string_view>
 
-#include <nlohmann/json_fwd.hpp>
+#include <nlohmann/json.hpp>
+
+#include <earpoint/core/json_field.h>
 
 namespace earpoint {
 
@@ -25,24 +26,21 @@ class JsonObjectReader {
   [[nodiscard]] bool has(const std::string& key) const;
 
   /// @throws InputError if the key is missing
-  const nlohmann::json& value(const std::string& key);
+  JsonField field(const std::string& key);
+  const nlohmann::json& value(const std::string& key) { return field(key).json(); }
 
   /// Each: @throws InputError if the key is missing or its value is of another type
-  std::string string(const std::string& key);
-  int integer(const std::string& key);
-  double number(const std::string& key);
-  bool boolean(const std::string& key);
+  std::string string(const std::string& key) { return field(key).text(); }
+  int integer(const std::string& key) { return field(key).integer(); }
+  double number(const std::string& key) { return field(key).number(); }
+  bool boolean(const std::string& key) { return field(key).boolean(); }
   const nlohmann::json& list(const std::string& key);
 
   /// @throws InputError if a key was not asked for
   void expect_nothing_else() const;
 
  private:
-  [[noreturn]] void fail(const std::string& key, std::string_view expected,
-                         const nlohmann::json& found) const;
-
-  const nlohmann::json& object_;
-  std::string where_;
+  JsonField object_;
   std::set<std::string> taken_;
 };
 
