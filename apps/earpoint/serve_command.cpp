@@ -1,5 +1,6 @@
 #include "serve_command.h"
 
+#include "page_options.h"
 #include "served_dataset.h"
 #include "served_earpoints.h"
 #include "served_upload.h"
@@ -7,7 +8,6 @@
 #include "speaker_search.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -51,8 +51,7 @@ struct ServeArguments {
   std::vector<std::string> methods;  ///< empty: what is shipped
   std::vector<std::string> models;   ///< beside them
   std::string detector;              ///< empty: the shipped one
-  std::string host = "127.0.0.1";
-  int port = 0;
+  PageAddress address;
   int listeners = 8;
   bool no_uploads = false;
   bool quiet = false;
@@ -119,20 +118,15 @@ void run_serve(const ServeArguments& arguments) {
   const GtfWeights* const finder = finder_of(methods);
   ClipLibrary library;
   fill(library, arguments, finder);
-  ServeOptions options{
-      .host = arguments.host, .port = arguments.port, .most_listeners = arguments.listeners};
-  if (!is_loopback(arguments.host)) options.token = unguessable_name();
+  ServeOptions options{.address = with_token(arguments.address),
+                       .most_listeners = arguments.listeners};
   if (!arguments.no_uploads) {
     options.open_upload = [&](const std::filesystem::path& file, const std::string& name) {
       return open_upload(file, name, finder, arguments.detector);
     };
   }
   ClipServer server(library, methods, options);
-  const int port = server.bind();
-  fmt::print("Listen at {} (stop with Ctrl-C)\n",
-             page_address(arguments.host, port, options.token));
-  std::fflush(stdout);
-  server.run();
+  serve_page(server, options.address, "Listen at");
 }
 
 void add_source_options(CLI::App& command, ServeArguments& arguments) {
@@ -171,13 +165,7 @@ void add_serve_command(CLI::App& app) {
       ->delimiter(',');
   command->add_option("--model", arguments->models, "A further weight file; once per file")
       ->allow_extra_args(false);
-  command
-      ->add_option("--host", arguments->host,
-                   "Address to listen at; 0.0.0.0: all networks of this computer")
-      ->capture_default_str();
-  command->add_option("--port", arguments->port, "Port; 0 takes any that is free")
-      ->check(CLI::Range(0, 65535))
-      ->capture_default_str();
+  add_page_options(*command, arguments->address);
   command
       ->add_option("--listeners", arguments->listeners, "Maximum number of pages that play at once")
       ->check(CLI::Range(1, 64))

@@ -128,11 +128,6 @@ ServedClip open_clip(const OpenDataset& data, const SoundSpacesClip& clip, Sound
   return served;
 }
 
-PairList pairs_of(const SoundSpacesDataset& dataset, const fs::path& folder) {
-  if (const auto list = find_pair_list(folder, dataset.split())) return read_pair_list(*list);
-  return draw_pair_list(dataset, PairDraw::every_target, 1);
-}
-
 }  // namespace
 
 void add_dataset(const fs::path& folder, const std::string& split, ClipLibrary& library) {
@@ -144,7 +139,7 @@ void add_dataset(const fs::path& folder, const std::string& split, ClipLibrary& 
   data->home_seed = home_seed_of(folder);
   std::map<std::array<int, 3>, int> known;
   std::map<std::string, int> scenes;
-  for (const ViewPair& pair : pairs_of(data->dataset, folder).pairs) {
+  for (const ViewPair& pair : frozen_or_drawn_pairs(data->dataset, folder).pairs) {
     const SoundSpacesClip& clip = clip_of(pair, data->dataset.clips(), folder.string());
     const int scene = scenes.try_emplace(pair.scene, static_cast<int>(scenes.size())).first->second;
     const SoundSpacesChoice& choice = pair.choice;

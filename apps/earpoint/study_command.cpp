@@ -1,6 +1,7 @@
 #include "study_command.h"
 
-#include <cstdio>
+#include "page_options.h"
+
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -11,7 +12,6 @@
 
 #include <earpoint/core/file.h>
 #include <earpoint/error.h>
-#include <earpoint/serve/clip_library.h>
 #include <earpoint/serve/page_server.h>
 #include <earpoint/study/simulated_participant.h>
 #include <earpoint/study/study_desk.h>
@@ -67,7 +67,7 @@ Examples:
 
 struct ServeArguments {
   fs::path folder;
-  StudyServerOptions options;
+  PageAddress address;
 };
 
 void run_serve(const ServeArguments& arguments) {
@@ -75,14 +75,9 @@ void run_serve(const ServeArguments& arguments) {
     throw InputError("study serve", "this build has no page",
                      "install esbuild and build again (./dev build does both)");
   }
-  StudyServerOptions options = arguments.options;
-  if (!is_loopback(options.host)) options.token = unguessable_name();
-  StudyServer server(arguments.folder, options);
-  const int port = server.bind();
-  fmt::print("The study is at {} (stop with Ctrl-C)\n",
-             page_address(options.host, port, options.token));
-  std::fflush(stdout);
-  server.run();
+  const PageAddress address = with_token(arguments.address);
+  StudyServer server(arguments.folder, address);
+  serve_page(server, address, "The study is at");
 }
 
 struct SimulateArguments {
@@ -160,13 +155,7 @@ void add_study_serve_command(CLI::App& study) {
   auto arguments = std::make_shared<ServeArguments>();
   CLI::App* command = study.add_subcommand("serve", "Serve a study's page and store the answers.");
   add_folder(*command, arguments->folder);
-  command
-      ->add_option("--host", arguments->options.host,
-                   "Address to listen on; 0.0.0.0 for all networks of this computer")
-      ->capture_default_str();
-  command->add_option("--port", arguments->options.port, "Port; 0 for any free one")
-      ->check(CLI::Range(0, 65535))
-      ->capture_default_str();
+  add_page_options(*command, arguments->address);
   command->footer(kServeFooter);
   command->callback([arguments] { run_serve(*arguments); });
 }

@@ -116,6 +116,13 @@ std::optional<std::filesystem::path> find_pair_list(const std::filesystem::path&
   return std::nullopt;
 }
 
+PairList frozen_or_drawn_pairs(const SoundSpacesDataset& dataset,
+                               const std::filesystem::path& folder) {
+  constexpr std::uint64_t kDrawSeed = 1;
+  if (const auto list = find_pair_list(folder, dataset.split())) return read_pair_list(*list);
+  return draw_pair_list(dataset, PairDraw::every_target, kDrawSeed);
+}
+
 std::string text_of(const PairList& list) {
   std::string text = fmt::format("{{\n \"format\": {},\n \"split\": {},\n \"pairs\": [",
                                  nlohmann::json(kFormat).dump(), nlohmann::json(list.split).dump());

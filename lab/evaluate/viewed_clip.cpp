@@ -16,7 +16,6 @@ namespace earpoint {
 namespace {
 
 constexpr std::size_t kCacheBytes = std::size_t{64} << 20U;
-constexpr std::uint64_t kDrawSeed = 1;  // of pairs where the data set has no list
 
 /// "home-100/3:2" is the clip "home-100/3" and the source "2".
 struct AskedClip {
@@ -68,9 +67,7 @@ class SoundSpacesViews {
         dataset_(soundspaces_options(choice.data, choice.split)),
         sampler_(dataset_, kCacheBytes),
         near_(dataset_, kCacheBytes, ResponseDelays::dropped, PairTarget::near_microphone) {
-    const auto found = find_pair_list(choice.data, choice.split);
-    pairs_ = found ? read_pair_list(*found).pairs
-                   : draw_pair_list(dataset_, PairDraw::every_target, kDrawSeed).pairs;
+    pairs_ = frozen_or_drawn_pairs(dataset_, choice.data).pairs;
   }
 
   [[nodiscard]] ViewedClip named(const std::string& words) const {

@@ -20,7 +20,6 @@ namespace fs = std::filesystem;
 
 constexpr int kRate_hz = 16000;
 constexpr std::size_t kCacheBytes = std::size_t{64} << 20U;
-constexpr std::uint64_t kDrawSeed = 1;  // of pairs where the data set has no list
 constexpr std::uint32_t kReleasedSeed = 0;
 
 class SoundSpacesMaterial : public StudyMaterial {
@@ -31,8 +30,7 @@ class SoundSpacesMaterial : public StudyMaterial {
         sampler_(dataset_, kCacheBytes),
         samples_(std::lround(duration_s * kRate_hz)) {
     const std::optional<fs::path> found = list ? list : find_pair_list(folder, split);
-    PairList pairs = found ? read_pair_list(*found)
-                           : draw_pair_list(dataset_, PairDraw::every_target, kDrawSeed);
+    PairList pairs = list ? read_pair_list(*list) : frozen_or_drawn_pairs(dataset_, folder);
     where_ = found ? found->filename().string() : "drawn, every viewpoint the target once";
     if (pairs.split != split) {
       throw InputError(found->string(),

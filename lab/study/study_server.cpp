@@ -33,12 +33,8 @@ void send_file(const std::optional<std::filesystem::path>& file, const char* typ
 }  // namespace
 
 struct StudyServer::State {
-  State(const std::filesystem::path& folder, const StudyServerOptions& options)
-      : desk(folder),
-        server({.host = options.host,
-                .port = options.port,
-                .token = options.token,
-                .most_body = kMostBody}) {
+  State(const std::filesystem::path& folder, const PageAddress& address)
+      : desk(folder), server({.address = address, .most_body = kMostBody}) {
     route();
   }
 
@@ -81,8 +77,8 @@ struct StudyServer::State {
   PageServer server;
 };
 
-StudyServer::StudyServer(const std::filesystem::path& folder, const StudyServerOptions& options)
-    : state_(std::make_unique<State>(folder, options)) {}
+StudyServer::StudyServer(const std::filesystem::path& folder, const PageAddress& address)
+    : state_(std::make_unique<State>(folder, address)) {}
 StudyServer::~StudyServer() = default;
 
 int StudyServer::bind() { return state_->server.bind(); }

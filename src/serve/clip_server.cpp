@@ -87,10 +87,7 @@ struct ClipServer::State {
         methods(methods_in),
         options(std::move(options_in)),
         listeners(methods, static_cast<std::size_t>(options.most_listeners)),
-        pages({.host = options.host,
-               .port = options.port,
-               .token = options.token,
-               .most_body = options.most_upload_bytes}),
+        pages({.address = options.address, .most_body = options.most_upload_bytes}),
         server(pages.routes()) {
     route_pages();
     route_clips();

@@ -90,7 +90,7 @@ void answer_failure(Response& response, std::exception_ptr failure) {
 struct PageServer::State {
   explicit State(PageServerOptions options_in)
       : options(std::move(options_in)),
-        access(options.host, options.token),
+        access(options.address.host, options.address.token),
         server(options.limits) {
     server.new_task_queue = [] { return new httplib::ThreadPool(kThreads); };
     server.set_payload_max_length(options.most_body);
@@ -144,8 +144,9 @@ struct PageServer::State {
 };
 
 PageServer::PageServer(PageServerOptions options) {
-  if (!is_loopback(options.host) && options.token.empty()) {
-    throw InputError("host " + options.host, "other computers can reach it, and there is no token");
+  const PageAddress& address = options.address;
+  if (!is_loopback(address.host) && address.token.empty()) {
+    throw InputError("host " + address.host, "other computers can reach it, and there is no token");
   }
   state_ = std::make_unique<State>(std::move(options));
 }
@@ -166,14 +167,15 @@ void PageServer::route_page(std::span<const PageBytes> page) {
 
 int PageServer::bind() {
   State& s = *state_;
-  int port = s.options.port;
+  const PageAddress& address = s.options.address;
+  int port = address.port;
   if (port == 0) {
-    port = s.server.bind_to_any_port(s.options.host);
-  } else if (!s.server.bind_to_port(s.options.host, port)) {
+    port = s.server.bind_to_any_port(address.host);
+  } else if (!s.server.bind_to_port(address.host, port)) {
     port = -1;
   }
   if (port < 0) {
-    throw InputError(fmt::format("{}:{}", s.options.host, s.options.port), "cannot be served",
+    throw InputError(fmt::format("{}:{}", address.host, address.port), "cannot be served",
                      "choose another port; 0 takes any that is free");
   }
   s.server.let_many_wait();
@@ -185,7 +187,8 @@ void PageServer::run() { state_->server.listen_after_bind(); }
 
 void PageServer::stop() { state_->server.stop(); }
 
-std::string page_address(const std::string& host, int port, const std::string& token) {
+std::string url_of(const PageAddress& address) {
+  const std::string& host = address.host;
   std::string shown = host;
   std::array<char, 256> name{};
   const bool is_everywhere = host == "0.0.0.0" || host == "::";
@@ -194,7 +197,8 @@ std::string page_address(const std::string& host, int port, const std::string& t
   } else if (host.find(':') != std::string::npos) {
     shown = "[" + host + "]";
   }
-  return fmt::format("http://{}:{}/{}", shown, port, token.empty() ? "" : "?token=" + token);
+  return fmt::format("http://{}:{}/{}", shown, address.port,
+                     address.token.empty() ? "" : "?token=" + address.token);
 }
 
 void refuse(Response& response, int status, const std::string& why) {

@@ -101,7 +101,7 @@ void expect_answers(const RunningServer& server) {
 
 TEST(ServerSafety, AnswersOthersOnlyWithTheToken) {
   const std::string token(32, 'a');
-  RunningServer server({.host = "0.0.0.0", .token = token});
+  RunningServer server({.address = {.host = "0.0.0.0", .token = token}});
   httplib::Client client = server.client();
   EXPECT_EQ(client.Get("/api/clips")->status, 401);
   EXPECT_EQ(client.Get("/")->status, 401);
@@ -118,7 +118,8 @@ TEST(ServerSafety, AnswersOthersOnlyWithTheToken) {
 
 TEST(ServerSafety, ReachesOthersOnlyWithAToken) {
   ClipLibrary library;
-  EXPECT_THROW(ClipServer(library, bundled_methods(), {.host = "0.0.0.0"}), InputError);
+  EXPECT_THROW(ClipServer(library, bundled_methods(), {.address = {.host = "0.0.0.0"}}),
+               InputError);
 }
 
 TEST(ServerSafety, TakesNothingFromPagesOfOtherSites) {

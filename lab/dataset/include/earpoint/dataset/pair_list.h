@@ -62,6 +62,13 @@ PairList draw_pair_list(const SoundSpacesDataset& dataset, PairDraw draw, std::u
 std::optional<std::filesystem::path> find_pair_list(const std::filesystem::path& folder,
                                                     const std::string& split);
 
+/// The frozen list of the data set's split, or where there is none one drawn with a fixed seed,
+/// every target once.
+/// @param folder  as soundspaces_options() knows it
+/// @throws InputError as read_pair_list() and draw_pair_list()
+PairList frozen_or_drawn_pairs(const SoundSpacesDataset& dataset,
+                               const std::filesystem::path& folder);
+
 /// @return the file's text: JSON, one pair a line; docs/formats.md describes it
 std::string text_of(const PairList& list);
 

@@ -2,15 +2,10 @@
 
 #include <filesystem>
 #include <memory>
-#include <string>
+
+#include <earpoint/serve/page_server.h>
 
 namespace earpoint {
-
-struct StudyServerOptions {
-  std::string host = "127.0.0.1";
-  int port = 0;         ///< 0: any that is free
-  std::string token{};  ///< what every request must bring; empty: this computer alone is answered
-};
 
 /// Serves a study's page and takes its answers (StudyDesk says what is in them), by a PageServer:
 ///
@@ -25,7 +20,7 @@ struct StudyServerOptions {
 class StudyServer {
  public:
   /// @throws InputError as StudyDesk, as PageServer
-  explicit StudyServer(const std::filesystem::path& folder, const StudyServerOptions& options = {});
+  explicit StudyServer(const std::filesystem::path& folder, const PageAddress& address = {});
   ~StudyServer();
 
   /// @return the port

@@ -15,11 +15,8 @@
 namespace earpoint {
 
 struct ServeOptions {
-  std::string host = "127.0.0.1";
-  int port = 0;  ///< 0: any that is free
+  PageAddress address{};
   int most_listeners = 8;
-  /// What every request must bring; empty: nothing, and only this computer is answered.
-  std::string token{};
   /// Makes a clip of a file that somebody has dropped on the page; empty: they cannot. Called by
   /// one thread at a time. The name is what its sender calls it.
   std::function<ServedClip(const std::filesystem::path& file, const std::string& name)>

@@ -29,10 +29,15 @@ struct StreamLimits {
   std::size_t most_header_bytes = 65536;
 };
 
-struct PageServerOptions {
+/// Where a page is served, and to whom.
+struct PageAddress {
   std::string host = "127.0.0.1";
   int port = 0;         ///< 0: any that is free
   std::string token{};  ///< what every request must bring; empty: this computer alone is answered
+};
+
+struct PageServerOptions {
+  PageAddress address{};
   std::size_t most_body = 16384;  ///< of a request, bytes
   StreamLimits limits{};
 };
@@ -73,7 +78,7 @@ class PageServer {
 
 /// The address at which a browser finds the page, with the token if there is one. Where the server
 /// listens at every network of this computer (0.0.0.0 or ::), it is that of the computer's name.
-[[nodiscard]] std::string page_address(const std::string& host, int port, const std::string& token);
+[[nodiscard]] std::string url_of(const PageAddress& address);
 
 /// Answers with {"error": why}.
 void refuse(httplib::Response& response, int status, const std::string& why);
