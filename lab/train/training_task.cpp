@@ -10,10 +10,10 @@
 #include <fmt/format.h>
 
 #include <earpoint/error.h>
+#include <earpoint/network/picture_planes.h>
 #include <earpoint/network/pose_encoding.h>
 #include <earpoint/train/initial_weights.h>
 #include <earpoint/train/vigas_learner.h>
-#include <earpoint/vigas/view.h>
 #include <earpoint/vigas/weights.h>
 
 namespace earpoint {
@@ -137,7 +137,7 @@ TrainingExample vigas_example(const ViGasDescription& description, const PairSam
   example.source = planar(sample.source);
   example.target = planar(sample.target);
   if (const auto& encoder = description.image_encoder) {
-    example.picture = vigas_view(*encoder, *sample.picture);
+    example.picture = picture_planes(*sample.picture, encoder->width_px, encoder->height_px);
   }
   EncodedPose pose =
       encode_pose(description.pose_encoding, sample.source_from_target, sample.world_from_source);

@@ -22,6 +22,7 @@
 #include <earpoint/error.h>
 #include <earpoint/gtf/constants.h>
 #include <earpoint/gtf/sight.h>
+#include <earpoint/kernels/norms.h>
 #include <earpoint/pose.h>
 
 namespace earpoint {
@@ -74,7 +75,7 @@ GtfGraph::Seen GtfGraph::encode(const at::Tensor& picture, const at::Tensor& box
     const std::string name = fmt::format("picture.{}", i);
     x = at::conv2d(x, parameter(name + ".weight"), parameter(name + ".bias"), 2, 1);
     x = at::silu(at::group_norm(x, D::kNormGroups, parameter(name + ".norm.weight"),
-                                parameter(name + ".norm.bias"), gtf::kNormEpsilon));
+                                parameter(name + ".norm.bias"), kernels::kGroupNormEpsilon));
     if (i + 1 == D::kSightLayer) seen.map = x;
   }
   seen.feature = at::silu(linear("picture.output", x.flatten(1)));

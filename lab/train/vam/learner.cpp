@@ -10,6 +10,7 @@
 #include <ATen/core/grad_mode.h>
 
 #include <earpoint/error.h>
+#include <earpoint/network/picture_planes.h>
 #include <earpoint/vam/encoding.h>
 
 namespace earpoint {
@@ -45,7 +46,8 @@ TrainingExample vam_example(const VamDescription& description, const PairSample&
   TrainingExample example;
   example.source.assign(sample.source.planar().begin(), sample.source.planar().end());
   example.target.assign(sample.target.planar().begin(), sample.target.planar().end());
-  example.picture = vam_picture(description, *sample.picture);
+  example.picture =
+      picture_planes(*sample.picture, description.image_width_px, description.image_height_px);
   example.inputs[std::string(kVamPoseInput)] = vam_pose(sample.source_from_target);
   return example;
 }

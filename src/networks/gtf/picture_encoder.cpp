@@ -9,6 +9,7 @@
 #include <earpoint/gtf/constants.h>
 #include <earpoint/gtf/description.h>
 #include <earpoint/kernels/matrix.h>
+#include <earpoint/kernels/norms.h>
 
 namespace earpoint::gtf {
 namespace {
@@ -47,7 +48,8 @@ void normalize(std::span<float> map, int channels, const std::vector<float>& sca
     }
     const double count = static_cast<double>(pixels) * of_group;
     const double mean = sum / count;
-    const double factor = 1.0 / std::sqrt(squares / count - mean * mean + gtf::kNormEpsilon);
+    const double factor =
+        1.0 / std::sqrt(squares / count - mean * mean + kernels::kGroupNormEpsilon);
     for (std::size_t pixel = 0; pixel < pixels; ++pixel) {
       for (int c = group * of_group; c < (group + 1) * of_group; ++c) {
         float& value = map[pixel * channels + c];

@@ -13,6 +13,7 @@
 #include <earpoint/kernels/openmp_threads.h>
 #include <earpoint/kernels/resnet18.h>
 #include <earpoint/kernels/strided.h>
+#include <earpoint/network/picture_planes.h>
 #include <earpoint/vam/encoding.h>
 
 namespace earpoint {
@@ -200,7 +201,8 @@ Vam& Vam::operator=(Vam&&) noexcept = default;
 const VamDescription& Vam::description() const { return state_->weights.description; }
 
 std::vector<float> Vam::image_map(const Image& picture) {
-  return image_map(vam_picture(description(), picture));
+  return image_map(
+      picture_planes(picture, description().image_width_px, description().image_height_px));
 }
 
 std::vector<float> Vam::image_map(std::span<const float> picture) {

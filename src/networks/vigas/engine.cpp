@@ -11,8 +11,8 @@
 #include <earpoint/error.h>
 #include <earpoint/kernels/dense.h>
 #include <earpoint/kernels/gated_stack.h>
+#include <earpoint/network/picture_planes.h>
 #include <earpoint/network/pose_encoding.h>
-#include <earpoint/vigas/view.h>
 
 namespace earpoint {
 namespace {
@@ -103,9 +103,9 @@ std::vector<float> ViGas::image_feature(const Image& picture) {
   const ViGasDescription& description = state_->description;
   const ImageEncoderDescription& encoder = *description.image_encoder;
   if (description.pose_encoding != PoseEncoding::soundspaces) {
-    return image_feature(vigas_view(encoder, picture));
+    return image_feature(picture_planes(picture, encoder.width_px, encoder.height_px));
   }
-  // The loader of that data set divides first. It differs from vigas_view() in rounding alone.
+  // The loader of that data set divides first. It differs from picture_planes() in rounding alone.
   ImagePlanes planes = planes_of(picture);
   for (float& value : planes.values) value /= 255.0F;
   return image_feature(resize_bilinear(planes, encoder.width_px, encoder.height_px).values);

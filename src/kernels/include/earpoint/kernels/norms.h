@@ -6,5 +6,6 @@ namespace earpoint::kernels {
 // ours were trained.
 inline constexpr double kBatchNormEpsilon = 1e-5;
 inline constexpr double kLayerNormEpsilon = 1e-5;
+inline constexpr double kGroupNormEpsilon = 1e-5;
 
 }  // namespace earpoint::kernels

@@ -27,7 +27,6 @@ inline constexpr float kMostDryLogGain = 4.0F;
 
 // The picture, and the box in it.
 inline constexpr float kMiddleGrey = 0.5F;     ///< is subtracted from pixels of 0 to 1
-inline constexpr double kNormEpsilon = 1e-5;   ///< of group norms
 inline constexpr double kLowestEdge = 0.99;    ///< a box that ends below is cut off by the picture
 inline constexpr double kBoxSizeFloor = 0.02;  ///< is added to width and height in logarithms
 inline constexpr double kTrustInBox = 3.0;     ///< weight of the box's direction

@@ -1,4 +1,4 @@
-#include <earpoint/vigas/view.h>
+#include <earpoint/network/picture_planes.h>
 
 #include <utility>
 
@@ -7,9 +7,9 @@
 
 namespace earpoint {
 
-std::vector<float> vigas_view(const ImageEncoderDescription& encoder, const Image& picture) {
+std::vector<float> picture_planes(const Image& picture, int width_px, int height_px) {
   EARPOINT_CHECK(picture.channels() == 3 && !picture.empty());
-  ImagePlanes planes = resize_bilinear(planes_of(picture), encoder.width_px, encoder.height_px);
+  ImagePlanes planes = resize_bilinear(planes_of(picture), width_px, height_px);
   for (float& value : planes.values) value /= 255.0F;
   return std::move(planes.values);
 }
