@@ -91,7 +91,7 @@ struct NoiseSuppressor::State {
     }
   }
 
-  /// Of the whole frames of the first second.
+  /// Starts the noise tracker with the whole frames of the first second.
   void start_tracking() {
     std::vector<float> frames;
     const std::ptrdiff_t known = std::min(end(), start_samples);
@@ -124,11 +124,11 @@ struct NoiseSuppressor::State {
     }
   }
 
-  /// Takes the frame that begins at `next` through and appends its first hop, which no later frame
-  /// reaches, to `done`.
+  /// Processes the frame that begins at `next` and appends its first hop, which no later frame
+  /// overlaps, to `done`.
   void process_frame(std::vector<std::vector<float>>& done) {
     analyse(next);
-    // What is partly beyond the sound tells nothing of the noise.
+    // A frame that is partly outside the sound says nothing about the noise.
     if (next >= 0 && next + frame <= end()) tracker.update(power);
     update_gain();
     // The squared windows of overlapping frames add up to half their number.
@@ -188,7 +188,7 @@ struct NoiseSuppressor::State {
   std::vector<std::vector<std::complex<float>>> spectra;
   std::vector<float> power;
   std::vector<float> gain;
-  std::vector<float> cleaned;  // power of the primary sound in the frame before
+  std::vector<float> cleaned;  // power of the primary sound in the previous frame
   std::vector<float> window;
   std::vector<float> work;
 };

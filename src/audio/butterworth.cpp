@@ -32,7 +32,7 @@ Complex divide(Complex a, Complex b) {
 }
 
 Poles bandpass_poles(double low_hz, double high_hz, double sample_rate_hz, int order) {
-  // Frequencies in units of twice the sample rate, bent as the bilinear transform will bend them.
+  // Frequencies in units of twice the sample rate, prewarped for the bilinear transform.
   // With poles this near to the unit circle the last bit of a coefficient moves the output by
   // 1e-11, so the arithmetic, down to the complex division, is done in the reference's way.
   const double low = std::tan(kPi * (low_hz / (sample_rate_hz / 2)) / 2);
@@ -63,7 +63,7 @@ Poles bandpass_poles(double low_hz, double high_hz, double sample_rate_hz, int o
   return poles;
 }
 
-/// Takes the zero of +1 or -1 that is nearer to the pole, while there are any.
+/// Takes the zero at +1 or -1 that is nearer to the pole, or the other one if none is left there.
 double take_zero(Complex pole, int& zeros_at_plus_one, int& zeros_at_minus_one) {
   const bool plus = zeros_at_minus_one == 0 ||
                     (zeros_at_plus_one > 0 && std::abs(pole - 1.0) < std::abs(pole + 1.0));
@@ -71,7 +71,7 @@ double take_zero(Complex pole, int& zeros_at_plus_one, int& zeros_at_minus_one) 
   return plus ? 1.0 : -1.0;
 }
 
-/// A section on its way through a signal: transposed direct form II.
+/// A section and its state: transposed direct form II.
 struct RunningSection {
   SecondOrderSection s;
   double z1 = 0.0;
@@ -79,7 +79,7 @@ struct RunningSection {
 };
 
 /// One pass through the cascade, in place, from the steady state for the first sample. Each sample
-/// goes through all sections before the next: what one section waits for, others do not.
+/// goes through all sections before the next one, so that the latencies of the sections overlap.
 void filter_forward(std::span<const SecondOrderSection> sections, std::span<double> signal) {
   if (signal.empty()) return;
   double level = signal[0];
@@ -184,7 +184,7 @@ SectionFilter::SectionFilter(std::span<const SecondOrderSection> sections) {
 }
 
 double SectionFilter::process(double sample) {
-  // Keeps decaying states off denormal numbers, which are a hundred times slower: at -500 dB.
+  // An offset at -500 dB keeps decaying states from becoming denormal, which is 100 times slower.
   constexpr double kNothing = 1e-25;
   double value = sample + kNothing;
   for (Running& r : running_) {

@@ -17,8 +17,8 @@ namespace {
 
 constexpr double kTurn = 6.283185307179586476925286766559;
 constexpr int kLargestRadix = 13;
-/// Between real and imaginary parts: at a power of two they would compete for the same lines of the
-/// cache.
+/// Distance between real and imaginary parts: at a power of two they would compete for the same
+/// cache lines.
 template <typename T>
 constexpr std::size_t kGap = 1088 / sizeof(T);
 
@@ -127,7 +127,7 @@ struct PassArrays {
   const T* sines;
 };
 
-/// One column of a pass: kRadix values `in_step` apart, turned and put `stride` apart.
+/// One column of a pass: Radix values `in_step` apart are transformed and stored `stride` apart.
 template <typename T, int Radix>
 void run_column(const Butterfly<T, Radix>& butterfly, const PassArrays<T>& a, std::ptrdiff_t in,
                 std::ptrdiff_t in_step, std::ptrdiff_t out, std::ptrdiff_t stride,

@@ -91,7 +91,7 @@ bool fit_levels(std::span<const double> energies, std::size_t block, double from
   return line.slope_db < 0.0;
 }
 
-/// Where a decay is cut, and the energy of what a decay without noise would have had behind that.
+/// Where a decay is cut, and the energy that it would have after the cut if there were no noise.
 struct Cut {
   std::size_t samples = 0;
   double tail_energy = 0.0;

@@ -8,7 +8,7 @@
 namespace earpoint {
 namespace {
 
-// The constants of the paper, which has a frame every 8 ms; as time constants they hold for others.
+// The paper's constants, for its hop of 8 ms; for_hop() converts them to other hops.
 constexpr double kPaperHop_s = 0.008;
 constexpr double kSmoothing = 0.8;
 constexpr double kAveraging = 0.95;
@@ -16,7 +16,7 @@ constexpr double kPresenceSmoothing = 0.2;
 constexpr float kPresenceRatio = 5.0F;
 constexpr double kMinimum_s = 1.0;
 constexpr std::size_t kWindows = 8;
-// The mean of noise over the minimum of its smoothed power in a second, where the average begins.
+// The mean of noise over the minimum of its smoothed power in a second: the estimate starts there.
 constexpr float kMinimumBias = 1.5F;
 
 double for_hop(double per_paper_frame, double hop_s) {
@@ -38,7 +38,7 @@ NoiseTracker::NoiseTracker(int bins, double hop_s)
   EARPOINT_CHECK(bins > 1 && hop_s > 0.0);
 }
 
-/// Over three neighbouring bins, weighted 1:2:1, and over time.
+/// Smooths over three neighbouring bins, weighted 1:2:1, and over time.
 void NoiseTracker::smooth(std::span<const float> power, bool first) {
   const std::size_t last = power.size() - 1;
   const auto keep = static_cast<float>(first ? 0.0 : smoothing_);
@@ -54,7 +54,7 @@ void NoiseTracker::start(std::span<const float> frames) {
   const std::size_t bins = noise_.size();
   EARPOINT_CHECK(!frames.empty() && frames.size() % bins == 0);
   const std::size_t count = frames.size() / bins;
-  // Backwards, so that what is known of the first frame is what the following ones tell.
+  // Backwards, so that the estimate at the first frame comes from the frames that follow it.
   const auto frame = [&](std::size_t i) { return frames.subspan((count - 1 - i) * bins, bins); };
   smooth(frame(0), true);
   minimum_ = smoothed_;

@@ -6,7 +6,7 @@ namespace earpoint {
 namespace {
 
 std::array<unsigned char, 4> little_endian(std::uint64_t value) {
-  // What does not fit is as open as can be: libsndfile then reads to the end.
+  // A length that does not fit becomes the largest one: libsndfile then reads to the end.
   value = std::min<std::uint64_t>(value, 0xFFFFFFFF);
   std::array<unsigned char, 4> bytes{};
   for (unsigned char& byte : bytes) {

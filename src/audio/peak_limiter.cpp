@@ -38,9 +38,9 @@ double PeakLimiter::excess_db() const {
   return peak_ > 1.0F ? 20.0 * std::log10(double{peak_}) : 0.0;
 }
 
-/// Takes the peak of the newest sample and gives the gain of the one that lies ahead_ behind it:
-/// the mean, over the ahead_ samples before it, of the least gain that any of the ahead_ samples
-/// after each wants. Every value in that mean is at most what the sample itself wants.
+/// Takes the peak of the newest sample and returns the gain of the sample ahead_ before it: the
+/// mean of the last ahead_ + 1 values of the smallest gain wanted within ahead_ + 1 samples, with
+/// release. Each of these values covers the sample, so the mean is at most the gain that it needs.
 float PeakLimiter::next_gain(float peak) {
   peak_ = std::max(peak_, peak);
   const float wanted = peak > 1.0F ? 1.0F / peak : 1.0F;
@@ -55,7 +55,7 @@ float PeakLimiter::next_gain(float peak) {
   minimum(minima_held_) = {position_, wanted};
   ++minima_held_;
   reduction_ = std::max(1.0 - double{minimum(0).gain}, reduction_ * release_);
-  // What is inaudible ends, or a stream would never pass unchanged again.
+  // Ends an inaudible reduction; otherwise a stream would never pass unchanged again.
   if (reduction_ < 1e-5) reduction_ = 0.0;
 
   double& oldest = reductions_[static_cast<std::size_t>(position_ % (ahead_ + 1))];
@@ -90,7 +90,7 @@ Waveform PeakLimiter::process(const Waveform& block, bool last) {
   Waveform late(channels_, total, sample_rate_hz_);
   for (int c = 0; c < channels_; ++c) std::ranges::copy(block.channel(c), late.channel(c).begin());
   process_late(late.planar());
-  // The stream's first ahead_ samples come out as the silence before it.
+  // The first ahead_ samples that come out are silence before the stream.
   const std::ptrdiff_t dropped = std::clamp<std::ptrdiff_t>(ahead_ - before, 0, total);
   Waveform result(channels_, total - dropped, sample_rate_hz_);
   for (int c = 0; c < channels_; ++c) {

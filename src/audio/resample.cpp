@@ -33,8 +33,8 @@ struct StreamResampler::State {
   State(const State&) = delete;
   State& operator=(const State&) = delete;
 
-  /// Runs the converter over `input`, nothing after which ends the sound if it is the `last`, and
-  /// appends what comes out to `output`.
+  /// Converts `input` and appends the result to `output`; after the `last` input, tells the
+  /// converter that the sound ends.
   void convert(const std::vector<float>& input, bool last, std::vector<float>& output) {
     if (input.empty() && !last) return;  // to soxr, no input is the end
     const float* next = input.data();

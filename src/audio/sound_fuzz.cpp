@@ -8,7 +8,7 @@
 #include <earpoint/error.h>
 
 /// Any bytes as a sound file: refused with InputError, or read in blocks of finite samples up to
-/// the length that was told.
+/// the stated length.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace earpoint;  // NOLINT(google-build-using-namespace): one function
   const FuzzFile file(data, size);

@@ -69,7 +69,7 @@ std::int64_t count_frames(const fs::path& path) {
 
 struct SoundReader::State {
   fs::path path;
-  std::optional<OpenWav> open_wav;  ///< what `file` reads from, if its header says no length
+  std::optional<OpenWav> open_wav;  ///< what `file` reads from, if its header gives no length
   SoundHandle file;
   SoundInfo info;
   std::int64_t position = 0;

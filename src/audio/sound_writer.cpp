@@ -22,11 +22,11 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::ptrdiff_t kBlockFrames = 4096;
-/// Of 0 to 1; transparent for speech and rooms at about 190 kbit/s in stereo.
+/// From 0 to 1; transparent for speech and rooms at about 190 kbit/s in stereo.
 constexpr double kVorbisQuality = 0.6;
-/// Of 0 to 1, the best first: LAME's V2, about as many bits.
+/// From 0 (best) to 1: LAME's V2, about as many bits.
 constexpr double kMp3Level = 0.2;
-/// Of samples: lengths in a plain WAV file have 32 bits, and the header needs some of the 4 GB.
+/// Samples in a plain WAV file: its lengths have 32 bits, and the header needs some of the 4 GB.
 constexpr std::int64_t kMostWavBytes = 0xFFFFFFFFLL - 4096;
 
 std::string lower_extension(const fs::path& path) {
@@ -187,7 +187,7 @@ SoundWriter::SoundWriter(const fs::path& path, int channels, int sample_rate_hz,
   info.format = format_of(path, format);
   std::int64_t most_frames = INT64_MAX;
   if ((info.format & SF_FORMAT_TYPEMASK) == SF_FORMAT_WAV) {
-    // RF64 (EBU Tech 3306) is WAV with lengths of 64 bits; what does not need them stays plain.
+    // RF64 (EBU Tech 3306) is WAV with lengths of 64 bits; files that do not need them stay plain.
     const std::int64_t most_wav_frames =
         kMostWavBytes / (bytes_of(format) * std::int64_t{channels});
     if (expected_samples > most_wav_frames) {
@@ -219,7 +219,7 @@ SoundWriter::SoundWriter(const fs::path& path, int channels, int sample_rate_hz,
   SF_VIRTUAL_IO io{Sink::length, Sink::seek, Sink::read, Sink::write, Sink::tell};
   s.file = sf_open_virtual(&io, SFM_WRITE, &info, &s.sink);
   s.check_written(s.file != nullptr);
-  // The peak chunk holds the time of day, and equal sound shall give equal bytes.
+  // No peak chunk: it holds the time of day, and equal sound must give equal bytes.
   sf_command(s.file, SFC_SET_ADD_PEAK_CHUNK, nullptr, SF_FALSE);
   double quality = kVorbisQuality;
   if (vorbis) sf_command(s.file, SFC_SET_VBR_ENCODING_QUALITY, &quality, sizeof(quality));

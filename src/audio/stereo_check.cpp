@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kBlock_s = 0.5;
 constexpr double kFrame_s = 0.04;
-// Where the delay between the ears can be told by phase.
+// The band in which the phase shows the delay between the ears.
 constexpr double kDelayBandLow_hz = 100.0;
 constexpr double kDelayBandHigh_hz = 1500.0;
 constexpr double kCopyBandHigh_hz = 7000.0;
@@ -145,7 +145,7 @@ void StereoCheck::end_block() {
     left_power += power_[0][k];
     right_power += power_[1][k];
     if (both <= kFaint * loudest || both <= 0.0) continue;
-    // Every bin counts alike: at the loudest, low frequencies ears differ least.
+    // All bins have equal weight: at low frequencies, the loudest ones, the ears differ least.
     left += power_[0][k] / both;
     right += power_[1][k] / both;
     product += cross_[k].real() / both;
@@ -212,7 +212,7 @@ StereoKind StereoCheck::kind() {
   }
   if (2 * inverted > blocks) return StereoKind::inverted;
   if (10 * same >= 9 * blocks) return StereoKind::same;
-  // Sound in the middle says nothing either way.
+  // Sound from straight ahead is no evidence either way.
   if (panned + same >= 3 * heard_delay && 10 * panned >= 3 * blocks) return StereoKind::panned;
   return StereoKind::plausible;
 }

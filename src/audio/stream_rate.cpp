@@ -36,7 +36,7 @@ double response(double time_s, int from_hz, double cutoff_hz, double half_length
   return 2.0 * cutoff_hz / from_hz * sinc(2.0 * cutoff_hz * time_s) * window;
 }
 
-/// Sums in lanes, so that the compiler may take vectors and every processor adds in the same order.
+/// Sums in lanes, so that the compiler can use vectors and every processor adds in the same order.
 float dot(const float* a, const float* b, std::ptrdiff_t count) {
   constexpr std::ptrdiff_t kLanes = 16;
   std::array<float, kLanes> sums{};
@@ -68,7 +68,7 @@ StreamRate::StreamRate(int channels, int from_hz, int to_hz, double delay_s)
   for (std::ptrdiff_t phase = 0; phase < phases_; ++phase) {
     const auto row = std::span(kernel_).subspan(static_cast<std::size_t>(phase * taps_),
                                                 static_cast<std::size_t>(taps_));
-    // An output sample lies phase / phases past the newest sample but for the delay.
+    // Without the delay, an output sample lies phase / phases_ after the newest input sample.
     const double late = static_cast<double>(phase) / static_cast<double>(phases_) - delay;
     double sum = 0.0;
     std::vector<double> exact(row.size());

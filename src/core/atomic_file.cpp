@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Paths to unlink when a signal ends the process. Whoever takes a pointer out owns it.
+/// Paths to unlink when a signal ends the process. The thread that takes a pointer out owns it.
 constexpr int kSlots = 512;
 std::array<std::atomic<char*>, kSlots> partial_files{};
 static_assert(std::atomic<char*>::is_always_lock_free, "a signal handler may take no lock");
@@ -44,9 +44,10 @@ void forget(int slot) {
   if (slot >= 0) std::free(partial_files[slot].exchange(nullptr));
 }
 
-/// Only calls that are safe in a signal handler. Children leave their parent's files alone.
+/// The process that owns the paths: children leave their parent's files alone.
 pid_t writer = 0;
 
+/// Makes only calls that are safe in a signal handler.
 void remove_and_end(int signal) {
   for (auto& slot : partial_files) {
     if (writer != ::getpid()) break;
@@ -82,7 +83,7 @@ bool take(int descriptor, const fs::path& path) {
          opened.st_ino == named.st_ino && opened.st_dev == named.st_dev;
 }
 
-/// "there.wav" is written as ".there.partial.wav", by the next at the same time as
+/// "there.wav" is written as ".there.partial.wav", and by a second writer at the same time as
 /// ".there.1.partial.wav".
 std::string partial_name(const fs::path& path, int number) {
   const std::string mark = number == 0 ? "" : "." + std::to_string(number);
@@ -146,7 +147,7 @@ void AtomicFile::open_beside() {
     throw InputError(path_.string(), "its folder does not exist", "make " + folder.string());
   }
   // Finds out now, not after an hour of work, that nothing can be written here. A name that a
-  // killed process left is free again: only the living hold locks.
+  // killed process left is free again: its lock ended with it.
   constexpr int kMostWriters = 1000;
   int number = 0;
   for (; number < kMostWriters && descriptor_ < 0; ++number) {
@@ -159,7 +160,7 @@ void AtomicFile::open_beside() {
     throw InputError(path_.string(), "is being written by many processes", "wait for them");
   }
   if (::ftruncate(descriptor_, 0) != 0) throw_errno(path_, "cannot be written", errno);
-  // Where several wrote at once and were killed, more is left.
+  // If several writers were killed, their files are left too.
   while (remove_if_left(folder / partial_name(path_, number))) ++number;
 }
 
@@ -232,7 +233,7 @@ fs::path stored_input(const fs::path& path) {
   const int from = is_standard ? ::dup(STDIN_FILENO) : ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (from < 0) throw_errno(name, "cannot be read", errno);
   std::string stored = (fs::temp_directory_path() / "earpoint-XXXXXX").string();
-  // Kept open to the end of the process, and without a name: nothing of it is ever left.
+  // Kept open to the end of the process, and without a name, so that it is never left behind.
   const int to = ::mkostemp(stored.data(), O_CLOEXEC);
   if (to >= 0) ::unlink(stored.c_str());
   const int error = to < 0 ? errno : copy_all(from, to);

@@ -9,7 +9,7 @@ std::string compose(std::string_view where, std::string_view problem, std::strin
   if (!where.empty()) message.append(": ");
   message.append(problem);
   if (!hint.empty()) message.append("; ").append(hint);
-  // One line, whatever a file's contents or name brought along.
+  // Keeps the message on one line, whatever a file's name or contents hold.
   for (char& c : message) {
     if (c == '\n' || c == '\r') c = ' ';
   }

@@ -10,8 +10,8 @@
 namespace earpoint {
 namespace {
 
-/// Descriptors, each one more than its number; 0 is an empty place. Where there is no place left
-/// the lock may outlive its process by as long as the child runs.
+/// Descriptors, stored as their number + 1; 0 is an empty place. If no place is left, a lock may
+/// outlive its process for as long as a child runs.
 std::array<std::atomic<int>, 1024> places{};
 
 void close_all() {

@@ -9,7 +9,7 @@ namespace earpoint {
 namespace {
 
 constexpr std::uint64_t kOpenLength = 0x7FFFF000;  // written where the length is not known yet
-constexpr std::uint64_t kMiscounted_bytes = 64;    // a header that is counted as samples is shorter
+constexpr std::uint64_t kMiscounted_bytes = 64;    // more than a header that was counted as samples
 constexpr std::uint64_t kLongForm = 0xFFFFFFFF;
 
 std::uint64_t little_endian(const char* bytes, int count) {

@@ -16,7 +16,7 @@
 namespace earpoint::kernels {
 namespace {
 
-/// What one thread works in.
+/// Working memory of one thread.
 struct WorkerMemory {
   WorkerMemory(std::ptrdiff_t channels, std::ptrdiff_t most_taps)
       : panel(std::max(kMostPositions, most_taps) * round_up(channels, kGroupRows) * kTileColumns),
@@ -32,7 +32,7 @@ struct WorkerMemory {
   AlignedFloats gated;
 };
 
-/// What a thread knows of the run; the same in every thread at the same phase.
+/// A thread's view of the run; except for `member`, the same in every thread at the same phase.
 struct Progress {
   int member = 0;                 ///< of the team: the thread itself
   float* x = nullptr;             ///< [channels][stride], what the next layer reads
@@ -76,7 +76,7 @@ struct GatedStack::State {
   std::vector<LayerPlan> plans;
   AlignedFloats source;            ///< [audio_channels][stride], in the first layer's order
   std::array<AlignedFloats, 2> x;  ///< [channels][stride]
-  // The sums of the skips, [channels][stride]: one of the layers in either order.
+  // The sums of the skip outputs, [channels][stride]: one sum for the layers in each order.
   AlignedFloats skip_in_time;
   AlignedFloats skip_in_segments;
 };

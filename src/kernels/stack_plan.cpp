@@ -7,7 +7,7 @@
 namespace earpoint::kernels {
 namespace {
 
-/// Single taps for the outputs of `width` samples from `phase` on, those that see samples only.
+/// Single taps for `width` outputs from `phase` on; taps that see only padding are left out.
 Sweep sweep_of_taps(const DilatedConvolution& convolution, std::ptrdiff_t samples,
                     std::ptrdiff_t phase, std::ptrdiff_t width) {
   Sweep sweep{.scheme = Scheme::taps, .step = convolution.dilation};

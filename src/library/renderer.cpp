@@ -52,7 +52,7 @@ std::optional<SpeakerTrack> track_of(const RenderRequest& request) {
   return SpeakerTrack(*request.speaker_box, picture_size(request));
 }
 
-/// One channel becomes two that are the same; two ears stay as they are.
+/// Duplicates a single channel; two channels stay as they are.
 Waveform both_ears(const Waveform& sound) {
   EARPOINT_CHECK(sound.channels() == 1 || sound.channels() == 2);
   if (sound.channels() == 2) return sound;
@@ -61,7 +61,7 @@ Waveform both_ears(const Waveform& sound) {
   return ears;
 }
 
-/// One channel's voice where the speaker is, if that is known.
+/// Pans a mono voice to the speaker's position, if that is known.
 Waveform place_voice(Waveform ears, const RenderRequest& request, double horizontal_fov_rad) {
   std::optional<VoicePlacement> placement;
   if (request.speaker_m) {
@@ -139,7 +139,7 @@ Waveform Renderer::render(const Waveform& sound, const RenderRequest& request) {
   const EarpointPath path = path_of(request);
   if (request.picture != nullptr) {
     EARPOINT_CHECK(!request.picture->empty() && request.picture->channels() == 3);
-    // A copy: the synthesizer tells pictures apart by their place in memory.
+    // A copy: the synthesizer tells pictures apart by their address.
     source.picture = std::make_shared<const Image>(*request.picture);
   }
   if (const auto track = track_of(request)) source.speaker_box = track->at(0.0);

@@ -12,20 +12,20 @@ namespace earpoint {
 namespace {
 
 constexpr double kOutsidePrior = 0.1;
-// Of going on within 0.2 s: turns of 4 s on average.
+// Probability that a turn goes on for another 0.2 s: turns of 4 s on average.
 constexpr double kGoesOn = 0.95;
-// However sure the direction is, the sound may be of something else (a reflection, a second voice).
+// However clear the direction is, the sound may be something else (a reflection, a second voice).
 constexpr double kLeastLikelihood = 1e-4;
-// Of the direction that a box tells: 2 degrees, and 0.15 of its angular width.
+// Standard deviation of a box's direction: 2 degrees plus 0.15 of its angular width.
 constexpr double kLeastSpread_rad = radians_from_degrees(2.0);
 constexpr double kSpreadByWidth = 0.15;
-// Speech is taken for such from 25 dB below the loud moments on, within a few decibels.
+// Sound counts as speech from 25 dB below the loud moments up, with a transition of a few decibels.
 constexpr double kVoiceRange_db = 25.0;
 constexpr double kVoiceSlope_db = 2.5;
 constexpr double kLoudShare = 0.95;
 constexpr double kSilence_db = -100.0;
 
-/// States of a moment: everybody in the picture, and last somebody outside.
+/// States of a moment: everybody in the picture and, last, somebody outside.
 std::vector<double> priors(const SpeakerMoment& moment) {
   const std::size_t people = moment.tracks.size();
   if (people == 0) return {1.0};
@@ -45,12 +45,12 @@ std::vector<double> emissions(const SpeakerMoment& moment) {
   return emission;
 }
 
-/// For every state of a moment that of the next one which is the same person.
+/// For every state of a moment, the state of the next moment that is the same person.
 std::vector<std::size_t> successors(const SpeakerMoment& from, const SpeakerMoment& to) {
   std::vector<std::size_t> next;
   for (const int track : from.tracks) {
     const auto found = std::ranges::find(to.tracks, track);
-    next.push_back(static_cast<std::size_t>(found - to.tracks.begin()));  // the end is outside
+    next.push_back(static_cast<std::size_t>(found - to.tracks.begin()));  // if not found: outside
   }
   next.push_back(to.tracks.size());
   return next;

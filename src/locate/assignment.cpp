@@ -12,8 +12,8 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// A square matrix, indices from 1, as the method below counts; what must not be costs more than
-/// all that may together.
+/// A square matrix, with indices from 1 as in the method below. A forbidden pair costs more than
+/// all allowed pairs together.
 struct SquareCosts {
   std::size_t size = 0;
   double forbidden = 1.0;
@@ -78,7 +78,7 @@ std::vector<std::size_t> rows_of_columns(const SquareCosts& costs) {
       }
       column = next;
     } while (row_of[column] != 0);
-    // Turn the pairs along the path.
+    // Swap the pairs along the path.
     while (column != 0) {
       row_of[column] = row_of[from[column]];
       column = from[column];

@@ -19,7 +19,7 @@ namespace {
 
 constexpr int kRate_hz = VoiceDirection::kSampleRateHz;
 constexpr std::ptrdiff_t kStep = kRate_hz / 5;
-// Below it a recording's ambient sound is, and directions are not heard.
+// A recording's ambient sound lies below it, where directions cannot be heard.
 constexpr double kAmbientCutoff_hz = 80.0;
 
 double seconds(std::ptrdiff_t samples) { return static_cast<double>(samples) / kRate_hz; }
@@ -30,7 +30,7 @@ double mean_power(const Waveform& sound) {
   return sum / static_cast<double>(std::max<std::size_t>(sound.planar().size(), 1));
 }
 
-/// Looks for people where they have not been looked for yet: a still picture is seen once.
+/// Detects people in every new picture; a still picture is searched once.
 class People {
  public:
   People(const RenderInput& source, PeopleDetector* detector)
@@ -89,7 +89,7 @@ PeopleInClip find_people(const RenderInput& source, const SoundSurvey& survey,
   }
   std::vector<SpeakerMoment> moments;
   progress.begin("finding people", survey.duration_s(), "s");
-  // A rest of less than half a step tells little, unless it is all there is.
+  // A remainder of less than half a step is skipped, unless it is the whole sound.
   for (std::ptrdiff_t start = 0; start == 0 || start + kStep / 2 <= stream.model_samples();
        start += kStep) {
     const SourceStream::Window window = stream.window(start, kStep, 0);
@@ -101,7 +101,7 @@ PeopleInClip find_people(const RenderInput& source, const SoundSurvey& survey,
     DirectionEvidence evidence{.log_likelihood = {}, .power = mean_power(window.primary)};
     if (direction) evidence = direction->listen(window.primary);
     moments.push_back(speaker_moment(frame.people, evidence, search.horizontal_fov_rad));
-    // Who is given speaks.
+    // If the speaker is given, nobody outside the picture speaks.
     if (source.speaker_track) moments.back().outside = 0.0;
     found.frames.push_back(std::move(frame));
     progress.advance(seconds(kStep));

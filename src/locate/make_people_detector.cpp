@@ -20,7 +20,7 @@ constexpr std::string_view kShipped = "people.safetensors";
 constexpr std::string_view kNanoDet = "nanodet";
 constexpr std::string_view kNanoDetFile = "people-nanodet.onnx";
 
-/// What `./dev assets --people` has installed.
+/// A file that `./dev assets --people` installs.
 fs::path installed(std::string_view name) {
   const auto folder = data_folder();
   if (folder && fs::exists(*folder / name)) return *folder / name;

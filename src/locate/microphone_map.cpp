@@ -12,22 +12,22 @@ namespace {
 
 using Costs = std::vector<std::vector<double>>;
 
-// From which difference between near-range microphones on the loudest one's wearer speaks alone.
+// If the loudest near-range microphone leads by this much, its wearer speaks alone.
 constexpr double kClearlyLoudest_db = 6.0;
 // Standard deviation of a moment's level at the camera that distance does not explain (rooms, the
 // speaker's heading), and of the microphones' gains.
 constexpr double kUnexplained_db = 4.0;
 constexpr double kGainSpread_db = 3.0;
-// Neighbouring moments are off alike: so much of each is news.
+// Errors of neighbouring moments are correlated: each moment counts as this many independent ones.
 constexpr double kNews = 0.25;
-// No single moment decides.
+// Limits the influence of any single moment.
 constexpr double kLargestError_db = 12.0;
 
-/// What one microphone's moments say of one person.
+/// How well one microphone's moments fit one person.
 struct Match {
   double gain_db = 0.0;  ///< that fits best
   double cost = 0.0;     ///< negative log likelihood with it, up to a constant
-  double weight = 0.0;   ///< moments that count, as independent ones
+  double weight = 0.0;   ///< number of independent moments
 };
 
 struct Turn {
@@ -52,7 +52,7 @@ std::vector<Turn> turns_of(std::span<const NearRangeMoment> moments, double sile
   return turns;
 }
 
-/// Logarithm of the mean likelihood of all people: what somebody unseen is as likely as.
+/// Logarithm of the mean likelihood of all people; it stands for somebody who is not seen.
 double mean_log_likelihood(const NearRangeMoment& moment) {
   const std::vector<double>& logs = moment.direction_log_likelihood;
   const double largest = *std::ranges::max_element(logs);
@@ -68,7 +68,7 @@ Match match_of(const std::vector<Turn>& turns, std::size_t microphone, std::size
     if (turn.microphone != microphone) continue;
     const NearRangeMoment& moment = *turn.moment;
     if (!moment.direction_log_likelihood.empty()) {
-      // Somebody who is not seen speaks outside the picture: neither for nor against.
+      // Somebody who is not seen may speak outside the picture: no evidence either way.
       const double seen = moment.distance_m[person] ? moment.direction_log_likelihood[person]
                                                     : mean_log_likelihood(moment);
       match.cost -= kNews * (seen - mean_log_likelihood(moment));
@@ -89,7 +89,7 @@ Match match_of(const std::vector<Turn>& turns, std::size_t microphone, std::size
   return match;
 }
 
-/// The costs if microphones had that gain on average.
+/// The costs if `gain_db` were the mean gain of the microphones.
 Costs costs_for(const std::vector<std::vector<Match>>& matches, double gain_db) {
   Costs costs;
   for (const std::vector<Match>& row : matches) {
@@ -129,7 +129,7 @@ MicrophoneMap match_microphones(std::span<const NearRangeMoment> moments, double
   for (std::size_t m = 0; m < microphones; ++m) {
     for (std::size_t p = 0; p < people; ++p) matches[m].push_back(match_of(turns, m, p));
   }
-  // The mean gain is not known; the best pairing is at one that some pair asks for.
+  // The mean gain is not known: try the best gain of every pair.
   Costs best;
   double least = std::numeric_limits<double>::infinity();
   for (const std::vector<Match>& row : matches) {
@@ -147,7 +147,7 @@ MicrophoneMap match_microphones(std::span<const NearRangeMoment> moments, double
   map.person_of = cheapest_pairs(best);
   for (std::size_t m = 0; m < microphones; ++m) {
     if (!map.person_of[m]) continue;
-    // How much worse everything gets if this microphone is somebody else's.
+    // How much the total cost rises if this microphone is somebody else's.
     Costs without = best;
     without[m][*map.person_of[m]] = 1e6;
     const double other = sum_of(without, cheapest_pairs(without));

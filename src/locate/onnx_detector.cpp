@@ -27,9 +27,9 @@ namespace fs = std::filesystem;
 constexpr OnnxInput kUsualInput{640, 640};
 constexpr double kLeastScore = 0.35;
 constexpr double kMostOverlap = 0.5;
-constexpr float kGrey = 114.0F;  // what both were trained to see beside a picture
+constexpr float kGrey = 114.0F;  // the padding that both were trained with
 
-/// A picture within the network's input, in its proportions, grey beside it.
+/// Where a picture lies in the network's input: proportions kept, grey around it.
 struct Letterbox {
   int width = 0;  ///< of the picture within
   int height = 0;
@@ -57,7 +57,7 @@ class OnnxDetector : public PeopleDetector {
     const std::string where = path.string();
     const std::vector<std::byte> bytes = read_file(path);
     input_ = onnx_input(bytes, where).value_or(kUsualInput);
-    // What goes wrong is said by exceptions.
+    // Errors arrive as exceptions.
     cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
     cv::setNumThreads(threads);
     try {

@@ -16,22 +16,22 @@ namespace earpoint {
 namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
-// Overlap from which a detection may be the person that was predicted.
+// Least overlap of a detection with the box that is predicted for a person.
 constexpr double kLeastOverlap = 0.15;
 // Somebody who was hidden may have moved by this share of their height, and look this much larger
 // or smaller (as a ratio).
 constexpr double kFarthestReturn = 0.75;
 constexpr double kLargestGrowth = 1.7;
 constexpr double kLongestHidden_s = 1.5;
-// Of a second without having been seen, against the overlap.
+// Cost of each second without a detection, relative to the overlap.
 constexpr double kHiddenCost = 0.3;
-// Shares of the box's height: how much a detection jitters, how fast somebody may be who appears
-// (0.7 m/s for one who is 1.7 m tall), and how much people change their speed within a second.
+// Shares of the box's height: how much a detection jitters, how fast a newly found person may move
+// (0.7 m/s at a height of 1.7 m), and how much people change their speed within a second.
 constexpr double kDetectionNoise = 0.05;
 constexpr double kFirstSpeed = 0.4;
 constexpr double kSpeedChange = 0.15;
 
-/// A number and how fast it changes, by noisy measurements: a Kalman filter of constant velocity.
+/// A number and its rate of change from noisy measurements: a Kalman filter of constant velocity.
 class MovingNumber {
  public:
   MovingNumber(double value, double noise, double speed)
@@ -137,8 +137,8 @@ class Track {
   bool is_sure_;
 };
 
-/// Of two who are expected at the same place, it is rather the one of the same height who was seen
-/// just before.
+/// If two people are expected at the same place, the one of the same height who was seen last costs
+/// less.
 double overlap_cost(const Track& track, const DetectedPerson& person) {
   const double overlap = intersection_over_union(track.box(), person.box);
   if (overlap < kLeastOverlap) return kNever;
@@ -159,7 +159,7 @@ double return_cost(const Track& track, const DetectedPerson& person) {
 }  // namespace
 
 struct PersonTracker::State {
-  /// Gives detections to tracks by a cost, and takes both from those who wait.
+  /// Assigns detections to tracks at the least cost and removes both from the given lists.
   template <typename Cost>
   void assign(std::vector<std::size_t>& waiting, std::vector<DetectedPerson>& people, Cost cost) {
     std::vector<std::vector<double>> costs;

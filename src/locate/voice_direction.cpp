@@ -22,16 +22,16 @@ constexpr int kHop = 128;
 constexpr int kFirstBin = 7;   // 219 Hz
 constexpr int kLastBin = 224;  // 7000 Hz
 constexpr int kBins = kLastBin - kFirstBin + 1;
-// A bin's floor follows its power by this share a frame; what rises above it by more than e^3
-// counts no more.
+// In each frame a bin's floor moves by this share towards its power. A rise above the floor counts
+// up to e^3.
 constexpr double kFloorShare = 0.1;
 constexpr double kLargestRise = 3.0;
-// Bins weaker than this share of the loudness of late are noise. It falls by 1 % a frame.
+// Bins weaker than this share of the recent loudness are noise. The loudness falls by 1 % a frame.
 constexpr double kWeakest = 0.01;
 constexpr double kLoudnessRise = 0.1;
 constexpr double kLoudnessFall = 0.01;
-// Of one nat of rise in one bin. Fitted on the validation homes of a simulated data set by the
-// likelihood of who truly spoke.
+// Weight of one nat of rise in one bin. Fitted on the validation homes of a simulated data set by
+// the likelihood of the true speaker.
 constexpr double kVote = 0.005;
 constexpr double kTiny = 1e-20;
 
@@ -141,7 +141,7 @@ struct VoiceDirection::State {
   std::vector<double> window;
   std::array<double, kFrame> wave{};
   std::array<std::vector<Complex>, 2> spectra;
-  std::array<std::vector<float>, 2> samples;  ///< not yet in a frame, and those that frames share
+  std::array<std::vector<float>, 2> samples;  ///< not yet in a frame, or shared by frames
   std::array<double, kBins> floor{};
   std::array<Complex, kBins> sum{};
   double loudness = 0.0;

@@ -189,7 +189,7 @@ struct AudioReader::State {
     queued += end - overlap;
   }
 
-  /// An encoder fills its last frame up; the container's duration of it tells how much is meant.
+  /// Encoders pad their last frame; the frame's duration in the container tells how much counts.
   [[nodiscard]] std::int64_t samples_meant() const {
     const AVRational tick = container.stream(stream).time_base;
     const AVRational sample = {1, info.sample_rate_hz};
@@ -201,8 +201,8 @@ struct AudioReader::State {
   }
 
   [[nodiscard]] std::optional<double> frame_start_s() const {
-    // A first Vorbis packet has a duration but gives no samples: FFmpeg dates the second's, which
-    // are the first to be heard, late by as much.
+    // The first Vorbis packet has a duration but gives no samples. FFmpeg dates the samples of the
+    // second packet, the first that are heard, late by this duration.
     if (queued == 0 && info.codec == "vorbis") return info.start_s;
     return container.time_s(stream, frame->best_effort_timestamp);
   }
@@ -222,7 +222,7 @@ struct AudioReader::State {
 
   void warn_of_gap(double late_s) {
     constexpr double kWorthTelling_s = 1.0;
-    // `queued` holds the silence already; what comes before the first sample is no gap.
+    // `queued` includes the silence already; silence before the first sample is no gap.
     const double from_s = queued_s() - late_s;
     if (late_s < kWorthTelling_s || from_s <= 0.0) return;
     container.warn(fmt::format("has no sound from {:.3f} to {:.3f} s; replaced by silence", from_s,

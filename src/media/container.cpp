@@ -105,7 +105,7 @@ std::optional<double> start_of(const AVStream& stream) {
   return std::min(0.0, start_s + static_cast<double>(codec.initial_padding) / codec.sample_rate);
 }
 
-/// Options that keep a damaged header from asking for all memory, one dictionary for each stream.
+/// Options that keep a damaged header from taking all memory, one dictionary for each stream.
 class ProbeOptions {
  public:
   explicit ProbeOptions(unsigned streams) : options_(streams, nullptr) {
@@ -310,7 +310,7 @@ void InputContainer::select(int index) {
   }
 }
 
-/// Broadcast streams are cut and joined without a thought for their clocks, and state no length.
+/// Broadcast streams are cut and joined without adjusting their clocks, and state no length.
 bool InputContainer::may_jump() const {
   return av_match_list(format_->iformat->name, "mpegts,mpeg", ',') != 0;
 }
@@ -332,7 +332,7 @@ void InputContainer::throw_damaged(int error) const {
 }
 
 void InputContainer::check_whole(int error) {
-  // These two know from their index that a file was cut short, but only complain.
+  // These two know from their index that a file was cut short, but only log it.
   const bool knows_its_end =
       av_match_list(format_->iformat->name, "mov,matroska", ',') != 0 && !first_complaint().empty();
   if (error != AVERROR_EOF || io_->error < 0 || knows_its_end) throw_damaged(error);
@@ -363,7 +363,7 @@ void InputContainer::check_packet(AVPacket& packet) {
   constexpr int kNearJumpPackets = 4;
   const bool is_near_jump = may_jump() && clocks_.since_jump(selected_) < kNearJumpPackets;
   if (is_near_jump) suspect_.reset();
-  // The last block of a file without a length is as long as it happens to be.
+  // The last block of a file without a length may be shorter.
   if ((packet.flags & AV_PKT_FLAG_CORRUPT) && !has_no_length_ && !is_near_jump) {
     if (!may_jump()) throw_damaged(AVERROR_INVALIDDATA);
     if (!suspect_) suspect_ = kNearJumpPackets;
@@ -373,7 +373,7 @@ void InputContainer::check_packet(AVPacket& packet) {
 }
 
 bool InputContainer::seek(int index, std::int64_t timestamp) {
-  if (may_jump()) return false;  // nobody knows where a time is
+  if (may_jump()) return false;  // times do not tell positions
   listen_to_log();
   return av_seek_frame(format_.get(), index, timestamp, AVSEEK_FLAG_BACKWARD) >= 0;
 }

@@ -128,8 +128,8 @@ PictureEncoder::PictureEncoder(std::string where, int width, int height, AVRatio
   codec_->color_trc = AVCOL_TRC_BT709;
   codec_->color_range = AVCOL_RANGE_MPEG;
   codec_->flags |= AV_CODEC_FLAG_GLOBAL_HEADER;
-  // The same pictures give the same bytes everywhere: by default x264 takes as many threads as
-  // there are cores, and its macroblock tree reads memory that nobody has written.
+  // The same pictures must give the same bytes everywhere: by default x264 takes as many threads as
+  // there are cores, and its macroblock tree reads uninitialized memory.
   codec_->thread_count = 1;
   av_opt_set(codec_->priv_data, "mbtree", "0", 0);
   av_opt_set(codec_->priv_data, "preset", kPicturePreset, 0);

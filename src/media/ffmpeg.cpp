@@ -11,12 +11,12 @@
 namespace earpoint::ffmpeg {
 namespace {
 
-// Per thread, so that readers in different threads do not hear each other. What FFmpeg's own
-// worker threads say is lost; the error number still arrives.
+// Per thread, so that readers in different threads do not mix their messages. Messages of FFmpeg's
+// own worker threads are lost; the error number still arrives.
 thread_local std::string complaint;
 
 void hear(void* /*source*/, int level, const char* format, std::va_list arguments) {
-  // The first complaint is the cause, the later ones its consequences.
+  // The first message is the cause, the later ones are its consequences.
   if (level > AV_LOG_ERROR || !complaint.empty()) return;
   std::array<char, 512> line{};
   // NOLINTNEXTLINE(clang-analyzer-valist.Uninitialized): comes from av_log

@@ -199,7 +199,7 @@ Orientation orientation_from_exif(int exif) {
 }
 
 int rotation_deg(const Orientation& orientation) {
-  // Where the source's upward direction goes tells the turn, mirrored or not.
+  // The source's upward direction gives the rotation, mirrored or not.
   if (orientation.yy == 1) return 0;
   if (orientation.yy == -1) return 180;
   return orientation.xy == -1 ? 90 : 270;

@@ -11,7 +11,7 @@ namespace {
 
 using ffmpeg::TimedFrame;
 
-/// Beyond this a key frame further on is worth a seek instead of decoding all that lies between.
+/// Beyond this, seeking to a later key frame is faster than decoding all frames up to it.
 constexpr double kSeekForwardAfterSeconds = 2.0;
 
 }  // namespace
@@ -53,7 +53,7 @@ struct FrameReader::State {
           current.time_s <= time_s) {
         return;
       }
-      // The key frame's own time may lie behind what was asked for; try earlier and earlier.
+      // The key frame may be later than the requested time; try earlier and earlier.
       back_s = 2.0 * back_s + 0.5;
     }
     forget_position();
@@ -81,7 +81,7 @@ struct FrameReader::State {
 
   ffmpeg::FrameSequence frames;
   TimedFrame current;     // none: no position, because of the beginning or an error
-  TimedFrame upcoming;    // the one behind it; none at the end
+  TimedFrame upcoming;    // the one after it; none at the end
   bool is_first = false;  // `current` is the stream's first frame
   bool has_begun = false;
   bool has_sought = false;

@@ -65,7 +65,7 @@ FramePtr decode_picture(std::span<const std::byte> bytes, AVCodecID id, const st
   check(avcodec_send_packet(codec.get(), packet.get()), where, kProblem, kDamagedMend);
   check(avcodec_send_packet(codec.get(), nullptr), where, kProblem, kDamagedMend);
   check(avcodec_receive_frame(codec.get(), frame.get()), where, kProblem, kDamagedMend);
-  // Decoders return half a picture with a complaint; half a picture is none.
+  // Decoders return part of a picture with an error message; that is refused.
   if (!first_complaint().empty() || frame->decode_error_flags != 0 ||
       (frame->flags & AV_FRAME_FLAG_CORRUPT)) {
     check(AVERROR_INVALIDDATA, where, kProblem, kDamagedMend);

@@ -15,7 +15,7 @@ namespace earpoint {
 namespace {
 
 std::optional<PictureFormat> picture_format_of(const std::filesystem::path& path) {
-  // A pipe would be waited for, for ever.
+  // Reading from a pipe could wait for ever.
   if (!std::filesystem::is_regular_file(path)) return std::nullopt;
   std::array<std::byte, 16> head{};
   std::ifstream file(path, std::ios::binary);

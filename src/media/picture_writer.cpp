@@ -18,7 +18,7 @@
 namespace earpoint::ffmpeg {
 namespace {
 
-/// A movie without a picture would be no movie.
+/// A movie needs a picture.
 [[noreturn]] void refuse_empty(const std::string& where) {
   throw InputError(where, "has no picture that can be decoded", "record or export it again");
 }
@@ -56,7 +56,7 @@ class CopiedPictures : public PictureWriter {
     // The new file's header names the pixels' format; without it no player opens the file.
     if (input.codecpar->format == AV_PIX_FMT_NONE) refuse_empty(source_->where(index_));
     AVStream& stream = output_.add_stream(*input.codecpar, input.time_base);
-    // The name by which every player knows HEVC with its parameters kept aside, as they are here.
+    // The tag that every player knows for HEVC with out-of-band parameter sets, as here.
     const bool is_hevc =
         input.codecpar->codec_id == AV_CODEC_ID_HEVC && output_.format_name() != "matroska";
     stream.codecpar->codec_tag = is_hevc ? MKTAG('h', 'v', 'c', '1') : 0;
@@ -71,7 +71,7 @@ class CopiedPictures : public PictureWriter {
     return stream;
   }
 
-  /// Times from the container's start, complete and growing, as a file wants them.
+  /// Makes times count from the container's start, complete and increasing, as files need them.
   void retime() {
     AVPacket& packet = *packet_;
     if (packet.dts == AV_NOPTS_VALUE) packet.dts = packet.pts;

@@ -6,7 +6,7 @@ namespace earpoint::ffmpeg {
 
 std::optional<double> StreamClocks::join(AVPacket& packet, double tick_s) {
   constexpr double kForward_s = 10.0;  // a pause of the recording may be that long
-  constexpr double kBackward_s = 0.5;  // times of decoding do not go back at all
+  constexpr double kBackward_s = 0.5;  // decoding times never go back
   const std::int64_t stamp = packet.dts != AV_NOPTS_VALUE ? packet.dts : packet.pts;
   if (stamp == AV_NOPTS_VALUE) return std::nullopt;
   const auto stream = static_cast<std::size_t>(packet.stream_index);
@@ -16,7 +16,7 @@ std::optional<double> StreamClocks::join(AVPacket& packet, double tick_s) {
   const double start_s = static_cast<double>(stamp) * tick_s;
   const double jump_s = clock.end_s ? start_s + clock.offset_s - *clock.end_s : 0.0;
   if (jump_s > kForward_s || jump_s < -kBackward_s) {
-    // The stream that comes to a jump first tells its length; the others stay in time with it.
+    // The first stream that meets a jump sets its length; the others stay in sync with it.
     const bool is_known =
         clock.jumps < jumps_s_.size() && std::abs(jumps_s_[clock.jumps] - jump_s) < kForward_s;
     if (!is_known) {

@@ -57,7 +57,7 @@ bool StreamDecoder::next(AVFrame& frame) {
     if (is_draining_) return false;
     feed();
   }
-  // Decoders patch over errors. A missing reference alone is no error: a recording may begin so.
+  // Decoders conceal errors. A missing reference alone is no error: a recording may begin so.
   constexpr int kPatched = FF_DECODE_ERROR_INVALID_BITSTREAM | FF_DECODE_ERROR_DECODE_SLICES |
                            FF_DECODE_ERROR_CONCEALMENT_ACTIVE;
   if ((frame.decode_error_flags & kPatched) || (frame.flags & AV_FRAME_FLAG_CORRUPT)) {

@@ -9,7 +9,7 @@
 namespace earpoint {
 namespace {
 
-constexpr double kMaxGain = 4.0;  // 12 dB: past that, noise in a near-empty octave would speak
+constexpr double kMaxGain = 4.0;  // 12 dB: more would raise the noise in a near-empty octave
 // The last tenth below Nyquist belongs to the resamplers' slopes.
 constexpr double kBandLow = 0.5;
 constexpr double kBandHigh = 0.9;
@@ -91,7 +91,7 @@ void BandExtension::add(int ear, double model_start, double model_step, std::spa
   const auto hop = static_cast<double>(window_ - overlap_);
   for (std::size_t i = 0; i < high.size();) {
     const Place place = place_of(model_start + model_step * static_cast<double>(i));
-    // In the overlap the gain fades, past it it stands still until the next window begins.
+    // In the overlap the gain fades; after it the gain is constant until the next window begins.
     const bool fades = place.window > 0 && place.into < overlap;
     const bool is_last = place.window + 1 == std::ssize(gains_);
     std::size_t end = high.size();

@@ -47,8 +47,8 @@ struct StreamShape {
   [[nodiscard]] std::ptrdiff_t native_of(std::ptrdiff_t model_samples) const {
     return model_samples * rate_hz / D::kSampleRateHz;
   }
-  /// The least whole number of the model's samples, at least as many as given, that is one at the
-  /// stream's rate too.
+  /// The least number of the model's samples, not less than the given one, that lasts a whole
+  /// number of samples at the stream's rate too.
   [[nodiscard]] std::ptrdiff_t whole(std::ptrdiff_t model_samples) const {
     const std::ptrdiff_t unit = D::kSampleRateHz / std::gcd(D::kSampleRateHz, rate_hz);
     return (model_samples + unit - 1) / unit * unit;
@@ -57,11 +57,11 @@ struct StreamShape {
   int rate_hz;
   std::ptrdiff_t hops = 1;    ///< of the network in a part
   std::ptrdiff_t model = 0;   ///< samples of a part at the model's rate
-  std::ptrdiff_t native = 0;  ///< and at the stream's
+  std::ptrdiff_t native = 0;  ///< samples of a part at the stream's rate
 };
 
-/// Both ways through the rates must take a whole number of samples, for the high band is what they
-/// leave of the recording.
+/// Resampling down and up must take a whole number of samples in all, because its result is
+/// subtracted from the recording to get the high band.
 double rate_delay_s(const StreamShape& shape) {
   if (shape.rate_hz == D::kSampleRateHz) return 0.0;
   constexpr double kDelay_s = 0.005;
@@ -76,13 +76,13 @@ Gtf started(const GtfWeights& weights, const RenderStream::Options& options) {
   return network;
 }
 
-/// One ear's way past the network and into it.
+/// Splits one ear's sound into what bypasses the network and what enters it.
 struct Split {
   SectionFilter ambient;
   SectionFilter primary;
 };
 
-/// Nothing if the network takes all there is.
+/// Empty if the network takes the whole sound.
 std::vector<Split> splits_of(const D& description) {
   const double cutoff_hz = description.highpass_cutoff_hz.value_or(0.0);
   if (cutoff_hz <= 0.0) return {};
@@ -93,8 +93,8 @@ std::vector<Split> splits_of(const D& description) {
 
 }  // namespace
 
-/// A part of the stream goes down to the model's rate, hop by hop through the network, and back;
-/// what the model's rate cannot carry waits beside it.
+/// A part of the stream is resampled to the model's rate, runs through the network hop by hop and
+/// is resampled back. The band above the model's rate is delayed by as much.
 struct RenderStream::State {
   State(const GtfWeights& weights, const Options& options_in)
       : options(options_in),
@@ -122,7 +122,7 @@ struct RenderStream::State {
     for (std::vector<float>* buffer : {&primary, &ambient, &result}) {
       buffer->resize(std::size_t{kEars} * D::kHop);
     }
-    // The rates take what memory they need with their first part: it is silence, before any sound.
+    // The resamplers allocate their memory at their first part: run them on silence once.
     down.process(in, model);
     up_low.process(model, low);
     up.process(mixed, out);
@@ -137,8 +137,8 @@ struct RenderStream::State {
   Options options;
   StreamShape shape;
   Gtf network;
-  std::ptrdiff_t rates_late;  ///< of both ways through the rates, at the stream's rate
-  std::ptrdiff_t model_late;  ///< of the network, and what makes that whole at the stream's rate
+  std::ptrdiff_t rates_late;  ///< delay of both resamplings, at the stream's rate
+  std::ptrdiff_t model_late;  ///< delay of the network, rounded up to a whole one at that rate
 
   StreamRate down;
   StreamRate up_low;
@@ -170,7 +170,7 @@ struct RenderStream::State {
   std::vector<float> ambient;
   std::vector<float> result;
 
-  // What changes from hop to hop, where the last one left it.
+  // Gains at the end of the last hop.
   float level_gain = 1.0F;
   std::array<float, kEars> high_gains{1.0F, 1.0F};
   std::array<float, kEars> next_high_gains{1.0F, 1.0F};

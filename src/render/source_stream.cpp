@@ -16,7 +16,7 @@ constexpr double kShortest_s = 0.1;
 constexpr int kLowestRate_hz = 16000;
 constexpr double kSilence_db = -100.0;
 // The order-5 band-pass's edge at 80 Hz decays by 120 dB in 90 ms. (Its other edge, one hertz below
-// Nyquist, rings for seconds, but on nothing: no recording holds that last hertz.)
+// Nyquist, rings for seconds, but no recording has any sound in that last hertz.)
 constexpr double kFilterMargin_s = 0.25;
 
 void check_finite(const Waveform& block, const std::string& where, double time_s) {
@@ -145,7 +145,7 @@ void SourceStream::read_block() {
   append(low);
   native_.append(block);
   const Waveform restored = up_->process(low, ended_);
-  // Rounding may leave the way there and back a sample longer than the recording.
+  // Resampled there and back, the sound may be a sample longer than the recording, by rounding.
   const std::ptrdiff_t count = std::min(restored.samples(), native_.end() - high_.end());
   if (count <= 0) return;
   Waveform high = native_.copy(high_.end(), count);
@@ -159,7 +159,7 @@ void SourceStream::read_block() {
 
 void SourceStream::separate_by_band(Window& window, std::ptrdiff_t start,
                                     std::ptrdiff_t context) const {
-  // Only what was recorded is filtered, so that the filter meets true ends and no made-up silence.
+  // Only the recording itself is filtered, without silence added before or after it.
   const std::ptrdiff_t samples = window.ambient.samples();
   const std::ptrdiff_t first = start - context;
   const std::ptrdiff_t last = start + samples + context;

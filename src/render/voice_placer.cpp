@@ -19,7 +19,7 @@ constexpr double kBlock_s = 0.02;
 constexpr double kNearest_m = 0.2;
 constexpr int kUnknownSize_px = 1000;
 
-/// What a channel's samples are taken times for the one voice.
+/// Gains of the channels in the mono voice.
 std::array<float, 2> channel_gains(StereoKind kind) {
   switch (kind) {
     case StereoKind::one_channel:
@@ -129,7 +129,7 @@ Waveform VoicePlacer::process(const Waveform& block) {
 }
 
 Waveform VoicePlacer::finish() {
-  // Silence pushes out what the panner still holds: its delay and the block that is not full.
+  // Silence pushes out what the panner still holds: its delay and an incomplete block.
   std::array<std::vector<float>, 2> output;
   while (state_->given + std::ssize(output[0]) < state_->taken) {
     state_->voice.resize(std::max<std::size_t>(state_->voice.size(), state_->panner.block_size()),

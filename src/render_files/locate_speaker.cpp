@@ -15,10 +15,10 @@
 namespace earpoint {
 namespace {
 
-/// The standard deviation of an angle of which nothing is known.
+/// The standard deviation of an unknown angle.
 const double kAnyDirection_rad = kPi / std::sqrt(3.0);
 
-/// Of the logarithm of a distance of which only is known that it is within a room, 0.5 to 5 m.
+/// The standard deviation of the logarithm of a distance that may be anything from 0.5 to 5 m.
 const double kAnyDistance = std::log(10.0) / std::sqrt(12.0);
 
 /// The standard deviation of an angle whose unit vectors have a mean of that length.
@@ -77,7 +77,7 @@ LocatedSpeaker locate_speaker(const RenderInput& source, const GtfWeights& weigh
   bool has_picture = false, has_box = false;
   std::vector<SpeakerSighting> sightings;
   progress.begin("locating", survey.duration_s(), "s");
-  // A rest of less than half a window tells little, unless it is all there is.
+  // A remainder of less than half a window is skipped, unless it is the whole sound.
   for (std::ptrdiff_t start = 0; start == 0 || start + samples / 2 <= stream.model_samples();
        start += samples) {
     const SourceStream::Window window = stream.window(start, samples, 0);

@@ -29,7 +29,7 @@ struct Page {
   }
 };
 
-/// All sightings fit, also those behind the camera.
+/// A page that shows all sightings, also those behind the camera.
 Page page_for(const LocatedSpeaker& located) {
   double front_m = 1.0, back_m = 0.3, side_m = 1.0;
   const auto include = [&](const Vector3& p) {
@@ -84,7 +84,7 @@ Image plot_speaker(const LocatedSpeaker& located, double horizontal_fov_rad) {
   }
   const GtfSpeaker& speaker = located.speaker;
   const Point at = page.at(speaker.position_m.x, speaker.position_m.y);
-  // As long as the way that they face is sure.
+  // The surer the direction that they face, the longer the line.
   const double length = 16.0 + 24.0 * speaker.yaw_certainty;
   draw_line(image, at,
             {at.x - length * std::sin(speaker.yaw_rad), at.y - length * std::cos(speaker.yaw_rad)},

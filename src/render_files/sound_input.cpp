@@ -43,7 +43,7 @@ BlockReader read_blocks(const SoundInput& source) {
   }
   return [reading](std::ptrdiff_t samples) {
     Waveform block = reading->reader.read(samples);
-    // What the placer holds back at first and gives at the end are blocks like any other.
+    // The placer may return nothing at first; at the end it returns what it has held back.
     while (reading->placer && !reading->ended) {
       reading->ended = block.samples() == 0;
       block = reading->ended ? reading->placer->finish() : reading->placer->process(block);

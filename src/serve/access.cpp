@@ -23,7 +23,7 @@ bool Access::names_this_host(std::string_view host) const {
   return false;
 }
 
-// Takes as long wherever the words differ.
+// Takes the same time wherever the words differ.
 bool Access::is_token(std::string_view word) const {
   if (word.size() != token_.size()) return false;
   unsigned difference = 0;

@@ -56,7 +56,7 @@ std::shared_ptr<const ServedClip> ClipLibrary::open(const std::string& id) {
     return found->clip;
   };
   if (auto clip = find_open()) return clip;
-  // One after the other: two who ask for the same clip open it once.
+  // One at a time, so that two requests for the same clip open it once.
   const std::lock_guard opening(opening_);
   if (auto clip = find_open()) return clip;
   Opener opener;

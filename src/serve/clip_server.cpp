@@ -42,7 +42,7 @@ void answer(Response& response, const json& document) {
   response.set_content(text_of(document), "application/json");
 }
 
-/// Left and right in turns, as float32.
+/// Left and right samples interleaved, as float32.
 std::string interleaved(const Waveform& sound) {
   std::string bytes(static_cast<std::size_t>(sound.samples()) * 2 * sizeof(float), '\0');
   for (std::ptrdiff_t i = 0; i < sound.samples(); ++i) {
@@ -53,8 +53,8 @@ std::string interleaved(const Waveform& sound) {
   return bytes;
 }
 
-/// Hands on what a request brings, as long as it is neither too large nor too slow.
-/// @return whether it was all there
+/// Passes the body of a request to `take`, as long as it is neither too large nor too slow.
+/// @return whether it arrived completely
 bool receive(const httplib::ContentReader& read, std::size_t most, std::chrono::seconds longest,
              const std::function<bool(const char*, std::size_t)>& take) {
   const auto end = std::chrono::steady_clock::now() + longest;
@@ -65,7 +65,7 @@ bool receive(const httplib::ContentReader& read, std::size_t most, std::chrono::
   });
 }
 
-/// Sends a file that is removed from disk already when this returns.
+/// Sends a file, which may be removed from disk as soon as this returns.
 void send_file(const std::filesystem::path& path, const char* type, Response& response) {
   auto file = std::make_shared<std::ifstream>(path, std::ios::binary);
   const auto size = static_cast<std::size_t>(std::filesystem::file_size(path));

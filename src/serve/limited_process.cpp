@@ -29,7 +29,7 @@ void limit(Resource what, rlim_t most) {
   setrlimit(what, &both);
 }
 
-/// The child's life until it is the other program. Only calls that are safe after fork().
+/// Turns the child into the other program. Makes only calls that are safe after fork().
 [[noreturn]] void become(const char* program, char* const* arguments, const ProcessLimits& limits,
                          int errors) {
   setpgid(0, 0);
@@ -103,7 +103,7 @@ ProcessEnd run_limited(const std::filesystem::path& program,
     throw std::system_error(fork_error, std::generic_category(), "process");
   }
 
-  setpgid(child, child);  // whichever of both comes first
+  setpgid(child, child);  // in both processes, as either may be first
 
   ProcessEnd end;
   const auto deadline = std::chrono::steady_clock::now() + limits.wall_time;

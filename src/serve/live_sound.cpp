@@ -18,7 +18,7 @@ constexpr double kPoseStep_s = 0.01;
 // A stretch and its margins make one second, which is one window of most networks.
 constexpr double kStretch_s = 0.6;
 constexpr double kMargin_s = 0.2;
-// Of the time until a stretch may be rendered anew, its rendering may take this share.
+// Largest share of the time that may be spent on rendering stretches.
 constexpr double kBusiest = 0.6;
 
 Waveform cut(const Waveform& sound, std::ptrdiff_t start, std::ptrdiff_t samples) {
@@ -90,8 +90,8 @@ class StreamSound : public LiveSound {
   Pose pose_;
 };
 
-/// Whatever renders windows. A stretch is rendered ahead for where the earpoint is; when it moves,
-/// another for the new place takes over, as often as the rendering is fast enough for.
+/// All other methods, which render windows. A stretch is rendered ahead for the present pose; when
+/// the earpoint moves, a stretch for the new pose replaces it, as often as the speed allows.
 class StretchSound : public LiveSound {
  public:
   StretchSound(const ServedClip& clip, const std::string& model)

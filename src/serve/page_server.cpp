@@ -22,19 +22,19 @@ namespace {
 using httplib::Request;
 using httplib::Response;
 
-// Every open connection has a thread, busy or not. So many may be idle or slow before others wait.
+// Every open connection has a thread, busy or not. With more connections than this, others wait.
 constexpr int kThreads = 256;
 constexpr std::size_t kMostRequests = 1000;  // of a connection
 constexpr int kWaiting = 256;                // connections that are not accepted yet
 constexpr std::chrono::milliseconds kIdle{5000};
 
-/// httplib's server with connections that nobody can hold on to.
+/// httplib's server with limits on the time and the requests of a connection.
 class TimedServer : public httplib::Server {
  public:
   explicit TimedServer(const StreamLimits& limits) : limits_(limits) {}
 
-  /// After binding: httplib lets five connections wait, and the system lets the others try again
-  /// after a second and more.
+  /// After binding: httplib lets five connections wait, and clients beyond them retry only after a
+  /// second or more.
   void let_many_wait() { (void)::listen(svr_sock_, kWaiting); }
 
  private:
@@ -45,7 +45,7 @@ class TimedServer : public httplib::Server {
       bool is_closed = false;
       is_answered =
           process_request(stream, left == 1, is_closed, [&](Request&) { stream.begin_body(); });
-      // After malformed headers nobody knows where the next request starts.
+      // After malformed headers the start of the next request is unknown.
       if (!is_answered || is_closed || stream.is_in_headers()) break;
     }
     ::shutdown(socket, SHUT_RDWR);
@@ -63,7 +63,7 @@ const char* type_of(std::string_view name) {
   return "application/octet-stream";
 }
 
-/// Where a browser goes on from the address with the token: the same without it.
+/// The address that a browser is redirected to: the same, without the token.
 std::string without_token(const std::string& target) {
   std::string rest;
   for (std::size_t at = std::min(target.find('?'), target.size()); at < target.size();) {

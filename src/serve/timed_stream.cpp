@@ -63,7 +63,7 @@ ssize_t TimedStream::read(char* bytes, std::size_t size) {
 }
 
 ssize_t TimedStream::write(const char* bytes, std::size_t size) {
-  // The time in which the answer was made is not the client's.
+  // The time spent on making the answer does not count against the client.
   if (!is_answering_) sent_ = {};
   is_answering_ = true;
   std::size_t done = 0;

@@ -20,7 +20,7 @@ using Complex = std::complex<float>;
 
 constexpr int kInterpolatedOrder = 2;
 
-// A response in the making, as one spectrum per channel over its whole length.
+// Builds a response as one spectrum per channel over its whole length.
 class Response {
  public:
   // taps: the length of the longest filter that add() is given.
@@ -34,8 +34,8 @@ class Response {
         filter_(fft_.bins()),
         sums_(channels, std::vector<Complex>(fft_.bins())) {}
 
-  // Takes an impulse down for the next filter. Times within the margin before the begin still
-  // ring into the response.
+  // Adds an impulse to the present group. Impulses within the margin before the start still ring
+  // into the response.
   void add_impulse(double start_samples, const BandArray& gain) {
     if (start_samples >= static_cast<double>(samples_) + margin_ / 2.0) return;
     grid_.add(std::max(start_samples, -margin_ / 2.0) + margin_, gain);

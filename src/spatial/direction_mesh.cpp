@@ -15,12 +15,12 @@ constexpr int kAzimuthCells = 36;
 constexpr int kHeightCells = 18;
 // How far outside of a triangle still counts as inside: rounding of unit vectors.
 constexpr double kEdgeTolerance = 1e-9;
-// A hull of less volume is a plane: the bulge of directions moved off circles is far below.
+// A hull of less volume is flat. moved_off_circle() gives a flat one far less volume than this.
 constexpr double kFlat = 1e-4;
 
-// Hull of the directions slightly moved in and out, so that four on a circle (rings of equal
-// elevation) have one triangulation. A smooth function of |y| keeps left and right alike. Its size
-// is above the rounding of angles in files and below the bulge of half a degree.
+// Moves directions slightly in or out, so that four on a circle (rings of equal elevation) have one
+// triangulation. A smooth function of |y| keeps left and right alike. The shift is larger than the
+// rounding of angles in files and smaller than the bulge of the sphere over half a degree.
 Vector3 moved_off_circle(const Vector3& v) {
   constexpr double kAmplitude = 3e-6;
   return v * (1.0 + kAmplitude * std::sin(12.9 * v.x + 78.2 * std::abs(v.y) + 37.7 * v.z));
@@ -31,7 +31,7 @@ struct Tetrahedron {
   double volume = 0.0;  // six-fold, signed
 };
 
-// Four directions as far from one plane as is cheap to find.
+// Four directions far from any common plane, found greedily.
 Tetrahedron wide_tetrahedron(std::span<const Vector3> points) {
   const auto farthest = [&](auto measure) {
     int best = 0;
@@ -88,7 +88,7 @@ std::vector<DirectionMesh::Face> DirectionMesh::hull(std::span<const Vector3> po
     }
     std::sort(edges.begin(), edges.end());
     for (const auto& [from, to] : edges) {
-      // An edge of two faces that go is inside of the hole; the rest are its rim.
+      // An edge of two removed faces is inside of the hole; the others are its rim.
       if (!std::binary_search(edges.begin(), edges.end(), std::pair(to, from))) {
         kept.emplace_back(from, to, i, points);
       }
@@ -117,8 +117,8 @@ DirectionMesh::DirectionMesh(std::span<const Vector3> directions)
     const Vector3& v = directions_[j];
     const Vector3& w = directions_[k];
     const double determinant = dot(u, cross(v, w));
-    // A face with the origin on its outer side or in its plane: the directions leave a hemisphere
-    // empty, and nothing is measured that way.
+    // The origin is in the face's plane or on its outer side: there are no directions in a whole
+    // hemisphere, and the face closes this gap.
     if (determinant < 1e-9) continue;
     const int index = static_cast<int>(triangles_.size());
     triangle_of_edge[{j, k}] = triangle_of_edge[{k, i}] = triangle_of_edge[{i, j}] = index;
@@ -169,7 +169,7 @@ int DirectionMesh::find(const Vector3& unit) const {
     if (contains(found)) return current;
     current = triangle.neighbours[std::min_element(found.begin(), found.end()) - found.begin()];
   }
-  // A walk that met the rim of an open mesh, or went round in a circle: look everywhere.
+  // The walk met the rim of an open mesh or went round in a circle: search all triangles.
   for (std::size_t i = 0; i < triangles_.size(); ++i) {
     if (contains(weights(triangles_[i], unit))) return static_cast<int>(i);
   }
@@ -185,8 +185,8 @@ int DirectionMesh::nearest(const Vector3& direction) const {
         directions_, {}, [&](const Vector3& other) { return dot(other, unit); });
     return static_cast<int>(best - directions_.begin());
   }
-  // From the triangle go to whatever joined direction is nearer: in a Delaunay triangulation
-  // that ends at the nearest of all.
+  // Step to the nearest joined direction while one is nearer: in a Delaunay triangulation this ends
+  // at the nearest of all.
   int best = triangles_[triangle].corners[0];
   for (bool moved = true; moved;) {
     moved = false;
@@ -201,7 +201,7 @@ int DirectionMesh::nearest(const Vector3& direction) const {
   return best;
 }
 
-// Which directions share an edge with each.
+// Lists for each direction the directions that share an edge with it.
 void DirectionMesh::join() {
   std::vector<std::vector<int>> joined(directions_.size());
   for (const Triangle& triangle : triangles_) {

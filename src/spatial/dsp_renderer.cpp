@@ -92,7 +92,7 @@ SourceFilter source_filter(const HrtfSet& hrtf, const Vector3& direction) {
   FilterDesign design(hrtf);
   EarSpectra inverse = design.spectra(hrtf.interpolated(direction));
   design.invert(inverse);
-  // The responses begin before sound passes the head's middle; undoing them brings that forward.
+  // A response contains the delay to the head's centre, so its inverse makes the sound earlier.
   SourceFilter filter;
   filter.delay_samples =
       design.delay_samples() - static_cast<int>(std::lround(hrtf.centre_delay_samples()));

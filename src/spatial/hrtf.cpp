@@ -22,7 +22,7 @@ using Complex = std::complex<float>;
 
 constexpr double kSpeedOfSound_m_per_s = 343.2;
 constexpr double kPoleGap_rad = radians_from_degrees(20.0);
-// Bins lower than this below a response's largest count as this: the logarithm of nothing.
+// Floor of a response's bins relative to the largest, as the logarithm of zero is not finite.
 constexpr float kFloor = 1e-6F;
 
 // Directions (measured ones, then stand-in poles) with what is interpolated between them.
@@ -39,7 +39,7 @@ struct Spectra {
   }
 };
 
-// By parts: std::complex looks for infinities.
+// Written out because std::complex's product checks for infinities.
 template <typename T>
 std::complex<T> product(const std::complex<T>& a, const std::complex<T>& b) {
   return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
@@ -47,7 +47,7 @@ std::complex<T> product(const std::complex<T>& a, const std::complex<T>& b) {
 
 Spectra analyse(HrtfResponses& set) {
   Spectra spectra;
-  // Twice the length: an onset that moves later wraps nothing into the response.
+  // Twice the length, so that a later onset does not wrap into the start of the response.
   spectra.fft_size = fast_fft_size(2 * set.taps);
   spectra.bins = spectra.fft_size / 2 + 1;
   spectra.directions = set.directions;
@@ -120,7 +120,7 @@ void add_pole(Spectra& spectra, std::size_t measured, double side) {
   }
 }
 
-// The mean onset over the sphere is that of the head's middle, but for a little: on a rigid sphere
+// The mean onset over the sphere is nearly that of the head's centre: on a rigid sphere
 // (Woodworth) the near ear's lead averages a/4c, the far ear's lag a (pi/2 - 1) / 2c.
 double centre_delay(const HrtfResponses& set) {
   double mean = 0.0;
@@ -202,7 +202,7 @@ double HrtfSet::onset_samples(std::size_t measurement, int ear) const {
 std::size_t HrtfSet::nearest(const Vector3& direction) const {
   const auto found = static_cast<std::size_t>(state_->mesh.nearest(direction));
   if (found < size()) return found;
-  // A stand-in for a pole: look through all that was measured.
+  // Found a stand-in for a pole: search all measured directions.
   const auto best = std::ranges::max_element(
       state_->set.directions, {}, [&](const Vector3& other) { return dot(other, direction); });
   return static_cast<std::size_t>(best - state_->set.directions.begin());

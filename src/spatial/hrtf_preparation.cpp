@@ -23,7 +23,7 @@ double largest_delay(const SofaFile& file) {
   return largest;
 }
 
-// Delays by a fraction of samples: a phase ramp, exact for what lies below Nyquist.
+// Delays by a fraction of samples with a phase ramp, which is exact below Nyquist.
 void delay_response(std::span<const float> in, double delay_samples, RealFft<double>& fft,
                     std::span<float> out) {
   std::vector<double> padded(fft.size(), 0.0);
@@ -56,7 +56,7 @@ std::vector<double> sphere_shares(std::span<const Vector3> directions) {
 }
 
 // Power average over directions and ears, on the bins of `fft`. A power spectrum is known from its
-// autocorrelation, which ends with the response: short transforms do for all but the last step.
+// autocorrelation, which is as long as the response: all but the last transform can be short.
 std::vector<double> mean_power(HrtfResponses& set, RealFft<double>& fft) {
   RealFft<double> shorter(fast_fft_size(2 * set.taps));
   std::vector<double> padded(shorter.size(), 0.0);
@@ -114,7 +114,7 @@ std::vector<Complex> minimum_phase(std::span<const double> log_magnitude, RealFf
   return spectrum;
 }
 
-// By parts: std::complex looks for infinities.
+// Written out because std::complex's product checks for infinities.
 void multiply(std::span<const std::complex<float>> factor,
               std::span<std::complex<float>> spectrum) {
   for (std::size_t bin = 0; bin < spectrum.size(); ++bin) {
@@ -138,8 +138,8 @@ double onset_of(std::span<const float> response) {
       std::ranges::find_if(response, [&](float value) { return std::abs(value) >= threshold; });
   const auto coarse = static_cast<int>(first - response.begin());
 
-  // Between samples: a sinc under a Hann window, stepped over the two samples before. From tap to
-  // tap the sine changes its sign, and the window's cosine turns on by the same angle.
+  // Between samples: a sinc with a Hann window, in steps over the two samples before. From tap to
+  // tap the sine changes its sign, and the phase of the window's cosine moves by a fixed angle.
   const double window_step = kPi / (kReach + 1);
   const std::complex<double> window_turn = std::polar(1.0, -window_step);
   const auto value_at = [&](double time) {
@@ -214,7 +214,7 @@ void equalize_diffuse_field(HrtfResponses& set) {
   const int taps = set.taps + static_cast<int>(kLength_s * set.sample_rate_hz);
   RealFft<double> fft(fast_fft_size(4 * taps));
 
-  // The level that counts as the set's own is its mean from 500 to 4000 Hz.
+  // The set's level is its mean from 500 to 4000 Hz.
   const std::vector<double> field_db = diffuse_field_db(set, fft);
   const int low = static_cast<int>(500.0 * fft.size() / set.sample_rate_hz);
   const int high = static_cast<int>(std::min(4000.0, 0.45 * set.sample_rate_hz) * fft.size() /
@@ -228,8 +228,8 @@ void equalize_diffuse_field(HrtfResponses& set) {
   }
   const std::vector<Complex> filter = minimum_phase(filter_nepers, fft);
 
-  // Filter, and fade the last eighth out: the low end would ring on. Only the filter's first `taps`
-  // samples reach what is kept.
+  // Filter, and fade out the last eighth, where low frequencies would ring on. Only the filter's
+  // first `taps` samples affect the samples that are kept.
   HrtfResponses equalized{set.sample_rate_hz, taps,      set.distance_m, set.directions, {},
                           set.onsets,         set.shares};
   equalized.responses.resize(set.directions.size() * 2 * taps);
@@ -301,7 +301,7 @@ void change_rate(HrtfResponses& set, int sample_rate_hz) {
       }
       std::fill(spectrum.begin() + bins, spectrum.end(), 0.0);
       fft_out.inverse(std::span(spectrum).first(fft_out.bins()), wave_out);
-      // A response is not a sound: its spectrum is kept, so its samples are not scaled by size.
+      // Of a response the spectrum is kept, not the waveform: no scaling by the transforms' sizes.
       std::transform(wave_out.begin(), wave_out.begin() + resampled.taps,
                      resampled.response(i, ear).begin(),
                      [](double value) { return static_cast<float>(value); });

@@ -50,8 +50,8 @@ void add_convolved(std::span<const double> response, std::span<const float> x, d
   }
 }
 
-// The inverse DFT of conj(H) / (|H|^2 + regularisation). Direct sums: the length is what the
-// responses have, and a few hundred squared is cheap.
+// The inverse DFT of conj(H) / (|H|^2 + regularisation). Direct sums: the responses have a few
+// hundred samples, so that is cheap.
 std::vector<double> circular_inverse(std::span<const float> response) {
   const auto length = std::ssize(response);
   std::vector<std::complex<double>> turns(length);

@@ -32,7 +32,7 @@ std::array<Complex, 2> rigid_sphere_ears(double frequency_hz, double distance_m,
   const double rho = clamped_distance_m(distance_m) / kHeadRadius_m;
   const double far = mu * rho;
 
-  // h_m / h_{m-1} grows upwards without loss and, unlike h_m, does not overflow.
+  // The recurrence of h_m / h_{m-1} is stable upwards and, unlike that of h_m, does not overflow.
   Complex far_ratio = hankel_1(far) / hankel_0(far);
   Complex near_ratio = hankel_1(mu) / hankel_0(mu);
   Complex quotient = hankel_0(far) / hankel_0(mu);
@@ -54,7 +54,7 @@ std::array<Complex, 2> rigid_sphere_ears(double frequency_hz, double distance_m,
     legendre_before = legendre;
     legendre = next;
   }
-  // The series counts time as exp(-i w t).
+  // The series is for the time dependence exp(-i w t), so conjugate.
   const Complex scale = -rho / mu * std::polar(1.0, -far);
   return {std::conj(scale * (sums[0] + sums[1])), std::conj(scale * (sums[0] - sums[1]))};
 }
@@ -65,7 +65,7 @@ std::array<double, 2> rigid_sphere_delays_s(double distance_m, double towards_le
   std::array<double, 2> delays_s{};
   for (int ear = 0; ear < 2; ++ear) {
     const double cosine = std::clamp(ear == 0 ? towards_left : -towards_left, -1.0, 1.0);
-    // In sight, or along the tangent and on around.
+    // Straight, or along the tangent and then around the sphere.
     const double way_m =
         cosine >= a / r ? std::sqrt(r * r + a * a - 2.0 * r * a * cosine)
                         : std::sqrt(r * r - a * a) + a * (std::acos(cosine) - std::acos(a / r));
@@ -81,7 +81,7 @@ void near_field_spectra(double distance_m, double measured_distance_m, double to
     for (const auto& spectrum : spectra) std::ranges::fill(spectrum, 1.0F);
     return;
   }
-  // The ratio turns slowly over frequency: between points of this grid it is straight to 0.1 %.
+  // The ratio changes slowly over frequency: linear interpolation on this grid is within 0.1 %.
   constexpr double kStep_hz = 125.0;
   const int steps = std::max(1, static_cast<int>(std::ceil(nyquist_hz / kStep_hz)));
   std::vector<std::array<Complex, 2>> grid(steps + 1);

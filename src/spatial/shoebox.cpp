@@ -128,7 +128,7 @@ std::vector<Arrival> shoebox_arrivals(const Shoebox& room, const Vector3& source
         Arrival& arrival = arrivals.emplace_back();
         arrival.delay_s = distance_m / speed;
         arrival.direction = rotate(listener_from_world, offset / distance_m);
-        // Each mirror along an axis turns the way out round along it.
+        // Each reflection along an axis reverses the departure along it.
         const Vector3 way = -offset / distance_m;
         arrival.departure = {x.mirrored ? -way.x : way.x, y.mirrored ? -way.y : way.y,
                              z.mirrored ? -way.z : way.z};

@@ -43,7 +43,7 @@ class Writer {
   std::vector<char> bytes_;
 };
 
-// Its inverse. A child that a damaged file has confused may send anything: all is checked.
+// Its inverse. A child that reads a damaged file may send anything, so everything is checked.
 class Parser {
  public:
   Parser(std::span<const char> bytes, std::string_view where) : bytes_(bytes), where_(where) {}
@@ -109,14 +109,14 @@ void write_contents(const MYSOFA_HRTF& sofa, Writer& writer) {
   }
 }
 
-// The child's whole life.
+// All that the child does.
 [[noreturn]] void run_child(std::span<const std::byte> bytes, int to_parent) {
-  // Whatever the parent does about a crash of its own is not to be done about this one.
+  // The parent's signal handlers must not run for a crash of the child.
   for (const int signal : {SIGABRT, SIGALRM, SIGBUS, SIGFPE, SIGILL, SIGSEGV}) {
     std::signal(signal, SIG_DFL);
   }
   alarm(kTimeout_s);
-  // What the C library says on its way down is not for the user.
+  // Messages that the C library prints before it aborts are not for the user.
   const int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
   if (nowhere >= 0) dup2(nowhere, STDERR_FILENO);
   int error = MYSOFA_OK;

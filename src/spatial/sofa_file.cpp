@@ -89,7 +89,7 @@ const SofaVariable& Reader::variable(std::string_view name, std::size_t one,
 }
 
 // "degree, degree, metre" for spherical coordinates, "metre" or three of them for cartesian ones;
-// also in the plural, short, or as Americans write it. Files that name no unit mean these.
+// also in the plural, abbreviated or in American spelling. Files without units mean these.
 void Reader::check_units(std::string_view field, const SofaVariable& variable,
                          std::string_view type) const {
   if (variable.units.empty()) return;

@@ -15,8 +15,8 @@ extern "C" [[gnu::weak]] void __sanitizer_set_death_callback(void (*callback)())
 
 namespace {
 
-/// Keeps libFuzzer in the child from taking a crash there, which is foreseen, for a finding; and
-/// ends a child that loops after a fifth of a second of work, instead of the 10 s that a user
+/// Keeps libFuzzer from reporting a crash in the child as a finding, since the parent handles it;
+/// and ends a child that loops after 0.2 s of processor time, instead of the 10 s that a user
 /// waits.
 void prepare_children() {
   pthread_atfork(nullptr, nullptr, [] {

@@ -7,9 +7,9 @@
 
 #include <earpoint/error.h>
 
-/// Any bytes as what the child process sends that reads SOFA files: refused with InputError, or a
-/// set of responses that is whole and finite. sofa_fuzz tries the same with the child in between,
-/// which takes far more time per input.
+/// Any bytes as a message from the child process that reads SOFA files: refused with InputError, or
+/// a set of responses that is whole and finite. sofa_fuzz runs the child too, which takes far more
+/// time per input.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace earpoint;  // NOLINT(google-build-using-namespace): one function
   try {

@@ -44,7 +44,7 @@ const HrtfSet& DspSynthesizer::hrtf(int sample_rate_hz) const {
 }
 
 WindowShape DspSynthesizer::window_shape(int source_rate_hz) const {
-  // The filters' lengths depend on the rate alone: any direction tells them.
+  // The filters' lengths depend on the rate alone, so any direction will do.
   const Spherical ahead{.distance_m = 1.0};
   const EarFilterMatrix filters = dsp_filters(hrtf(source_rate_hz), ahead, ahead);
   const auto taps = static_cast<std::ptrdiff_t>(filters.taps[0][0].size());

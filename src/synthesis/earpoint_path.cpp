@@ -150,7 +150,7 @@ Pose EarpointPath::at(double time_s) const {
   if (after == rows_.begin()) return rows_.front().pose;
   if (after == rows_.end()) return rows_.back().pose;
   const Row& before = *std::prev(after);
-  // Standing still is standing still, without rounding.
+  // Between equal poses no rounding may creep in.
   if (before.pose == after->pose) return before.pose;
   return interpolate(before.pose, after->pose,
                      (time_s - before.time_s) / (after->time_s - before.time_s));

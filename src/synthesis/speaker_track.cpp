@@ -31,7 +31,7 @@ void check_box(const Box& box, const std::string& where) {
   }
 }
 
-/// A fraction may be a little off the picture; twice its size is no fraction.
+/// Fractions may lie a little outside the picture, but not beyond twice its size.
 bool is_in_pixels(const Box& box) {
   return std::max({box.x_min, box.y_min, box.x_max, box.y_max}) > 2.0;
 }
@@ -71,7 +71,7 @@ void check_time(const NumberRow& row, double before_s, const std::string& name) 
                    fmt::format("time {} s does not come after {} s", time_s, before_s));
 }
 
-/// Whether the header is that of people, of whom several may be there at a time.
+/// Whether the header is that of a table of people, with several rows for one time.
 bool tells_of_people(std::string_view text, const std::string& name) {
   text = without_byte_order_mark(text, name);
   while (!text.empty()) {

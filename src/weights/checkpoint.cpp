@@ -23,10 +23,10 @@ using Kind = PickleValue::Kind;
 constexpr std::uint64_t kLargestPickle = 64U << 20U;
 
 /// Tensors may share storages, or repeat elements by a stride of 0, and then take more memory than
-/// the file; so much more is allowed.
+/// the file: at most this many times as much.
 constexpr std::uint64_t kMostBytesPerFileByte = 4;
 
-/// Keys and values, alternating, of a dict or of an object that behaves like one; empty when the
+/// Keys and values, alternating, of a dict or of an object that behaves like one; nothing if the
 /// value is neither.
 std::optional<std::span<const PickleValue* const>> dictionary_items(const PickleValue& value) {
   if (value.kind == Kind::dict) return value.items;

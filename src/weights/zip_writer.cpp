@@ -17,7 +17,7 @@ constexpr std::uint16_t kStored = 0;
 constexpr std::uint16_t kNameIsUtf8 = 1U << 11U;
 constexpr std::uint16_t kFirstDay = (1U << 5U) | 1U;  // of 1980, the format's earliest
 
-/// CRC-32 as zip has it: the polynomial 0x04C11DB7, reflected.
+/// CRC-32 as in zip: the polynomial 0x04C11DB7, reflected.
 std::uint32_t checksum(std::span<const std::byte> bytes) {
   static const std::array<std::uint32_t, 256> table = [] {
     std::array<std::uint32_t, 256> result{};

@@ -12,8 +12,8 @@ void prefer_large_pages(void* memory, std::size_t bytes) {
 }
 
 void keep_freed_memory() {
-  // Without mmap all comes from one heap, whose top is never given back; other threads' arenas are
-  // made of maps, so all share this one.
+  // Without mmap, all memory comes from one heap, whose top is never given back. Arenas of other
+  // threads would be mapped, so all threads share this one.
   mallopt(M_MMAP_MAX, 0);
   mallopt(M_ARENA_MAX, 1);
   mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());

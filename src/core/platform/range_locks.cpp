@@ -22,7 +22,7 @@ struct flock range(short type, std::int64_t first, std::int64_t count) {
 bool try_lock_range(int descriptor, std::int64_t first, std::int64_t count) {
   struct flock wanted = range(F_WRLCK, first, count);
   if (::fcntl(descriptor, F_OFD_SETLK, &wanted) == 0) return true;
-  return errno != EAGAIN && errno != EACCES;  // others: there are no locks here
+  return errno != EAGAIN && errno != EACCES;  // other errors: no locks on this file
 }
 
 void lock_range(int descriptor, std::int64_t first, std::int64_t count) {

@@ -6,8 +6,8 @@
 #include <earpoint/vigas/weights.h>
 #include <earpoint/weights/checkpoint.h>
 
-/// Any bytes as a checkpoint file: the zip archive is what is under attack here; pickle_fuzz gets
-/// behind its checksums.
+/// Any bytes as a checkpoint file: this tests the reader of the zip archive; pickle_fuzz gets past
+/// the archive's checksums.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace earpoint;  // NOLINT(google-build-using-namespace): one function
   try {

@@ -78,7 +78,7 @@ void add_picture_encoder(TensorShapes& shapes, const GtfDescription& d) {
 }  // namespace
 
 std::optional<std::vector<int>> gtf_band_edges(int bands) {
-  // Points of the scale: a share of the bands, and the bins below it.
+  // The bend of the scale: this share of the bands has this many bins.
   constexpr double kBend = 0.4;
   constexpr double kBinsAtBend = 0.08 * GtfDescription::kBins + 4.0;
   std::vector<int> edges;
@@ -143,7 +143,7 @@ std::string to_json(const GtfDescription& d) {
             {"locator_width", d.locator_width},
             {"summary_width", d.summary_width},
             {"conditioning_width", d.conditioning_width}};
-  // Left out where they are as in the first networks, whose files stay the same bytes.
+  // Left out where they are as in the first networks, so that their files keep the same bytes.
   if (d.ear_delays) json["ear_delays"] = true;
   if (d.phase_rounds > 0) json["phase_rounds"] = d.phase_rounds;
   if (d.sight_points > 0) json["sight_points"] = d.sight_points;

@@ -67,7 +67,7 @@ void Gtf::tell_voice(std::span<const float> source, std::span<float> voice) {
   EARPOINT_CHECK(source.size() == kEars * voice.size());
   state.voice.resize(source.size());
   state.tells_voice = true;
-  // Where the target is means little to the voice; here it is where the source is.
+  // The dry voice hardly depends on the target, so the target is put at the source.
   const Pose nowhere;
   synthesize(source, {&nowhere, 1}, state.voice);
   state.tells_voice = false;
@@ -104,7 +104,7 @@ void Gtf::start(std::optional<GtfStatistics> statistics, std::optional<int> phas
   State& state = *state_;
   state.start_over();
   state.is_stream = true;
-  state.band_power.fill(1e-12);  // so that silence expects something too
+  state.band_power.fill(1e-12);  // so that silence has an expected gain
   state.stream_rounds = phase_rounds.value_or(state.description.phase_rounds);
   state.phases.reset(state.stream_rounds);
   state.reserve(state.description.window_samples);
@@ -124,7 +124,7 @@ void Gtf::advance(std::span<const float> source, std::span<float> output) {
   EARPOINT_CHECK(std::ssize(source) == std::ptrdiff_t{kEars} * D::kHop &&
                  source.size() == output.size());
   if (!state.holds_statistics) state.follow(source);
-  // Frames have their middle at multiples of the hop: one lies 40 samples before the hops' grid.
+  // Frames of 400 samples are centred on multiples of the hop, so they end 40 samples into a hop.
   constexpr std::ptrdiff_t kOffset = std::ptrdiff_t{2} * D::kHop - kHalf;
   for (std::ptrdiff_t part = 0; part < 2; ++part) {
     const std::ptrdiff_t first = part == 0 ? 0 : D::kHop - kOffset;

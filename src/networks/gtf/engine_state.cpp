@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::ptrdiff_t kHalf = GtfDescription::kFrameSamples / 2;
 
-/// Share of what a stream remembers of its last second that is left from hop to hop.
+/// Share of a stream's statistics that is kept from hop to hop; their time constant is a second.
 double kept_of_stream() {
   constexpr double kMemory_s = 1.0;
   return std::exp(-double{GtfDescription::kHop} / (GtfDescription::kSampleRateHz * kMemory_s));
@@ -50,7 +50,7 @@ void Gtf::State::measure_window(std::span<const float> source) {
 }
 
 void Gtf::State::measure_power(std::ptrdiff_t frames_of_window) {
-  // So that silence expects something too; far below the floor of any sound.
+  // Gives silence an expected gain too; far below the floor of any sound.
   constexpr double kLeast = 1e-12;
   band_power.fill(kLeast);
   for (std::ptrdiff_t t = 0; t < frames_of_window; ++t) {
@@ -69,7 +69,7 @@ void Gtf::State::measure_power(std::ptrdiff_t frames_of_window) {
   }
 }
 
-/// @param path  the target's pose at every frame, or the one at all of them
+/// @param path  the target's pose at every frame, or one pose for all of them
 void Gtf::State::render_window(std::span<const Pose> path, std::span<float> output) {
   const std::ptrdiff_t samples = std::ssize(output) / kEars;
   const std::ptrdiff_t whole = 1 + samples / D::kHop;
@@ -83,13 +83,13 @@ void Gtf::State::render_window(std::span<const Pose> path, std::span<float> outp
   const auto pose_at = [&](std::ptrdiff_t frame) -> const Pose& {
     return path[std::clamp<std::ptrdiff_t>(frame, 0, std::ssize(path) - 1)];
   };
-  // Behind the last frame there is nothing, not even the features of silence.
+  // After the last frame all inputs are zeros, which are not the features of silence.
   std::array<Complex, kFrame> no_spectrum{};
   std::array<float, kFrame> no_magnitude{};
   std::fill_n(block_features.begin(), description.frame_features(), 0.0F);
   double expected_power = 0.0;
   for (std::ptrdiff_t t = 0; t < whole + ahead;) {
-    // The frames that come out are `ahead` behind those that go in; a block has one pose.
+    // Output frames are `ahead` frames later than input frames; a block has one pose.
     const Pose& pose = pose_at(t - ahead);
     condition(pose);
     std::ptrdiff_t count = 1;
@@ -124,7 +124,7 @@ void Gtf::State::follow(std::span<const float> hop) {
   const float before = statistics.level;
   statistics.level = level_of(squares, square_count);
   sound_encoder.fade(static_cast<float>(kept));
-  // What is remembered was scaled by the level of its time; from now on the present one counts.
+  // What is stored was scaled by the level before; rescale it to the present one.
   const float rescale = before / statistics.level;
   for (float& value : magnitudes) value *= rescale;
   for (Complex& value : spectra) value *= rescale;
@@ -147,7 +147,7 @@ void Gtf::State::follow_power(std::span<const float> magnitude) {
   }
 }
 
-/// The frame in the middle of the recent samples.
+/// Processes the frame in the middle of the recent samples.
 void Gtf::State::take_hop() {
   for (std::size_t e = 0; e < kEars; ++e) {
     frames.transform(recent[e], kHalf, gtf::kHeardLevel / statistics.level,
@@ -160,7 +160,7 @@ void Gtf::State::take_hop() {
   gtf::GtfSoundEncoder::measure(spectrum, magnitude);
   follow_power(magnitude);
   sound_encoder.hear(spectrum, magnitude, features);
-  // What was heard changes slowly.
+  // The summary changes slowly.
   constexpr std::ptrdiff_t kRefresh = 10;
   if (!holds_statistics && frames_in % kRefresh == 0) {
     sound_encoder.summarize(statistics.summary);

@@ -16,7 +16,7 @@ struct Direction {
   double azimuth_rad, elevation_rad, distance_m;
 };
 
-/// Lengths have a floor, as in training, where their slope must be finite at zero.
+/// Lengths have a floor, as in training, where their gradient must be finite at zero.
 Direction direction_of(const Vector3& v) {
   const double level = std::sqrt(v.x * v.x + v.y * v.y + gtf::kDirectionFloor);
   return {std::atan2(v.y, v.x), std::atan2(v.z, level),
@@ -40,7 +40,7 @@ void read_table(std::span<const float> table, double azimuth_rad, std::span<floa
   }
 }
 
-/// Cosine of the angle between the heading and where the listener is.
+/// Cosine of the angle between the heading and the direction of the listener.
 double facing(double x, double y, const Vector3& listener) {
   return (x * listener.x + y * listener.y) /
          std::sqrt(listener.x * listener.x + listener.y * listener.y + gtf::kDistanceFloor);
@@ -51,7 +51,7 @@ float* put(float* to, std::initializer_list<double> values) {
   return to;
 }
 
-/// Shortens a vector to a length, and what it rises or falls to a height.
+/// Limits the length of a vector, then its height up or down.
 Vector3 limited(Vector3 v, double length, double height) {
   const double found = norm(v);
   if (found > length) v = v * (length / found);

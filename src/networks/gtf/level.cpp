@@ -10,16 +10,16 @@ namespace earpoint {
 namespace {
 
 constexpr double kAtRest_db = 0.3;
-// From behind a wall's edge to the sight of the speaker is 10 dB and more.
+// When the speaker comes into sight around the edge of a wall, the level rises by 10 dB or more.
 constexpr double kPerMetre_db = 4.5;
 constexpr double kFull_m = 2.0;
 // Tables of one head, over all of which a turn of the same sound varies by about that.
 constexpr double kTurned_db = 1.5;
-// The strength of the diffuse field is an estimate. Whoever walks away must hear nothing get
+// The strength of the diffuse field is an estimate. For a listener who walks away, nothing may get
 // louder.
 constexpr LevelTolerance kBeyond{.louder_db = 1.0, .quieter_db = 3.0};
 constexpr double kLoudest_db = 12.0;
-/// Doublings of the farthest trained move over which trust in the network ends.
+/// Trust in the network fades over this many doublings of the farthest trained move.
 constexpr double kFadeOctaves = 1.0;
 
 }  // namespace

@@ -114,7 +114,7 @@ void GtfPictureEncoder::convolve(const Layer& layer) {
       for (int tap = 0; tap < kTaps; ++tap) {
         const int from_y = 2 * y - 1 + tap / 3;
         const int from_x = 2 * x - 1 + tap % 3;
-        // Only the top and left edges reach out: the side is even.
+        // Taps leave the map only at the top and left, as the side is even.
         if (from_y < 0 || from_x < 0) {
           column = std::fill_n(column, in, 0.0F);
         } else {

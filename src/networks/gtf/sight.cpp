@@ -9,7 +9,7 @@ namespace earpoint {
 namespace {
 
 constexpr double kEyeHeight_m = 1.5;
-/// Nearer than this in front of the camera nothing is looked for.
+/// Points that are nearer than this in front of the camera, or behind it, are not seen.
 constexpr double kNearest_m = 0.1;
 
 /// One axis of a map: the two pixels around a place, and the share of the second.

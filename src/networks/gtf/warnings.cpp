@@ -13,7 +13,7 @@
 namespace earpoint {
 namespace {
 
-// Below it the network takes everything for silence.
+// Below it the network treats everything as silence.
 constexpr double kQuietest_db = -80.0;
 constexpr double kStep_s = 0.1;
 

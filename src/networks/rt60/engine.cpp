@@ -20,7 +20,7 @@ kernels::ResNet18 make_resnet(const Rt60EstimatorWeights& weights, int bins, int
   return {tensor, "feature_extraction", 1, bins, frames, threads};
 }
 
-/// What brings the sound to that level; 1 for silence.
+/// The gain that brings the sound to that root mean square; 1 for silence.
 float gain_to_rms(std::span<const float> sound, double rms) {
   double energy = 0.0;
   for (const float x : sound) energy += double{x} * x;

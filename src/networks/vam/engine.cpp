@@ -31,7 +31,7 @@ Floats transposed(std::span<const float> values, int rows) {
   return result;
 }
 
-/// The same numbers after every row's own.
+/// Every row with the numbers of `pose` appended.
 Floats with_pose(std::span<const float> rows, int width, std::span<const float> pose) {
   Floats result;
   result.reserve(rows.size() + rows.size() / static_cast<std::size_t>(width) * pose.size());
@@ -112,7 +112,7 @@ Floats Vam::State::image_tokens(std::span<const float> map, std::span<const floa
   return tokens;
 }
 
-/// Attention of several heads, without what it is added to.
+/// Multi-head attention, without the residual connection.
 Floats Vam::State::attend(const std::string& name, std::span<const float> asking,
                           std::span<const float> asked) const {
   const int width = weights.description.width();
@@ -178,8 +178,8 @@ void Vam::State::run_block(const std::string& name, Floats& tokens,
   add(tokens, layer(name + ".feed_forward.project", hidden));
 }
 
-/// @param deepest  what the encoder made of the sound, [width][tokens]
-/// @return         the same after it has looked at the picture
+/// @param deepest  the encoder's output for the sound, [width][tokens]
+/// @return         the same, fused with the picture
 Floats Vam::State::fuse(std::span<const float> deepest, std::span<const float> map,
                         std::span<const float> pose) const {
   const int width = weights.description.width();

@@ -109,7 +109,7 @@ void check_expressible(const ViGasDescription& d, std::string_view where) {
                    "train with \"pose_encoding\" \"soundspaces\" or \"replay\"");
 }
 
-/// What the released class has fixed, and this network has otherwise.
+/// Where this network differs from what is fixed in the released class.
 std::vector<std::string> differences_of(const ViGasDescription& d) {
   ViGasDescription fixed;
   std::vector<std::string> differences;
@@ -140,7 +140,7 @@ HyperParameter option_of(const Json& value) {
   return value.get<std::string>();
 }
 
-/// The published options, those of the file over them, and the description's over all.
+/// The published options, overridden by those of the file and then by those of the description.
 Json options_of(const ViGasDescription& d, const std::map<std::string, std::string>& metadata,
                 std::string_view where) {
   Json options = released_options(d.pose_encoding);
@@ -271,7 +271,7 @@ ReleasedCheckpoint released_checkpoint(SafetensorsFile file, std::string_view wh
   ViGasWeights weights = vigas_weights(std::move(file), where);
   const ViGasDescription& d = weights.description;
   check_expressible(d, where);
-  // Those that are checked, float32, in place of those of the file.
+  // The checked tensors, float32, replace those of the file.
   for (auto& [name, tensor] : weights.tensors) tensors[name] = std::move(tensor);
 
   ReleasedCheckpoint checkpoint;

@@ -54,7 +54,7 @@ kernels::GatedStackWeights stack_weights(const ViGasWeights& weights) {
   for (int layer = 0; layer < d.layers(); ++layer) {
     stack.layers.push_back(layer_weights(weights, layer));
   }
-  // Of the heads for every number of layers, only the last is heard.
+  // There is an output head for every number of layers; only the last one is used.
   const std::string head = fmt::format("output_net.{}", d.layers() - 1);
   stack.first_weight = values(head + ".first.weight");
   stack.first_bias = values(head + ".first.bias");

@@ -8,7 +8,7 @@ namespace earpoint {
 namespace {
 
 // What the released code's command for SoundSpaces-NVAS stores with a checkpoint: names, order and
-// values of its options. Facts of running it.
+// values of its options. Found by running it.
 constexpr const char* kSoundSpaces = R"({
  "run_type": "train", "model_dir": "data/models", "dataset_dir": "data/synthetic_dataset/v16",
  "metadata_file": "cleaned_metadata_v3.json", "cam_position_file": "camera_positions.json",
@@ -55,7 +55,7 @@ constexpr const char* kSoundSpaces = R"({
  "eval_difficult": false
 })";
 
-// What its command for Replay-NVAS has otherwise.
+// Where its command for Replay-NVAS differs.
 constexpr const char* kReplay = R"({
  "dataset_dir": "data/appen_dataset/v3", "metadata_file": "metadata_v2.json",
  "cam_position_file": "camera_positions_fixed_rotation.json", "version": "replay_nvas",
