@@ -49,7 +49,7 @@ double power(std::span<const float> sound) {
   return total / static_cast<double>(sound.size());
 }
 
-/// Power of what is more in `sound` than in `clean`, in dB re the power of `clean`.
+/// Power of the difference between `sound` and `clean`, in dB re the power of `clean`.
 double error_db(const Waveform& clean, const Waveform& sound) {
   Waveform difference = sound;
   for (std::size_t i = 0; i < clean.planar().size(); ++i) {
@@ -58,7 +58,7 @@ double error_db(const Waveform& clean, const Waveform& sound) {
   return 10.0 * std::log10(power(difference.planar()) / power(clean.planar()));
 }
 
-/// What a stream of blocks of all sizes gives.
+/// The result of a stream in blocks of all sizes.
 Waveform streamed(const Waveform& sound, NoiseSuppressor& suppressor) {
   Waveform result(sound.channels(), sound.samples(), kRateHz);
   std::ptrdiff_t written = 0;
@@ -76,7 +76,7 @@ Waveform streamed(const Waveform& sound, NoiseSuppressor& suppressor) {
       std::ranges::copy(done.channel(c), result.channel(c).begin() + written);
     }
     written += done.samples();
-    // As late as a frame, once the first second is over.
+    // After the first second the output is late by a frame at most.
     if (start > kRateHz) {
       EXPECT_GT(written, start - 512);
     }
@@ -118,9 +118,8 @@ TEST(NoiseSuppressor, TakesSoundsOfAnyLengthAndRate) {
 TEST(NoiseSuppressor, LetsSpeechWithoutNoisePass) {
   const Waveform speech = syllables(3.0);
   for (const AmbientSeparation kind : kTracking) {
-    // In a pause of 0.4 s the smoothed power falls by 48 dB (0.8 a frame); 1.5 times that is what
-    // the noise can be at most, 46 dB below the speech. Where syllables begin and end they are
-    // weaker.
+    // In a pause of 0.4 s the smoothed power falls by 48 dB (0.8 a frame); the noise estimate is at
+    // most 1.5 times that, 46 dB below the speech. Where syllables begin and end they are weaker.
     EXPECT_LT(error_db(speech, suppress_noise(speech, kind, 0.0)), -30.0);
   }
 }
@@ -148,8 +147,8 @@ TEST(NoiseSuppressor, RemovesAllThatIsBelowTheCutoff) {
   }
   for (const AmbientSeparation kind : kTracking) {
     const Waveform primary = suppress_noise(hum, kind, 80.0);
-    // In the middle, where the tone has no beginning or end. A square-root Hann window passes a
-    // tone two bins off at -24 dB in amplitude, and such a steady tone is noise beside.
+    // In the middle, away from the tone's beginning and end. A square-root Hann window passes a
+    // tone two bins off at -24 dB in amplitude, and the rest of so steady a tone counts as noise.
     EXPECT_LT(10.0 * std::log10(power(primary.channel(0).subspan(8000, 16000)) / 0.5), -30.0);
   }
 }
@@ -171,9 +170,9 @@ TEST(NoiseSuppressor, SubtractionLeavesOfNoiseWhatItsRuleSays) {
   const Waveform primary = suppress_noise(noise, AmbientSeparation::subtract, 0.0);
   const double left_db = 10.0 * std::log10(power(primary.channel(0).subspan(2 * kRateHz)) /
                                            power(noise.channel(0).subspan(2 * kRateHz)));
-  // Frames overlap by three quarters, and what one gain makes of a frame is not the spectrum of any
-  // sound: joining the frames loses up to 2 dB of it. The noise is estimated up to 0.6 dB too low,
-  // which leaves a dB more.
+  // Frames overlap by three quarters, and their spectra after different gains are not those of one
+  // sound: joining the frames loses up to 2 dB. The noise is estimated up to 0.6 dB too low, which
+  // leaves a dB more.
   EXPECT_NEAR(left_db, left_by_subtraction(), 2.0);
 }
 
@@ -185,7 +184,7 @@ TEST(NoiseSuppressor, MmseLeavesOfNoiseWhatItsLowestPriorAllows) {
   // With xi at its floor v is small and E1(v) = -C - ln v, so that G^2 gamma = xi e^-C (C Euler's
   // constant): -25 dB - 2.5 dB, whatever gamma is. The decision-directed term adds 0.02 (gamma - 1)
   // where gamma > 1, on average 0.02 * 2 e^-2 = -22.7 dB: together -20.7 - 2.5 dB. Joining the
-  // frames loses up to 2 dB, the noise's estimate adds up to one.
+  // frames loses up to 2 dB, the error of the noise estimate adds up to 1 dB.
   EXPECT_NEAR(left_db, -23.2, 3.0);
 }
 
@@ -196,7 +195,7 @@ TEST(NoiseSuppressor, BringsSpeechNearerToWhatItWasWithoutNoise) {
   const double before_db = error_db(speech, sound);
   // The voice's 20 harmonics fill a third of the 8 kHz (their lines 3 bins of 5 up to 3 kHz) in
   // half of the time: an ideal mask would keep a fifth of the noise, 7 dB less. Half of that is
-  // asked for.
+  // required.
   EXPECT_LT(error_db(speech, suppress_noise(sound, AmbientSeparation::subtract, 80.0)),
             before_db - 3.5);
   EXPECT_LT(error_db(speech, suppress_noise(sound, AmbientSeparation::mmse, 80.0)),
@@ -216,7 +215,7 @@ TEST(NoiseSuppressor, FollowsNoiseThatRises) {
       return 10.0 * std::log10(power(primary.channel(0).subspan(first, count)) /
                                power(noise.channel(0).subspan(first, count)));
     };
-    // Taken for speech at first, as anything that begins is; noise after the tracker's 1.6 s.
+    // Counts as speech at first, like any sound that begins, and as noise after 1.6 s.
     EXPECT_GT(left_db(3.1, 3.4), -3.0);
     EXPECT_NEAR(left_db(4.8, 6.0), left_db(1.5, 2.9), 1.5);
   }

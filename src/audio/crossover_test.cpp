@@ -13,7 +13,7 @@ namespace {
 constexpr double kRate_hz = 16000.0;
 constexpr double kCutoff_hz = 80.0;
 
-/// What a filter makes of a tone, once it rings no more: the transform of its impulse response.
+/// A filter's steady response to a tone: the transform of its impulse response.
 std::complex<double> response(const std::vector<SecondOrderSection>& sections,
                               double frequency_hz) {
   SectionFilter filter(sections);

@@ -54,7 +54,7 @@ TEST(Decay, ExponentialGivesItsTimeWhateverTheRange) {
 }
 
 TEST(Decay, CutOffTailDoesNotBendTheCurve) {
-  // Without the energy of the missing tail the curve would dive: -35 dB is all there is.
+  // The response ends at -40 dB. Without the energy of the missing tail the curve would bend down.
   const double t60_s = 0.5;
   const std::vector<float> response = smooth_decay(t60_s, t60_s * 40.0 / 60.0);
   EXPECT_NEAR(reverberation_time_t30_s(response, kRate), t60_s, 1e-3 * t60_s);
@@ -96,7 +96,7 @@ TEST(Decay, ClarityOfAnExponentialIsTheClosedForm) {
   for (const double t60_s : {0.2, 0.5, 2.0}) {
     const double late = std::pow(10.0, -6.0 * 0.05 / t60_s);
     const double expected = 10.0 * std::log10((1.0 - late) / late);
-    // The split falls on a whole sample; what lies behind the cut is estimated.
+    // The split falls on a whole sample; the energy after the cut is estimated.
     EXPECT_NEAR(clarity_c50_db(smooth_decay(t60_s, 1.2 * t60_s, 50), kRate), expected, 2e-3);
   }
 }

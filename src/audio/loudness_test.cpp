@@ -46,8 +46,8 @@ TEST(Loudness, SilenceAroundTheSoundDoesNotCount) {
 }
 
 TEST(Loudness, ShortSoundIsOneBlockAndSilenceHasNone) {
-  // A sine of full scale has -3.01 LKFS; switching it on rings in the weighting's high-pass, of
-  // which 0.2 s hold more.
+  // A sine of full scale has -3.01 LKFS. The high-pass of the weighting rings when the sine begins,
+  // which counts for more in 0.2 s.
   EXPECT_NEAR(loudness_lkfs(sine(1, 48000, 1.0, 0, 0.2, 0.2)).value(), -3.01, 0.1);
   EXPECT_FALSE(loudness_lkfs(Waveform(2, 48000, 48000)).has_value());
   EXPECT_FALSE(loudness_lkfs(sine(1, 48000, 1e-5, 0, 1, 1)).has_value());  // -103 LKFS

@@ -63,8 +63,8 @@ TEST(NoiseTracker, KnowsTheNoiseAfterTheFirstSecond) {
     start.insert(start.end(), frame.begin(), frame.end());
   }
   tracker.start(start);
-  // The smoothed power falls to within 1 dB of the noise in 36 frames (0.8^36 of 1000 is 0.3), in
-  // which nothing is averaged yet: what is known is 1.5 times the minimum of the rest.
+  // The smoothed power falls to within 1 dB of the noise in 36 frames (0.8^36 of 1000 is 0.3).
+  // Nothing is averaged in them yet: the estimate is 1.5 times the minimum of the other frames.
   EXPECT_NEAR(mean_db(tracker.noise()), 0.0, 2.0);
 }
 
@@ -82,8 +82,8 @@ TEST(NoiseTracker, DoesNotTakeSyllablesForNoise) {
 TEST(NoiseTracker, FollowsAFallWithinThreeTenthsOfASecond) {
   RandomStream random(4);
   NoiseTracker tracker = settled(random);
-  // 20 dB take 4.6 time constants of 20 frames by the average alone: 0.74 s. To within 3 dB of
-  // 6 dB less: 1.4 of them.
+  // The average has a time constant of 20 frames of 8 ms. After a fall of 6 dB it takes ln 3 = 1.1
+  // time constants, 0.18 s, to come within 3 dB.
   for (int i = 0; i < 0.3 * kFramesPerSecond; ++i) tracker.update(noise_frame(0.25, random));
   EXPECT_NEAR(mean_db(tracker.noise()), -6.0, 3.0);
 }

@@ -1,4 +1,4 @@
-// What the released evaluation computes, and what this module makes of the same inputs.
+// Compares this module with what the released evaluation computes from the same inputs.
 // testdata/ holds a part of the reference data; the whole is read where EARPOINT_ORACLE_DIR says.
 #include <algorithm>
 #include <cmath>

@@ -57,7 +57,7 @@ TEST(PeakLimiter, LetsNothingBeyondFullScale) {
   const Waveform found = limited(sound, limiter);
   for (const float sample : found.planar()) peak = std::max(peak, std::abs(sample));
   EXPECT_LE(peak, 1.0F);
-  // Sound that is always too loud is held where its peaks are, not far below.
+  // Sound that is always too loud stays near full scale, not far below.
   EXPECT_GT(peak, 0.9F);
   float loudest = 0.0F;
   for (const float sample : sound.planar()) loudest = std::max(loudest, std::abs(sample));
@@ -89,7 +89,7 @@ TEST(PeakLimiter, ReturnsToUnchangedSoundAfterAPeak) {
   PeakLimiter limiter(2, kRate_hz);
   const Waveform found = limited(sound, limiter);
   for (std::ptrdiff_t i = 0; i < 24000; ++i) {
-    // 5 ms before the peak and, from a reduction of 7/8 to 1e-5 at 50 ms, 0.57 s behind it.
+    // 5 ms before the peak and 0.57 s after it: the release from 7/8 to 1e-5 at 50 ms.
     if (i > 5000 - 82 && i < 5000 + 9300) continue;
     ASSERT_EQ(found.channel(0)[i], sound.channel(0)[i]) << i;
   }

@@ -108,7 +108,7 @@ TEST_F(SoundFile, Mp3KeepsWhatOneHears) {
   }
   write_sound(folder_ / "x.mp3", wave);
   const Waveform back = read_sound(folder_ / "x.mp3");
-  ASSERT_EQ(back.samples(), wave.samples());  // the encoder's delay and filling are told
+  ASSERT_EQ(back.samples(), wave.samples());  // the header states the encoder's delay and padding
   // MP3 is lossy: 2 % of full scale for two tones, their abrupt beginning and end left out.
   double largest = 0.0;
   for (int c = 0; c < 2; ++c) {

@@ -44,7 +44,7 @@ std::vector<float> sum(std::vector<float> a, const std::vector<float>& b) {
   return a;
 }
 
-/// As the ear away from the source hears it: later, and duller.
+/// The sound at the ear away from the source: later and duller.
 std::vector<float> shadowed(const std::vector<float>& sound, int delay) {
   std::vector<float> ear(sound.size());
   double low = 0.0;
@@ -73,7 +73,7 @@ TEST(StereoCheck, SoundThatIsLaterAndDullerAtOneEarIsPlausible) {
   for (const int delay : {5, 10, 20, 35}) {  // 0.1 to 0.7 ms: 10 to 90 degrees
     EXPECT_EQ(kind_of(sound, shadowed(sound, delay)), "plausible") << delay;
     EXPECT_EQ(kind_of(shadowed(sound, delay), sound), "plausible") << delay;
-    // A source at one's ear is louder there by 10 dB, and still earlier.
+    // A source close to one ear is louder there by 10 dB, and still earlier.
     EXPECT_EQ(kind_of(sound, scaled(shadowed(sound, delay), 0.3)), "plausible") << delay;
   }
 }
@@ -114,7 +114,7 @@ TEST(StereoCheck, BlocksMakeNoDifference) {
   for (const std::ptrdiff_t block : {1000, 48000, 144000}) {
     EXPECT_EQ(kind_of(sound, scaled(sound, 0.5), block), "panned");
   }
-  // Less than a block of analysis is judged, too.
+  // Less than one analysis block is classified, too.
   StereoCheck check(kRate);
   Waveform wave(2, kRate / 5, kRate);
   for (int c = 0; c < 2; ++c) {

@@ -56,7 +56,7 @@ TEST_F(FileTest, WithoutCommitNothingIsLeftAndTheOldFileStays) {
   EXPECT_EQ(read_text_file(folder_ / "x.txt"), "old");
 }
 
-/// A process that writes aside and is ended by the signal; @return its status
+/// A process that is ended by the signal while it writes its temporary file; @return its status
 int end_while_writing(const fs::path& path, int signal) {
   std::array<int, 2> pipe{};
   EXPECT_EQ(::pipe(pipe.data()), 0);
@@ -87,7 +87,7 @@ TEST_F(FileTest, SignalsRemoveWhatWasWrittenAsideAndEndTheProcessAsEver) {
 TEST_F(FileTest, WhatAKilledProcessLeftTheNextWriterTakes) {
   end_while_writing(folder_ / "x.txt", SIGKILL);
   EXPECT_EQ(entries(), 1);
-  // As two that were killed at once leave it.
+  // As if two writers had been killed at the same time.
   fs::copy(folder_ / ".x.partial.txt", folder_ / ".x.1.partial.txt");
   write_file(folder_ / "x.txt", "text");
   EXPECT_EQ(entries(), 1);

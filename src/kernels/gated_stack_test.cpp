@@ -148,7 +148,7 @@ TEST(GatedStack, ThreadsDoNotChangeABit) {
   });
 }
 
-// What a run leaves in the planes must not be heard in the next.
+// What a run leaves in the planes must not reach the next run.
 TEST(GatedStack, ForgetsTheClipBefore) {
   const StackExample example(2, 6, 4, powers(3, 6, 3, true), 100);
   const std::vector<float> z = noise(4, 3);

@@ -13,7 +13,7 @@ PlaneOrder order_of(std::ptrdiff_t samples, std::ptrdiff_t dilation) {
   return plan_layer({3, dilation, true}, samples).order;
 }
 
-/// Every sample of the plane, as often as a plan computes it.
+/// For every sample of the plane, how often a plan computes it.
 std::vector<int> visits(const LayerPlan& plan) {
   std::vector<int> count(static_cast<std::size_t>(plan.order.places()));
   for (const Sweep& sweep : plan.used()) {

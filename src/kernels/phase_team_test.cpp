@@ -33,7 +33,7 @@ TEST(PhaseTeam, DoesEveryTaskOnceAndInPhaseOrder) {
       std::vector<std::atomic<int>> done(static_cast<std::size_t>(tasks));
       std::atomic<int> out_of_order{0};
       run_team(threads, kPhases, tasks, [&](int, int phase, std::ptrdiff_t i) {
-        // A task that is done twice, left out, or begun before its phase shows as another count.
+        // A task that is done twice, left out, or begun before its phase gives another count.
         if (done[static_cast<std::size_t>(i)].fetch_add(1) != phase) ++out_of_order;
         for (const std::atomic<int>& other : done) {
           if (other.load() < phase) ++out_of_order;

@@ -62,7 +62,7 @@ Image picture(std::uint8_t grey) {
   return image;
 }
 
-/// Of a renderer that has rendered nothing before.
+/// The result of a renderer that has rendered nothing before.
 Waveform freshly(const Waveform& sound, const RenderRequest& request) {
   return Renderer::open("gtf").render(sound, request);
 }
@@ -96,12 +96,12 @@ TEST_F(RendererTest, WhatWasRenderedBeforeChangesNothing) {
   Renderer renderer = Renderer::open("gtf");
   const Waveform dark = renderer.render(sound, first);
   EXPECT_TRUE(same(dark, freshly(sound, first)));
-  // Another picture in the same memory is another picture.
+  // Another picture in the same memory is noticed.
   seen = picture(220);
   const Waveform bright = renderer.render(sound, first);
   EXPECT_TRUE(same(bright, freshly(sound, first)));
   EXPECT_FALSE(same(bright, dark));
-  // And none is none.
+  // And so is a missing picture.
   const RenderRequest blind{.target = {{1, 0, 0}, {}}};
   EXPECT_TRUE(same(renderer.render(sound, blind), freshly(sound, blind)));
 }
@@ -125,7 +125,7 @@ TEST_F(RendererTest, OneChannelsVoiceIsPutAtTheSpeaker) {
   const Waveform mono = noise(1, 1.0, 16000);
   const Waveform nobody = copy.render(mono, {});
   EXPECT_TRUE(std::ranges::equal(nobody.channel(0), nobody.channel(1)));
-  // The head shades the ear away from the speaker.
+  // The head shadows the ear away from the speaker.
   const Waveform left = copy.render(mono, {.speaker_m = Vector3{0, 1, 0}});
   EXPECT_GT(rms(left.channel(0)), 1.5 * rms(left.channel(1)));
   // Upper left of the picture is left, by the same camera.

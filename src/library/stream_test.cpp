@@ -74,8 +74,8 @@ TEST_F(StreamTest, IsAsLateAsItSaysAtAnyRateAndBlockSize) {
       process(live, sound, result, block);
       const std::ptrdiff_t late = live.latency_samples();
       ASSERT_GT(late, 0);
-      // The network passes on what it hears: over the second half, that far apart, both are one
-      // sound.
+      // The network passes its input on: over the second half, shifted by the latency, both are the
+      // same sound.
       double product = 0.0, of_sound = 0.0, of_result = 0.0;
       for (std::ptrdiff_t i = sound.samples() / 2; i < sound.samples(); ++i) {
         const double x = sound.channel(0)[i - late], y = result.channel(0)[i];

@@ -30,7 +30,7 @@ TEST(DirectionOfBox, IsThatOfAPinholeCamera) {
 }
 
 TEST(ActiveSpeakers, FollowTurnsAndJoinWeakEvidenceOverTime) {
-  // Two turns of 4 s, each moment but weakly for the right person and one in five against.
+  // Two turns of 4 s. Each moment is only weak evidence for the right person, one in five against.
   std::vector<SpeakerMoment> moments;
   for (int i = 0; i < 40; ++i) {
     const bool says_first = (i < 20) != (i % 5 == 2);
@@ -38,7 +38,7 @@ TEST(ActiveSpeakers, FollowTurnsAndJoinWeakEvidenceOverTime) {
   }
   const auto beliefs = active_speakers(moments);
   for (int i = 0; i < 40; ++i) {
-    if (std::abs(i - 20) < 3) continue;  // where a turn ends is not known to the moment
+    if (std::abs(i - 20) < 3) continue;  // the end of a turn is known only roughly
     EXPECT_GT(beliefs[i].people[i < 20 ? 0 : 1], 0.8) << i;
     EXPECT_NEAR(beliefs[i].people[0] + beliefs[i].people[1] + beliefs[i].outside, 1.0, 1e-12);
   }
@@ -49,7 +49,7 @@ TEST(ActiveSpeakers, SayThatTheSpeakerIsNotInThePicture) {
   EXPECT_GT(active_speakers(behind)[5].outside, 0.95);
   const std::vector<SpeakerMoment> nobody(3, moment({}, {}));
   EXPECT_EQ(active_speakers(nobody)[1].outside, 1.0);
-  // With one person and a sound that tells nothing, it is most likely that person.
+  // With one person and no direction in the sound, it is most likely that person.
   const std::vector<SpeakerMoment> mono(5, moment({0}, {1.0}, 1.0));
   EXPECT_NEAR(active_speakers(mono)[2].people[0], 0.9, 1e-9);
 }

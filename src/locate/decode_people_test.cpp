@@ -13,7 +13,7 @@ namespace {
 constexpr int kRows = 4;
 constexpr int kColumns = 8;
 
-/// A map in which nobody is.
+/// A map without people.
 std::vector<float> empty_map() {
   std::vector<float> map(PeopleDescription::kOutputs * kRows * kColumns, 0.0F);
   std::fill_n(map.begin(), kRows * kColumns, -10.0F);

@@ -32,7 +32,7 @@ TEST(CountDetections, WhoNeedNotBeFoundCountsForNothing) {
   const std::vector<TruePerson> people{{at(0.1), false}, {at(0.6), false}, {at(0.62), true}};
   const std::vector<DetectedPerson> found{{at(0.1), 0.9}, {at(0.6), 0.8}};
   const DetectionCount count = count_detections(found, people);
-  EXPECT_EQ(count.found, 1);  // who must be found is preferred to the nearer one
+  EXPECT_EQ(count.found, 1);  // a person who must be found comes before a nearer one who need not
   EXPECT_EQ(count.missed, 0);
   EXPECT_EQ(count.wrong, 0);
 }

@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 constexpr int kRate_hz = 16000;
 constexpr double kFov_rad = kPi / 2;
 
-/// Finds what it is told, in any picture.
+/// Finds the given people in any picture.
 class ToldDetector : public PeopleDetector {
  public:
   explicit ToldDetector(std::vector<DetectedPerson> people) : people_(std::move(people)) {}
@@ -112,7 +112,7 @@ TEST_F(FindPeople, FollowsTurnsOfTwoPeopleAndOneWhoIsNotInThePicture) {
   // change.
   EXPECT_NEAR(summary.outside_share, 1.0 / 3.0, 0.1);
   EXPECT_GT(summary.certainty, 0.9);
-  // What render reads of the CSV is what was found, a rounded number apart.
+  // Rendering reads from the CSV what was found, up to rounding.
   const SpeakerTrack read = SpeakerTrack::parse_csv(csv_of(people), "people.csv");
   for (double time_s = 0.1; time_s < 6.0; time_s += 0.2) {
     ASSERT_EQ(read.at(time_s).has_value(), track.at(time_s).has_value()) << time_s;

@@ -32,7 +32,7 @@ struct Session {
       for (int camera = 0; camera < cameras; ++camera) {
         moments.push_back(moment(random, gain_db, phase, speaker, t, camera, walks_m));
         if (!hears_direction) continue;
-        // The right direction is likelier, but a reflection may seem so.
+        // The right direction is usually the likeliest, but a reflection may seem likelier.
         auto& logs = moments.back().direction_log_likelihood;
         for (std::size_t p = 0; p < 3; ++p) {
           logs.push_back((p == speaker ? 2.0 : 0.0) + 1.5 * random.normal());

@@ -60,7 +60,7 @@ TEST(PeopleDetector, ShowsYoloV8RedGreenBlueFromZeroToOne) {
   const Box& box = people[0].box;
   EXPECT_NEAR(0.5 * (box.y_min + box.y_max), kGreen, kRounding);
   EXPECT_NEAR(box.y_max - box.y_min, 0.5, kRounding);
-  // The left edge lies out of the picture: the right one alone tells middle and width.
+  // The left edge is outside the picture: only the right one shows the middle and the width.
   EXPECT_NEAR(box.x_max, kRed + 0.5 * kBlue, kRounding);
   EXPECT_EQ(box.x_min, 0.0);
   EXPECT_NEAR(people[0].score, 0.9, 1e-6);
@@ -79,7 +79,7 @@ TEST(PeopleDetector, ShowsYoloXBlueGreenRedTo255) {
 TEST(PeopleDetector, PutsOblongPicturesIntoTheMiddleOfWhatYoloV8Sees) {
   const auto people = make_people_detector(kData / "yolov8.onnx")->detect(coloured(128, 64));
   ASSERT_EQ(people.size(), 1U);
-  // Half of what it sees is picture, half is grey.
+  // Half of its input is picture, half is grey.
   constexpr double kGrey = 114.0 / 255.0;
   const double green = 0.5 * (kGreen + kGrey);
   const double red_middle = 0.5 * (kRed + kGrey);

@@ -19,7 +19,7 @@ Box person_at(double x, double y = 0.5, double height = 0.5) {
           .y_max = y + 0.5 * height};
 }
 
-/// Two people who walk past each other; whoever is nearer (number 0) hides the other while they
+/// Two people who walk past each other; the nearer one (number 0) hides the other while they
 /// overlap by half a width.
 struct Crossing {
   std::vector<std::vector<TrackedPerson>> truth;
@@ -75,7 +75,7 @@ TEST(PersonTracker, CarriesOnWhoIsHiddenAndForgetsThemLater) {
     const auto hidden = show(step, std::nullopt);
     ASSERT_EQ(hidden.size(), 1U);
     EXPECT_FALSE(hidden[0].is_seen);
-    // It goes on at 0.02 a picture; the filter's speed lags by a few per cent of the way.
+    // The person goes on by 0.02 a picture; the filter's speed lags by a few per cent.
     EXPECT_NEAR(0.5 * (hidden[0].box.x_min + hidden[0].box.x_max), 0.2 + 0.02 * step, 0.02);
   }
   const auto back = show(step, 0.2 + 0.02 * step);

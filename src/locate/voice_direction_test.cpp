@@ -32,7 +32,7 @@ TEST_F(VoiceDirectionTest, FindsADryVoiceWithinAStepOfItsGrid) {
     VoiceDirection direction(head_);
     const DirectionEvidence evidence = direction.listen(bursts_from(head_, azimuth_deg, 1));
     const double found_deg = degrees_from_radians(evidence.azimuth_rad());
-    // The mirror image behind sounds nearly alike by phase.
+    // The mirror image behind has nearly the same phase differences.
     const double mirrored_deg = found_deg >= 0.0 ? 180.0 - found_deg : -180.0 - found_deg;
     EXPECT_LE(std::min(std::abs(found_deg - azimuth_deg), std::abs(mirrored_deg - azimuth_deg)),
               5.0 + 1e-9)

@@ -40,7 +40,7 @@ Ears read_all(AudioReader& reader, std::ptrdiff_t block = 777) {
   return ears;
 }
 
-/// The middle of a channel's energy: where a click is, whatever the codec made of its form.
+/// The centre of a channel's energy: where a click is, whatever form the codec has given it.
 double centre_of(const std::vector<float>& channel) {
   double energy = 0.0;
   double moment = 0.0;
@@ -97,8 +97,8 @@ TEST_F(AudioReaderTest, WaveFilesGoToTheirTrueEndWhateverTheirHeaderSays) {
 }
 
 TEST_F(AudioReaderTest, JumpsOfATransportStreamsClockAreClosedAndTold) {
-  // Back to where the first began; back to zero, which FFmpeg takes for a clock that has run over;
-  // and forward.
+  // Back to where the first began; back to zero, which FFmpeg takes for a wrapped clock; and
+  // forward.
   const std::string movie =
       fmt::format("-f lavfi -i testsrc2=s=64x48:r=25:d=1 {} -c:a mp2 -b:a 192k", clicks(48000));
   for (const auto& [first_s, second_s] : {std::pair{0, 0}, {500, 0}, {0, 500}}) {
@@ -107,12 +107,12 @@ TEST_F(AudioReaderTest, JumpsOfATransportStreamsClockAreClosedAndTold) {
     write_file(file("c.ts"), read_text_file(file("a.ts")) + read_text_file(file("b.ts")));
     AudioReader reader(file("c.ts"));
     const Ears ears = read_all(reader);
-    // MP2 frames of 24 ms; the picture's second lasts as long, the sound's a frame more.
+    // MP2 frames of 24 ms: a second of picture is exact, a second of sound is a frame longer.
     EXPECT_NEAR(static_cast<double>(ears.left.size()), 2.0 * 48000, 0.1 * 48000);
     ASSERT_EQ(reader.warnings().size(), 1U) << first_s << " " << second_s;
     EXPECT_TRUE(mentions(reader.warnings()[0], "its clock jumps after")) << reader.warnings()[0];
 
-    // Picture and sound go on together: the second's first frame comes with its first sample.
+    // Picture and sound stay in sync: the second part's first frame comes with its first sample.
     FrameReader frames(file("c.ts"));
     EXPECT_NEAR(frames.duration_s(), 2.0, 0.1);
     for (double t = 0.0; t < 3.0; t += 0.5) (void)frames.frame_nearest(t);

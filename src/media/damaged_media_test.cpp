@@ -16,7 +16,7 @@
 namespace earpoint {
 namespace {
 
-/// How often each reader gave what is there, and how often it refused.
+/// How often a reader accepted a file, and how often it refused it.
 struct Outcomes {
   int accepted = 0;
   int refused = 0;
@@ -162,7 +162,8 @@ TEST_F(DamagedMedia, FlippedBitsGiveAnErrorOrAPicture) {
       read_everything(name);
     }
   }
-  // Of 960 outcomes neither kind is rare, or the damage was none, or all of it.
+  // Both kinds must be common among the 960 outcomes; otherwise there was too little damage, or too
+  // much.
   EXPECT_GT(all_.accepted, 200);
   EXPECT_GT(all_.refused, 50);
 }

@@ -158,7 +158,7 @@ TEST_F(FrameReaderTest, DoesWithoutTimestamps) {
 }
 
 TEST_F(FrameReaderTest, ShowsTheMovieUpright) {
-  // A red upper left corner on black, turned by the display matrix.
+  // A red upper left corner on black, rotated by the display matrix.
   run_ffmpeg(
       "-f lavfi -i color=black:s=64x32:r=25:d=0.2,drawbox=0:0:16:16:red:fill "
       "-pix_fmt yuv444p -c:v libx264 v.mp4");
@@ -219,7 +219,7 @@ TEST_F(FrameReaderTest, DamageIsToldWithStreamAndTime) {
   const std::string message = input_error([&] { (void)reader.frame_nearest(1.9); });
   EXPECT_TRUE(mentions(message, "b.mp4: video stream 0 at ")) << message;
   EXPECT_TRUE(mentions(message, "damaged")) << message;
-  // The reader lives on.
+  // The reader stays usable.
   EXPECT_NO_THROW((void)reader.frame_nearest(0.1));
 }
 

@@ -198,7 +198,7 @@ TEST_F(ImageFile, ExifOrientationIsApplied) {
   for (int y = 0; y < 32; ++y) {
     for (int x = 0; x < 64; ++x) upright.at(x, y, y < 8 ? 1 : x < 32 ? 0 : 2) = 255;
   }
-  // Stored as orientation 6 says: rotated by a quarter to the left of what is to be seen.
+  // Stored for orientation 6: rotated by 90 degrees to the left.
   Image stored(32, 64, 3);
   for (int y = 0; y < 32; ++y) {
     for (int x = 0; x < 64; ++x) {

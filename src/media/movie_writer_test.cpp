@@ -115,7 +115,7 @@ TEST_F(MovieWriterTest, FlashesAndClicksCoincide) {
     EXPECT_EQ(reader.sample_rate_hz(), rate);
     EXPECT_EQ(reader.read(std::ptrdiff_t{10} * rate).samples(), 2 * rate) << "no delay, no filling";
 
-    // Another program hears it at the same time.
+    // Another program finds the clicks at the same time.
     run_ffmpeg("-i a.mp4 -c:a pcm_s16le a.wav");
     const std::vector<double> heard = click_times(file("a.wav"), 0);
     ASSERT_EQ(heard.size(), 2U);
@@ -160,7 +160,7 @@ TEST_F(MovieWriterTest, SoundIsReplacedAndThePictureCopied) {
     run_ffmpeg(fmt::format("-i a.mp4 {} {}", conversion, name));
     const std::vector<double> before = flash_times(file(name));
     MovieWriter writer(file("out.mp4"), file(name), 48000);
-    // What this source's clock makes of the first flash: an encoder's delay may shift it.
+    // When the first flash comes on this source's clock: an encoder's delay may shift it.
     const double offset_s = before.at(0) - 0.4;
     Waveform sound = clicks(48000);
     Waveform shifted(2, sound.samples() + 4800, 48000);
@@ -362,7 +362,7 @@ TEST_F(MovieWriterTest, DamageInTheSourceNamesTheSource) {
   EXPECT_TRUE(mentions(message, "a.mp4: video stream 0")) << message;
 }
 
-/// For its lifetime no file of this process may grow beyond the size: as a full disk, but safe.
+/// For its lifetime no file of this process may grow beyond the size: like a full disk, but safe.
 class FileSizeLimit {
  public:
   explicit FileSizeLimit(rlim_t bytes) {

@@ -15,7 +15,7 @@ namespace {
 constexpr Color kWhite = {255, 255, 255};
 constexpr Color kBlack = {0, 0, 0};
 
-/// How many pixels' worth of black lies on white.
+/// The area of black on white, in pixels.
 double ink(const Image& image) {
   double sum = 0.0;
   for (const std::uint8_t value : image.pixels()) sum += (255 - value) / 255.0 / 3.0;
@@ -72,7 +72,7 @@ TEST(Draw, ALineCoversItsAreaInEveryDirection) {
 }
 
 TEST(Draw, WhereAStrokeMeetsItselfItIsNoDarker) {
-  // There and back: grey edges must stay as they are after one pass.
+  // There and back: grey edges must stay as after one pass.
   Image once = filled_image(30, 30, kWhite);
   Image twice = once;
   const Point a{3.2, 4.1};

@@ -147,7 +147,7 @@ TEST(PlotWaveforms, AllPanelsShareOneScaleAndOneTimeAxis) {
   const int first_top = 16 + 28 + 26;
   const int loud = count_in(first_top, first_top + 62, 300);
   const int soft = count_in(first_top + panel_height, first_top + panel_height + 62, 300);
-  // A row at either end, and the line that a waveform is at least.
+  // A row at either end, and the least height of a waveform, one line.
   EXPECT_NEAR(soft, 0.25 * loud, 3);
   EXPECT_LE(count_in(first_top + panel_height, first_top + panel_height + 62, 700), 2) << "a line";
 }

@@ -50,7 +50,7 @@ TEST(StereoOfDryBinauralSound, IsPlausibleFromAllSidesAndSameOnlyInTheMiddle) {
       StereoCheck check(kRate);
       check.add(two_ears(convolve(sound, hrir.taps[0]), convolve(sound, hrir.taps[1])));
       const bool is_middle = azimuth_deg == 0 || azimuth_deg == -180;
-      // In the middle the two ears hear the same, which nothing tells from mono.
+      // In the middle both ears get the same sound, which cannot be told from mono.
       if (is_middle && check.kind() == StereoKind::same) continue;
       EXPECT_EQ(name_of(check.kind()), "plausible") << azimuth_deg << " " << elevation_deg;
     }

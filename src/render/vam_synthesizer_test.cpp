@@ -30,7 +30,7 @@ VamWeights make_weights(int ears = 2) {
   RandomStream random(1);
   for (const auto& [name, shape] : required_tensors(d)) {
     std::vector<float> values(static_cast<std::size_t>(element_count(shape).value()));
-    // A batch norm's variance must be positive. The picture is still to be felt past the trunk.
+    // A batch norm's variance must be positive. The picture must have an effect after the trunk.
     const double size = name.starts_with("visual_encoder.") ? 1.6 : 0.4;
     const double low = name.ends_with("running_var") ? 0.5 : -size / 2;
     for (float& value : values) value = static_cast<float>(random.uniform(low, low + size));

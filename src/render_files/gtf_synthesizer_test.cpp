@@ -50,9 +50,9 @@ std::vector<float> samples(const Waveform& sound) {
   return {sound.planar().begin(), sound.planar().end()};
 }
 
-/// Whether every ear hears something, for comparisons that silence would pass. What goes in has a
-/// root mean square of 0.1 and the filters of random weights have gains near 1, so a tenth of it is
-/// far below what comes out.
+/// Whether both ears have sound, for comparisons that silence would pass. The input has a root mean
+/// square of 0.1 and the filters of random weights have gains near 1, so a tenth of it is far below
+/// the output's level.
 testing::AssertionResult is_audible(const Waveform& sound) {
   for (int ear = 0; ear < sound.channels(); ++ear) {
     const double level =

@@ -61,14 +61,14 @@ TEST(LocateSpeaker, HearsEveryWindowOfARecording) {
   SilentProgress progress;
   const LocatedSpeaker located = locate_speaker(source, weights, 0.5 * kPi, progress);
   std::filesystem::remove(path);
-  // 2.7 s: two windows, and a rest that is more than half of one.
+  // 2.7 s: two windows, and a remainder of more than half a window.
   ASSERT_EQ(located.sightings.size(), 3U);
   EXPECT_EQ(located.sightings[2].time_s, 2.5);
   EXPECT_FALSE(located.has_picture);
   EXPECT_FALSE(located.has_box);
   for (const SpeakerSighting& found : located.sightings) {
-    // Resampling from 48 to 16 kHz keeps the lower third of white noise's power, but for the last
-    // twentieth of its band. The last window holds sound for 0.7 s of its second.
+    // Resampling from 48 to 16 kHz keeps the lower third of white noise's power, except for the
+    // last twentieth of its band. The last window has 0.7 s of sound.
     const double level = 0.1 * std::sqrt((found.time_s > 2.0 ? 0.7 : 1.0) / 3.0);
     EXPECT_LT(found.level, level * 1.03)
         << "five deviations of a mean of 11,200 squares or more, twice";
@@ -77,8 +77,8 @@ TEST(LocateSpeaker, HearsEveryWindowOfARecording) {
   }
 }
 
-/// Where the speaker's dot is on a map, in pixels: the mean place of what is drawn in the speaker's
-/// colour and nothing else is.
+/// Where the speaker's dot is on a map, in pixels: the mean place of the pixels in the speaker's
+/// colour, which nothing else has.
 struct Dot {
   double x = 0.0;
   double y = 0.0;
@@ -117,7 +117,7 @@ TEST(LocateSpeaker, TheMapHasTheSpeakerWhereTheyAre) {
   EXPECT_NEAR(ahead.x, map.width() / 2.0, 1.0) << "ahead of the camera is the middle of the page";
   const double metre_px = ahead.x - left.x;
   EXPECT_GT(metre_px, 20.0) << "left is left";
-  // Places between pixels: the mean of those that are wholly covered is within one of the centre.
+  // The mean of the pixels that are wholly covered is within one pixel of the centre.
   EXPECT_NEAR(left.y, ahead.y, 1.0);
   EXPECT_NEAR(ahead.y - further.y, metre_px, 1.0) << "front is up, at the same scale";
   EXPECT_NEAR(further.x, ahead.x, 1.0);

@@ -98,10 +98,10 @@ TEST_P(RenderStreamRates, BringBackThroughANetworkThatChangesNothingWhatWentInAs
       energy += before * before;
     }
   }
-  // -57 dB is what the magnitudes' floor in the kernels leaves of a whole window; a sample of delay
-  // more or less would give -15 dB and worse.
+  // The floor of the magnitudes in the kernels alone gives -57 dB for a whole window; a delay that
+  // is off by one sample would give -15 dB and worse.
   EXPECT_LT(10.0 * std::log10(error / energy), -50.0);
-  // Block, network, both ways through the rates and the limiter.
+  // Block, network, both resamplings and the limiter.
   EXPECT_LT(static_cast<double>(late) / GetParam(), 0.1);
 }
 

@@ -163,8 +163,8 @@ TEST_F(RenderTest, NoiseThatIsAmbientPassesTheNetworkBy) {
   IdentityNetwork network(80.0);
   ClipRenderOptions options;
   options.ambient = AmbientSeparation::mmse;
-  // The network makes its sound ten times weaker: what is left is the ambient sound, which is
-  // almost all of steady noise.
+  // The network makes its sound ten times weaker: the ambient sound is left, which is almost all of
+  // a steady noise.
   const Waveform result = rendered(write(sound), network, options, 0.1);
   double left = 0.0;
   double all = 0.0;
@@ -235,8 +235,8 @@ TEST_F(RenderTest, AmbientSoundBypassesTheNetwork) {
 }
 
 TEST_F(RenderTest, WindowsAreCutAsIfTheWholeClipWereFilteredAtOnce) {
-  // Nothing at Nyquist, as in any recording: the band-pass ends one hertz below it, and an edge as
-  // sharp as that rings for seconds on whatever lies there.
+  // Nothing at Nyquist, as in any recording: the band-pass ends one hertz below it, and so sharp an
+  // edge rings for seconds on any sound there.
   Waveform sound = noise(6.0, 16000);
   for (int ear = 0; ear < 2; ++ear) {
     const auto samples = sound.channel(ear);
@@ -252,8 +252,8 @@ TEST_F(RenderTest, WindowsAreCutAsIfTheWholeClipWereFilteredAtOnce) {
     std::vector<double> primary(input.size());
     filter_zero_phase(sections, input, primary);
     for (std::size_t i = 0; i < input.size(); ++i) {
-      // The margin of 0.25 s leaves the transients of the low edge below -120 dB; what smoothing
-      // has left near Nyquist rings at -80 dB of the noise.
+      // The margin of 0.25 s leaves the transients of the low edge below -120 dB; the sound that
+      // smoothing has left near Nyquist rings at -80 dB re the noise.
       ASSERT_NEAR(silenced.channel(ear)[i], input[i] - primary[i], 1e-5) << i;
     }
   }

@@ -67,7 +67,7 @@ TEST_F(ClipServerTest, TellsTheClip) {
   EXPECT_EQ(list["clips"][0]["id"], "clip");
   EXPECT_EQ(list["most_upload_bytes"], 0);
   EXPECT_EQ(client_->Get("/api/clips/other")->status, 404);
-  // dsp and vigas are told of no speaker: the page says what they lack.
+  // dsp and vigas have no speaker: the page says what they lack.
   EXPECT_FALSE(clip["methods"][0].contains("missing"));
   EXPECT_TRUE(clip["methods"][1].contains("missing"));
   EXPECT_TRUE(clip["methods"][3].contains("missing"));

@@ -78,8 +78,8 @@ TEST(Listener, HearsTheSpeakerOnTheSideWhereTheyAreByEveryMethod) {
       const Waveform heard = second_from(listener, start, wish(method, pose));
       return level_db(heard.channel(0)) - level_db(heard.channel(1));
     };
-    // Who turns right has the speaker at the left. How much it is depends on the room; a third of a
-    // decibel is beyond rounding and drift.
+    // After a turn to the right the speaker is at the left. How much louder depends on the room; a
+    // third of a decibel is more than rounding and drift.
     EXPECT_GT(difference_db(-70.0), 0.3) << method;
     EXPECT_LT(difference_db(70.0), -0.3) << method;
   }
@@ -98,9 +98,9 @@ TEST(Listener, HearsPartsThatFollowOneAnotherAsOne) {
 }
 
 TEST(Listener, ComesNearToTheWholeRenderingStretchByStretch) {
-  // What is rendered ahead for a second at a time is what a rendering of the whole gives, but for
-  // the joints: dsp's filters are the same everywhere, its windows start elsewhere. -20 dB is a
-  // tenth.
+  // Rendering in stretches gives what rendering the whole clip gives, except at the joints: dsp's
+  // filters are the same everywhere, but its windows start elsewhere. -20 dB is a tenth of the
+  // amplitude.
   const Pose pose{{0.5, 0.5, 0.0}, {}};
   Listener listener = listener_of(told_clip());
   const std::ptrdiff_t start = 48000;
@@ -130,8 +130,8 @@ TEST(Listener, WalksWithoutClicksByEveryMethod) {
       std::ranges::copy(part.channel(0), walked.channel(0).begin() + i * kPart);
     }
     const Waveform usual = second_from(still, start, wish(method, {{0.0, 1.0, 0.0}, {}}));
-    // To and fro over two metres changes the level by a few decibels; a click is a step of the
-    // sound's own size, several times what follows from sample to sample.
+    // Moving to and fro over two metres changes the level by a few decibels; a click is a step as
+    // large as the sound, several times its usual step from sample to sample.
     EXPECT_LT(steepest(walked.channel(0)), 3.0 * steepest(usual.channel(0))) << method;
   }
 }
@@ -143,7 +143,7 @@ TEST(Listener, FadesBetweenMethods) {
   const Waveform before = listener.listen(start, kPart, wish("gtf", pose));
   const Waveform fading = listener.listen(start + kPart, kPart, wish("input", pose));
   const Waveform& sound = bundled_clip()->sound;
-  // It ends where the recording is, and begins where the rendering was: within a sample's step.
+  // It ends on the recording and begins on the rendering, within the step of one sample.
   EXPECT_EQ(fading.channel(0)[kPart - 1], sound.channel(0)[start + 2 * kPart - 1]);
   const float step = std::abs(fading.channel(0)[0] - before.channel(0)[kPart - 1]);
   EXPECT_LE(step, 2.0 * steepest(before.channel(0)));
@@ -194,7 +194,7 @@ TEST(Listener, RefusesWhatItCannotRender) {
   EXPECT_THROW(hear(wish("gtf", {{std::nan(""), 0, 0}, {}})), InputError);
   EXPECT_THROW(hear(wish("magic")), InputError);
   EXPECT_THROW(hear(wish("truth")), InputError);
-  EXPECT_THROW(hear(wish("dsp")), InputError);  // nobody tells it where the speaker is
+  EXPECT_THROW(hear(wish("dsp")), InputError);  // the speaker's position is not given
 }
 
 TEST(ListenMethods, AreNamedOnceAndFound) {

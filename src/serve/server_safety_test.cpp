@@ -1,4 +1,4 @@
-// What others may try with a server: it refuses, and goes on.
+// Requests of attackers and of broken clients: the server refuses them and goes on.
 #include "test_clip.h"
 
 #include <atomic>
@@ -54,7 +54,7 @@ class RunningServer {
   std::thread thread_;
 };
 
-/// A connection that says what it is told to.
+/// A connection that sends any bytes.
 class RawConnection {
  public:
   explicit RawConnection(int port) : socket_(socket(AF_INET, SOCK_STREAM, 0)) {
@@ -89,7 +89,7 @@ std::string join_as_listener(httplib::Client& client) {
   return json::parse(answer->body).value("listener", "");
 }
 
-/// Whether somebody is answered soon.
+/// Expects that a new client is answered soon.
 void expect_answers(const RunningServer& server) {
   httplib::Client client = server.client();
   client.set_connection_timeout(20);
@@ -168,7 +168,7 @@ TEST(ServerSafety, CutsOffHeadersAndBodiesThatDrip) {
     EXPECT_TRUE(slow.is_closed()) << start;
   }
   EXPECT_EQ(answered, 0);
-  // Whoever is not slow is answered; on a busy machine not at once, with so little grace.
+  // A fast client is answered. With so little grace a busy machine may need several tries.
   httplib::Client client("127.0.0.1", port);
   for (int i = 0; i < 100 && answered == 0; ++i) (void)client.Post("/take", "x", "text/plain");
   EXPECT_GE(answered, 1);

@@ -76,7 +76,7 @@ TEST(TimedStream, GivesUpOnARequestThatDrips) {
   TimedStream stream(connection.server(), {.silence = 10s, .grace = 100ms}, never);
   const Drip drip([&] { connection.say("G"); });
   EXPECT_TRUE(stream.wait_for_request(10s));
-  // A byte is always soon there; without a deadline this would not end.
+  // The next byte always comes soon; without a deadline this would not end.
   EXPECT_GT(read_all(stream), 0U);
 }
 
@@ -90,8 +90,8 @@ TEST(TimedStream, GivesUpOnSilence) {
 
 TEST(TimedStream, WaitsForWhoeverIsFastEnough) {
   const Connection connection;
-  // Half a second in all, five times the grace. Every part earns a second at 10 kB a second, so
-  // that a busy machine may be late.
+  // Half a second in all, five times the grace. At 10 kB/s every part adds a second, so that a busy
+  // machine may be late.
   TimedStream stream(connection.server(),
                      {.silence = 10s, .grace = 100ms, .least_bytes_per_s = 1e4}, never);
   EXPECT_FALSE(stream.wait_for_request(1ms));

@@ -85,7 +85,7 @@ TEST(ImpulseGrid, MatchesTheDirectSumAtEveryBin) {
     ASSERT_NEAR(std::abs(std::complex<double>(found[bin]) - expected[bin]), 0.0, 3e-6 * total)
         << bin;
   }
-  // It has forgotten them.
+  // take() has cleared the grid.
   grid.take(found);
   EXPECT_EQ(std::abs(found[100]), 0.0F);
 }
@@ -123,7 +123,7 @@ TEST(RenderArrivalsMono, DoublingTheDistanceTakesSixDecibels) {
                                            Pose{{15.0, 15.0, 15.0}, {}}, 0.03, 0);
     const Waveform response = render_arrivals_mono(arrivals, kRate, 0.06);
     const double level_db = 10.0 * std::log10(octave_energies(response.channel(0), kRate)[4]);
-    // The air at 1 kHz takes 0.005 dB per metre.
+    // The air absorbs 0.005 dB per metre at 1 kHz.
     if (last != 0.0) {
       EXPECT_NEAR(last - level_db, 6.02, 0.03) << distance_m;
     }
@@ -159,7 +159,7 @@ TEST(RenderArrivals, ASingleArrivalIsTheHrirAtItsTime) {
       arrival_at((start + hrtf().centre_delay_samples()) / kRate, direction, 0.7F)};
   const Waveform response = render_arrivals(arrivals, hrtf(), 0.1);
   for (int ear = 0; ear < 2; ++ear) {
-    // From tap 10 on: before lies the fade from silence, 3 ms ahead of the head's middle.
+    // From tap 10 on: before it is the fade from silence, 3 ms before the head's centre.
     for (int tap = 10; tap < hrtf().taps(); ++tap) {
       // Float sums over the bins of the whole length.
       EXPECT_NEAR(response.channel(ear)[200 + tap], 0.7F * hrir.taps[ear][tap], 1e-5F) << tap;

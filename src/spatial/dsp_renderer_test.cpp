@@ -39,7 +39,7 @@ std::vector<float> noise(std::uint64_t seed) {
   return samples;
 }
 
-// What ears hear of a source in the free field, with the distance gain.
+// A source in the free field at both ears, with the distance gain.
 Waveform heard(const std::vector<float>& source, const Spherical& speaker) {
   const Hrir hrir = hrtf().interpolated(unit(speaker), speaker.distance_m);
   Waveform ears(2, std::ssize(source), kRate);
@@ -82,9 +82,9 @@ std::vector<double> error_db(std::span<const float> a, std::span<const float> b)
   return levels;
 }
 
-// Errors that the regularisation and the 80 ms leave, per octave band. Measured: -39 to -51 dB at
-// 62.5 Hz, where the filters' length counts; -51 dB and better to 4 kHz; -27 to -50 dB in the
-// highest, which ends where the set's low-pass falls.
+// Errors due to the regularisation and the length of 80 ms, per octave band. Measured: -39 to
+// -51 dB at 62.5 Hz, where the length matters; -51 dB and better to 4 kHz; -27 to -50 dB in the
+// highest band, at whose upper end the set's low-pass falls.
 const std::vector<double> kAchieved_db = {-38, -54, -56, -58, -55, -55, -50, -25};
 
 TEST(DspRenderer, TheSamePlaceGivesTheSoundBack) {
@@ -154,20 +154,20 @@ TEST(SourceFilter, FindsTheSourcesSound) {
     std::vector<float> estimate(sound.size(), 0.0F);
     for (int ear = 0; ear < 2; ++ear) {
       const std::vector<float> part = convolve(filter.taps[ear], ears.channel(ear));
-      // In `ears` sound passes the head's middle the set's common delay after `sound`.
+      // In `ears` the sound reaches the head's centre later by the set's common delay.
       const auto middle = static_cast<int>(std::lround(hrtf().centre_delay_samples()));
       const int lag = filter.delay_samples + middle;
       for (std::size_t i = 0; i < estimate.size(); ++i) estimate[i] += louder * part[i + lag];
     }
     const auto error = error_db(estimate, sound);
-    // Lifting the low end that the set lacks takes longer than 80 ms.
+    // Boosting the low frequencies that the set lacks needs a filter longer than 80 ms.
     EXPECT_LT(error[1], -20.0) << azimuth;
     for (int band = 2; band < 7; ++band) EXPECT_LT(error[band], -35.0) << azimuth << " " << band;
   }
 }
 
 TEST(SourceFilter, LetsLessEarNoiseThroughThanAveragedInverses) {
-  // With a speaker at 60 degrees the averaged inverse lifts the shadowed ear's noise.
+  // With a speaker at 60 degrees the averaged inverse amplifies the noise of the shadowed ear.
   const SourceFilter filter = source_filter(hrtf(), unit(at(60, 0, 1)));
   const Hrir hrir = hrtf().interpolated(unit(at(60, 0, 1)));
   RealFft<double> fft(4096);

@@ -99,7 +99,7 @@ TEST(HrtfSet, LeftIsLouderAndEarlierAtTheLeftEar) {
 
 TEST(HrtfSet, ItdFollowsTheRayAroundASphere) {
   for (double azimuth = -180.0; azimuth <= 180.0; azimuth += 2.5) {
-    // KEMAR is no sphere: its neck, its ears' place and the 10 % threshold make up to 45 us.
+    // KEMAR is no sphere: its neck, the place of its ears and the 10 % threshold make up to 45 us.
     EXPECT_NEAR(itd_us(kemar().interpolated(direction(azimuth))), woodworth_us(azimuth), 45.0)
         << azimuth;
   }
@@ -228,7 +228,7 @@ TEST(HrtfSet, FrontBackAndHeightSoundDifferent) {
 }
 
 TEST(HrtfSet, LeftAndRightMirrorEachOther) {
-  // The set holds one ear, mirrored by its makers: so must everything between.
+  // Its makers have mirrored one ear, so interpolated responses must be mirror images too.
   RandomStream random(3);
   for (int i = 0; i < 200; ++i) {
     const double azimuth = random.uniform(-180.0, 180.0);
@@ -275,7 +275,7 @@ TEST_P(HrtfRates, ResamplingKeepsGainsAndDelays) {
 INSTANTIATE_TEST_SUITE_P(HrtfSet, HrtfRates, testing::Values(16000, 32000, 48000));
 
 TEST(HrtfSet, ResampledResponsesLineUpWithTheOriginal) {
-  // Twice the rate: every other sample is the original's, but for the low-pass.
+  // Twice the rate: every other sample is the original's, except for the low-pass.
   const HrtfSet doubled(kemar_file(), 2 * kRate, HrtfEqualization::none);
   const double shift = doubled.onset_samples(0, 0) - 2.0 * kemar().onset_samples(0, 0);
   ASSERT_NEAR(shift, std::round(shift), 1e-6);
@@ -333,7 +333,7 @@ TEST(HrtfSet, EqualizationKeepsDifferencesBetweenDirectionsAndEars) {
     for (std::size_t band = 0; band < result.size(); ++band) result[band] -= reference[band];
     return result;
   };
-  // One filter for all: differences stay but for the smoothing inside of third octaves.
+  // One filter for all: differences stay, except for the smoothing within third octaves.
   EXPECT_LT(rms_difference(difference(set), difference(kemar())), 0.5);
 }
 

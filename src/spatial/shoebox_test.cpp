@@ -119,7 +119,7 @@ TEST(Shoebox, EnergyOfAClosedLosslessRoomGrowsWithoutDecay) {
   room.air = {.temperature_celsius = 20.0, .relative_humidity_percent = 100.0};
   const std::vector<Arrival> arrivals =
       shoebox_arrivals(room, {1, 1, 1}, Pose{{3, 2.5, 1.2}, {}}, 0.3);
-  // At 62.5 Hz the air takes nothing to speak of. Energy per second in a lossless room tends to
+  // At 62.5 Hz the air absorbs almost nothing. Energy per second in a lossless room tends to
   // 4 pi c / V.
   double energy = 0.0;
   for (const Arrival& arrival : arrivals) {

@@ -118,7 +118,7 @@ TEST(SofaFile, RefusesCoordinatesInOtherUnits) {
 
 TEST(SofaFile, RefusesResponsesOfZeros) {
   std::vector<std::byte> bytes = read_file(test_file("sphere.sofa"));
-  // Data.IR lies in the file as it is: 8 x 2 x 64 doubles.
+  // Data.IR lies uncompressed in the file: 8 x 2 x 64 doubles.
   constexpr std::size_t kStart = 17713;
   constexpr std::size_t kResponse = 64 * sizeof(double);
   const std::filesystem::path path = std::filesystem::path(testing::TempDir()) / "zeros.sofa";

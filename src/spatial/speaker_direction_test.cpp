@@ -98,7 +98,7 @@ TEST(SpeakerDirection, CutAtTheBottomTheShouldersTellTheDistance) {
 }
 
 TEST(SpeakerDirection, CutAtTheTopTheMouthIsMeasuredFromTheFeet) {
-  // Someone high on a ladder: 0.3 m of the body is above the picture, the feet are seen.
+  // Somebody high on a ladder: 0.3 m of the body is above the picture, the feet are visible.
   const double x_m = 2.0;
   const double rise = 2.1;
   Box box = box_of_person(x_m, -0.3, 1.7, 256, 256);

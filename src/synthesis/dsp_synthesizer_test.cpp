@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kRate_hz = 16000;
 
-/// What KEMAR hears in free field of noise at `speaker_m`: 2 ears, [samples].
+/// Noise at `speaker_m` at KEMAR's ears in the free field: 2 ears, [samples].
 Waveform heard_from(const Vector3& speaker_m, std::ptrdiff_t samples) {
   const Hrir hrir = HrtfSet::load(kRate_hz).interpolated(speaker_m);
   std::vector<float> noise(static_cast<std::size_t>(samples));

@@ -14,7 +14,7 @@ namespace {
 using namespace testing_bytes;  // NOLINT(google-build-using-namespace): the builders of this test
 using Kind = PickleValue::Kind;
 
-/// Keeps the bytes alive beside what was read of them.
+/// Keeps the bytes alive together with what was read from them.
 struct Read {
   explicit Read(std::string source)
       : bytes(std::move(source)), pickle(parse_pickle(std::as_bytes(std::span(bytes)), "x")) {}

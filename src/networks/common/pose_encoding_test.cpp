@@ -35,8 +35,8 @@ TEST(PoseEncoding, SoundspacesEqualsTheReleasedLoader) {
       const Pose target = from_soundspaces(&locations[i * 6 + 3], rotations[i * 2 + 1]);
       if (std::hypot(target.position_m.x - source.position_m.x,
                      target.position_m.y - source.position_m.y) == 0.0) {
-        // The loader's angle of a coincident point depends on the world's axes; a relative pose
-        // cannot know it. The distance of zero says the same.
+        // The loader's angle of a coincident point depends on the world's axes, which a relative
+        // pose does not contain. The distance of zero makes it irrelevant.
         continue;
       }
       const EncodedPose encoded = encode_pose(PoseEncoding::soundspaces, inverse(source) * target);
@@ -103,8 +103,8 @@ TEST(PoseEncoding, ReplayEqualsTheReleasedLoaderWhereverTheSourceLooks) {
 }
 
 TEST(PoseEncoding, ReplayTakesRoundingOfALevelDirectionForZero) {
-  // Looking along x, y, -x and -y, where two components of the direction are zero but for rounding:
-  // a sign must not make pi of an angle of 0.
+  // Looking along x, y, -x and -y, where two components of the direction are zero up to rounding:
+  // their sign must not turn an angle of 0 into pi.
   const double directions[4][3] = {{1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}};
   const double centre[3] = {100, 200, 150};
   for (const auto& from : directions) {

@@ -51,11 +51,11 @@ void expect_a_stream_equals_a_window(const GtfDescription& d, std::size_t latenc
   ASSERT_EQ(latency, latency_samples);
   for (std::size_t ear = 0; ear < 2; ++ear) {
     for (std::size_t i = 0; i < latency; ++i) EXPECT_EQ(stream[ear * kSamples + i], 0.0F);
-    // The window's end is heard without what comes after it, and so is what a round of phases looks
-    // at from there.
+    // Frames at the window's end lack the sound after it, and so do the frames before them that a
+    // round of phases reaches.
     const std::size_t unsure = (2 + static_cast<std::size_t>(d.phase_ahead())) * kHop;
     for (std::size_t i = 0; i + latency + unsure < kSamples; ++i) {
-      // Only blocks differ, and the order of no sum depends on them.
+      // Only the blocks differ, and they do not change the order of any sum.
       ASSERT_NEAR(stream[ear * kSamples + latency + i], window[ear * kSamples + i], 1e-6) << i;
     }
   }
@@ -88,8 +88,8 @@ TEST(Gtf, AStreamMaySkipRoundsToBeInTimeSooner) {
   EXPECT_EQ(engine.latency_samples(), without.latency_samples() + 2 * kHop);
 }
 
-/// How far the sound's short-time magnitudes are from those that the network asked for can only be
-/// told of a network whose filter is known: an identity whose phases are those of the wrong place.
+/// The error of the sound's short-time magnitudes can only be measured for a network whose filter
+/// is known: an identity whose phases are those of the wrong place.
 TEST(Gtf, RoundsOfPhasesMakeFramesAgree) {
   GtfDescription d = small();
   const std::vector<float> source = noise(2 * kSamples, 0.1, 2);
@@ -143,7 +143,7 @@ TEST(Gtf, TellsTheVoiceByAGainOfWhatBothEarsHear) {
     // A floor of 1e-3 under magnitudes of order 1, at a level of 0.05, twice.
     ASSERT_NEAR(voice[i], 2.0F * source[i], 2e-3) << i;
   }
-  // And renders as if it had not been asked.
+  // And the voice has not changed what it renders.
   std::vector<float> after(source.size());
   engine.synthesize(source, after);
   EXPECT_EQ(after, before);

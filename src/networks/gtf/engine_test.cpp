@@ -144,8 +144,8 @@ TEST(Gtf, AMovingTargetIsHeardAtEachOfItsPlaces) {
     if (hop == kTurn) engine.set_pose(there);
   });
   const auto latency = static_cast<std::size_t>(engine.latency_samples());
-  // Until the turn the first place; and once the trunk has forgotten the old conditions (62 frames
-  // reach far, but fade), it is nearer to the second than the places are to each other.
+  // Until the turn it equals the first place. Once the trunk has forgotten the old conditions (it
+  // reaches 62 frames, but they fade), it is nearer to the second place than the two are apart.
   for (std::size_t i = 0; i < kTurn * kHop; ++i) ASSERT_EQ(moving[i], at_first[i]) << i;
   double to_last = 0.0;
   double apart = 0.0;
@@ -193,8 +193,8 @@ TEST(Gtf, APathThatJumpsEqualsBothOfItsPlacesAwayFromTheJump) {
   const std::vector<float> at_first = along(engine, source, std::vector<Pose>(kFrames, kHere));
   const std::vector<float> at_last = along(engine, source, std::vector<Pose>(kFrames, kThere));
   const std::vector<float> jumping = along(engine, source, path);
-  // A frame reaches 200 samples to either side. What remembers the old place is the trunk alone,
-  // over twice the sum of its dilations.
+  // A frame reaches 200 samples to either side. Only the trunk remembers the old place, over twice
+  // the sum of its dilations.
   std::size_t memory = 0;
   for (int i = 0; i < d.layers; ++i) memory += 2 * static_cast<std::size_t>(d.dilation(i));
   const std::size_t last_old = kJump * kHop - 200;
@@ -202,7 +202,7 @@ TEST(Gtf, APathThatJumpsEqualsBothOfItsPlacesAwayFromTheJump) {
   ASSERT_LT(first_new, 2 * kSamples - 1000);
   for (std::size_t ear = 0; ear < 2; ++ear) {
     const std::size_t offset = ear * 2 * kSamples;
-    // Blocks are cut elsewhere; the order of no sum depends on them.
+    // Only the blocks differ, and they do not change the order of any sum.
     for (std::size_t i = 0; i < last_old; ++i) {
       ASSERT_NEAR(jumping[offset + i], at_first[offset + i], 1e-6) << i;
     }
@@ -220,8 +220,7 @@ TEST(Gtf, AStreamThatIsAimedAtEveryHopEqualsAWindowAlongThePath) {
   const std::vector<Pose> path = walk();
   const std::vector<float> window = along(engine, source, path);
   engine.start(engine.statistics());
-  // In hop h frame h - 1 is complete, and the one that lies ahead of it by the look-ahead comes
-  // out.
+  // In hop h frame h - 1 is complete, and the frame that is earlier by the look-ahead comes out.
   const auto late = static_cast<std::size_t>(1 + d.needed_ahead());
   const std::vector<float> stream = streamed(
       engine, source, [&](std::size_t hop) { engine.set_pose(path[hop < late ? 0 : hop - late]); });
@@ -257,7 +256,7 @@ TEST(Gtf, ASmoothWalkHasNoClicks) {
 }
 
 TEST(Gtf, AStreamsRunningLevelCancelsWhenItJumps) {
-  // Whatever the level that a frame was heard at, it must come out as loud as it went in.
+  // Whatever the level that scaled a frame, it must come out as loud as it went in.
   GtfDescription d = small();
   d.delays = false;
   GtfWeights weights = steady_weights(d);

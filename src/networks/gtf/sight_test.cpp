@@ -26,7 +26,7 @@ TEST(GtfSight, PointsOfTheWayAndOfTheFloorLieWhereAPinholeCameraShowsThem) {
   find_sights({4.0, 2.0, 0.4}, kSide, points);
   for (int i = 0; i < 4; ++i) {
     ASSERT_TRUE(points[i].is_seen) << i;
-    // On the way all points lie in one direction: y / x = 1/2, z / x = 1/10.
+    // All points of the way lie in one direction: y / x = 1/2, z / x = 1/10.
     EXPECT_NEAR(read_at(points[i])[0], 8.0 - 0.8, 1e-5) << i;
     EXPECT_NEAR(read_at(points[i])[1], 8.0 - 4.0, 1e-5) << i;
     // The floor 1 m ahead is out of sight below; at x metres it lies 1.5 / x below the middle.

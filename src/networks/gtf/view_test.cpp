@@ -56,7 +56,7 @@ TEST(GtfView, IsGreyWhereANarrowOrWideCameraSawNothing) {
   const GtfView wide = gtf_view(&image, {}, kRightAngle, 8);
   EXPECT_EQ(at(wide, 8, 2, 1, 4), 0.5F);
   EXPECT_NEAR(at(wide, 8, 2, 2, 4), 1.0F, kRounding);
-  // Half as wide a tangent: the picture fills the middle half of the view.
+  // The tangent is half as wide: the picture fills the middle half of the view.
   const GtfView narrow = gtf_view(&image, Box{0.0, 0.0, 1.0, 1.0}, 2.0 * std::atan(0.5), 8);
   EXPECT_EQ(at(narrow, 8, 2, 4, 1), 0.5F);
   EXPECT_NEAR(at(narrow, 8, 2, 4, 2), 1.0F, kRounding);

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kFov_rad = 0.5 * kPi;
 
-/// A rendering that a network was made for.
+/// A rendering within the training range.
 RenderOutline usual() {
   RenderOutline outline;
   outline.duration_s = 3.0;

@@ -32,7 +32,7 @@ struct MiniInputs {
 };
 
 TEST(AllocationCount, CountsEveryKind) {
-  // Through volatile pointers, as the compiler may leave out what nobody looks at.
+  // Through volatile pointers, as the compiler may leave out unused allocations.
   AllocationCount counted;
   int* volatile by_new = new int(1);
   void* volatile by_malloc = std::malloc(10);

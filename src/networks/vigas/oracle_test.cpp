@@ -27,14 +27,14 @@ namespace fs = std::filesystem;
 // What the released code computes in float32 differs from float64 by up to 4e-6 with values of
 // order 1, and one implementation from another by as much again.
 constexpr double kWaveformTolerance = 2e-5;
-// Up to twenty float32 layers, whose sums each instruction set takes in another order; in parts of
-// the largest value. Seen: 5e-6 with AVX2 and SSE4.1.
+// Up to twenty float32 layers, which each instruction set sums in another order; relative to the
+// largest value. Measured: 5e-6 with AVX2 and SSE4.1.
 constexpr double kFeatureTolerance = 1e-5;
 
 /// Networks and tensors that the released code was run on.
 class ViGasOracle : public ::testing::Test {
  protected:
-  /// Does that with the network's part in the source tree, and with the whole where it is at hand.
+  /// Runs `check` on the reference data in the source tree, and on the whole set if it is there.
   void for_every_folder(const std::string& name, const std::function<void()>& check) {
     for (const fs::path& folder : reference_folders("src/networks/vigas/testdata/" + name, name)) {
       SCOPED_TRACE(folder);
@@ -45,8 +45,8 @@ class ViGasOracle : public ::testing::Test {
     }
   }
 
-  /// Of the checkpoint that the released code wrote, or as it has them where there is only the
-  /// manifest.
+  /// The weights of the checkpoint that the released code wrote, or equal ones made from the
+  /// manifest if there is no checkpoint.
   [[nodiscard]] ViGasWeights weights() const {
     if (!fs::exists(folder_ / "best_val.ckpt")) return make_oracle_vigas(folder_ / "manifest.json");
     return vigas_weights(weight_file_from_checkpoint(import_checkpoint(folder_ / "best_val.ckpt"),
@@ -176,13 +176,13 @@ TEST_F(ViGasOracle, SoundSpacesNetworkAgreesWithTheReleasedCode) {
   });
 }
 
-// Of the only length at which the side taps of the largest dilation see sound.
+// Clips that are long enough for the side taps of the largest dilation to reach sound.
 TEST_F(ViGasOracle, LongClipsAgreeWithTheReleasedCode) {
   for_every_folder("A_soundspaces", [&] {
     ViGas network(weights(), 2);
     const SafetensorsFile clips = read_safetensors(folder_ / "long.safetensors");
-    // Ours is of a noise that testdata/cut_reference.py makes too, seen from the first clip's
-    // place.
+    // Our part has the result for a noise that testdata/cut_reference.py makes too, with the first
+    // clip's pose.
     const bool is_ours = !clips.tensors.contains("src_wav");
     const SafetensorsFile& place = is_ours ? inputs_ : clips;
     std::vector<float> source;

@@ -82,7 +82,7 @@ TEST(ViGasSynthesizer, GivesWhatTheNetworkGivesForTheEncodedInputs) {
   std::vector<float> expected(8000);
   network.synthesize(observation.sound.planar(), fused, expected);
   ASSERT_TRUE(std::equal(expected.begin(), expected.end(), result.planar().begin()));
-  // Another target is another sound: the pose reaches the network.
+  // Another target gives another sound: the pose reaches the network.
   const Waveform other = synthesizer.synthesize(Pose{});
   EXPECT_FALSE(std::equal(expected.begin(), expected.end(), other.planar().begin()));
 }
