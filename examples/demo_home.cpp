@@ -20,7 +20,7 @@ constexpr int kHeight = 540;
 // A person of the test split: in no data set that a shipped model was trained on.
 constexpr const char* kFigure = "male03";
 
-/// A place in the home, and where one looks there.
+/// A position in the home and a heading.
 struct Stand {
   double x = 0.0;
   double y = 0.0;
@@ -58,7 +58,7 @@ const FigureModel& figure_named(const std::vector<FigureModel>& figures, const c
 
 double to_centimetre(double metres) { return std::round(metres * 100.0) / 100.0; }
 
-/// Without what lies above: ceilings, lamps that hang from them, lintels.
+/// The scene without everything above a height: ceilings, hanging lamps, lintels.
 Scene cut_open(Scene scene, double height_m) {
   Mesh& mesh = scene.mesh;
   std::size_t kept = 0;
@@ -108,11 +108,11 @@ std::vector<DemoEarpoint> demo_earpoints(const DemoHome& home) {
 FloorMapPicture picture_from_above(const DemoHome& home, ThreadPool& pool) {
   constexpr double kCut_m = 2.2;
   constexpr double kMargin_m = 0.3;
-  // From so high up, things of a person's height shift by a few centimetres only.
+  // From so high up, perspective shifts things of a person's height by a few centimetres only.
   constexpr double kHeightAbove_m = 150.0;
   constexpr double kPixelsPerMetre = 80.0;
   const Scene open = cut_open(home.scene, kCut_m);
-  // The home's extent as the camera's axes have it.
+  // The home's extent along the camera's axes.
   const Pose camera_from_world = inverse(home.camera.world_from_camera);
   Vector3 low{1e9, 1e9, 0.0};
   Vector3 high{-1e9, -1e9, 0.0};

@@ -1,12 +1,12 @@
-// Makes the clip that the demo and the README use: a recorded voice in a furnished home, seen by a
-// camera with two ears, and what is heard of it in other places. Everything but the voice is made
+// Makes the clip that the demo and the README use: a recorded voice in a furnished home, in front of
+// a camera with binaural sound, and the sound at other positions. Everything but the voice is made
 // here: the home, its picture, its sound.
 //
 // usage: earpoint_make_clip VOICE.wav FOLDER
 //
-// Writes FOLDER/clip.mp4 (what the camera saw and heard), FOLDER/truth-*.flac (what the same moment
-// sounds like at the earpoints), FOLDER/map.jpg (the home from above) and FOLDER/earpoints.json,
-// which describes them.
+// Writes FOLDER/clip.mp4 (the camera's picture and sound), FOLDER/truth-*.flac (the true sound at
+// the earpoints), FOLDER/map.jpg (the home from above) and FOLDER/earpoints.json, which describes
+// them.
 
 #include "demo_home.h"
 
@@ -59,7 +59,7 @@ Waveform read_voice(const fs::path& path) {
   return voice;
 }
 
-/// What is heard at places of the camera's frame, its own first.
+/// The sound at poses in the camera's frame; its own pose is the first.
 std::vector<Waveform> heard_at(const DemoHome& home, const std::vector<Pose>& places,
                                const Waveform& voice, ThreadPool& pool) {
   const Source mouth{.world_from_source = home.speaker.world_from_head,

@@ -54,9 +54,9 @@ void add_ambient_option(CLI::App& command, std::string& ambient) {
   const auto names = ambient_separation_names();
   command
       .add_option("--ambient", ambient,
-                  "What is ambient sound and passes unchanged: bandpass, what is below "
-                  "--ambient-cutoff; subtract or mmse, steady noise too, by spectral subtraction "
-                  "or log-MMSE")
+                  "Ambient sound, which passes unchanged: bandpass, all below --ambient-cutoff; "
+                  "subtract or mmse, steady noise too, found by spectral subtraction or "
+                  "log-MMSE")
       ->check(CLI::IsMember(std::vector<std::string>(names.begin(), names.end())))
       ->capture_default_str();
 }

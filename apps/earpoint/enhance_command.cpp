@@ -81,7 +81,7 @@ std::vector<std::string> assumptions(const EnhanceArguments& arguments, const Re
   if (arguments.ambient == "bandpass") {
     lines.emplace_back("ambient sound: below the model's cutoff");
   } else {
-    lines.emplace_back("ambient sound: what is steady for a second");
+    lines.emplace_back("ambient sound: noise that is steady for a second");
   }
   return lines;
 }
@@ -141,8 +141,8 @@ void run_enhance(const EnhanceArguments& arguments) {
   SilentProgress silent;
   StreamProgress stream(stderr);
   ProgressSink& progress = arguments.quiet ? static_cast<ProgressSink&>(silent) : stream;
-  // The voice is asked for where the recording was made: nothing is known of where the microphone
-  // before the mouth would be, and nothing needs to be.
+  // The target is the camera's own pose: the position of the microphone near the mouth is unknown
+  // and not needed.
   const RenderTarget target{EarpointPath(Pose{}), arguments.output};
   const RenderReport report = render(source, *synthesizer, {&target, 1}, options, progress);
   if (arguments.json) {

@@ -71,7 +71,7 @@ TEST_F(EnhanceCommand, ItsJsonSaysWhatWasAssumed) {
   EXPECT_EQ(json.at("sample_rate_hz"), 48000);
   EXPECT_EQ(json.at("model_rate_hz"), 16000);
   EXPECT_TRUE(json.at("output").at("level_db").is_number());
-  // No speaker, no picture, a band above the model's, and how ambient sound is told.
+  // No speaker, no picture, a band above the model's, and how ambient sound is found.
   EXPECT_EQ(json.at("assumed").size(), 4U) << json.dump(2);
 
   const ProgramOutcome told =

@@ -71,8 +71,9 @@ Oracles, which are given part of the answer (--oracles: all), from the least to 
   oracle-dry-direct  true dry speech and direct path, tail of noise with the true decay
   oracle-expected    the same, with median magnitudes over many such tails: best by Mag
   oracle-all         the complete answer: 0
-Data sets (docs/datasets.md): one of `earpoint simulate` or `earpoint record prepare`, or a download of SoundSpaces-NVAS or Replay-NVAS,
-named by the folder that holds data/synthetic_dataset/v16 or data/appen_dataset/v3, or by one of these.
+Data sets (docs/datasets.md): one of `earpoint simulate` or `earpoint record prepare`, or a download of
+SoundSpaces-NVAS or Replay-NVAS, named by the folder that holds data/synthetic_dataset/v16 or
+data/appen_dataset/v3, or by one of these.
 Pairs come from pairs-<split>.json. Where there is none, as in the downloads, they are drawn: every viewpoint
 of SoundSpaces-NVAS the target once, in random seconds; of Replay-NVAS as the released test draws them. The
 paper's numbers on SoundSpaces-NVAS are for first seconds: --draw released draws those. Absolute values of
@@ -95,8 +96,8 @@ A figure (--figure) shows clips as in the paper: the source's picture with the s
 left and right ear of every sound side by side, and the enhanced speech on the right. --clips names clips of
 the data set as SCENE/CLIP or SCENE/CLIP:SOURCE, e.g. SC-1027/3:5; the default is the first clip whose source
 sees the speaker, or --limit of them. The default method is gtf. Of a data set nothing is measured then.
-Every number is an error, and 0 is best; of SI-SDR and ESTOI (--enhance) more is better. Intervals have 95 % confidence, bootstrapped by home where there are
-several, else by conversation.
+Every number is an error, and 0 is best; of SI-SDR and ESTOI (--enhance) more is better. Intervals have 95 %
+confidence, bootstrapped by home where there are several, else by conversation.
 )";
 
 /// Makes the estimator behind RTE, or nothing where there is none.
@@ -169,7 +170,7 @@ void run_figure(const EvaluateOptions& options) {
   draw_figure(request, options.quiet ? static_cast<earpoint::ProgressSink&>(silent) : bar);
 }
 
-/// What is asked of methods_of(): the options, and what the data set holds.
+/// The request for methods_of(): the options, and what the data set holds.
 MethodRequest method_request(const EvaluateOptions& options, const earpoint::EvaluationSet& set) {
   MethodRequest request = options.methods;
   request.data = options.data;
@@ -195,7 +196,7 @@ earpoint::EvaluationOptions evaluation_options(const EvaluateOptions& options) {
   return how;
 }
 
-/// What the report says of the data.
+/// Describes the data for the report.
 earpoint::ReportOptions report_options(const EvaluateOptions& options,
                                        const earpoint::EvaluationSet& set) {
   earpoint::ReportOptions report;

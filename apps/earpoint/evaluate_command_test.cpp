@@ -151,7 +151,7 @@ TEST_F(EvaluateCommandTest, EnhancementAsksForDrySpeechInTheSameForm) {
 TEST_F(EvaluateCommandTest, BrokenPairsAreNamedAndSkippedOnlyWhenAsked) {
   const fs::path data = copy_of_data("broken");
   const fs::path scene = data / "test/home-0000";
-  // What viewpoints of three conversations hear: missing, empty, of a rate too low, not a number.
+  // Responses in three conversations: missing, empty, of too low a rate, with NaN.
   // Every viewpoint is the target of one pair.
   for (const std::string speaker : {"0", "1"}) {
     fs::remove(scene / ("0/rir_0_" + speaker + ".wav"));

@@ -63,7 +63,7 @@ void evaluate_earpoints(const EarpointsRequest& request, earpoint::ProgressSink&
   if (request.figure) check_figure_path(*request.figure);
   const earpoint::EarpointClip clip = earpoint::read_earpoint_clip(request.description);
   const std::vector<ClipMethod> methods = methods_of(request, clip);
-  // Without a report nobody keeps the sounds.
+  // Without a report the sounds are not kept.
   std::optional<earpoint::TemporaryFolder> passing;
   if (request.report) {
     earpoint::create_folder(*request.report);

@@ -30,7 +30,7 @@ MethodEntry transfer_function(const MethodRequest& request, const std::set<std::
   return earpoint::transfer_function_method(request.data, request.layout, index);
 }
 
-/// A model and, after a colon, the texture that it is asked for.
+/// Splits MODEL:TEXTURE into the model and the texture.
 std::pair<std::string, std::optional<double>> split_texture(const std::string& word) {
   for (const auto& [suffix, texture] : {std::pair(":mean", 0.0), std::pair(":natural", 1.0)}) {
     if (word.ends_with(suffix)) return {word.substr(0, word.rfind(':')), texture};

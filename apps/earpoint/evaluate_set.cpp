@@ -16,7 +16,7 @@ namespace {
 using earpoint::InputError;
 
 constexpr std::size_t kCacheBytes = std::size_t{512} << 20U;
-// As loud as in the configurations that learn enhancement.
+// As in the training configurations for enhancement.
 constexpr double kUsualAmbientDb = -40.0;
 
 std::ptrdiff_t context_of(const EvaluateOptions& options) {

@@ -13,7 +13,7 @@ constexpr std::array kSettings = std::to_array<std::string_view>(
      "pairs", "rule", "seconds", "shard", "unit"});
 
 struct Advice {
-  std::string_view phrase;  ///< as the libraries say it
+  std::string_view phrase;  ///< as in the libraries' messages
   std::string_view flag;
   std::string_view value = {};
 };

@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The program and the library are asked for the same.
+/// Renders the same by the program and by the library.
 class LibraryAndProgram : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -47,7 +47,7 @@ class LibraryAndProgram : public ::testing::Test {
     return wave;
   }
 
-  /// What the program writes.
+  /// The output of the program.
   Waveform program(const std::vector<std::string>& arguments, const std::string& model) const {
     std::vector<std::string> all{"render",     at("frame.png"), at("in.wav"), "--model", model,
                                  "-o",         at("out.wav"),   "--quiet",    "--fov",   "80",

@@ -189,7 +189,7 @@ void run_locate(const LocateArguments& arguments) {
                                                      .always_looks = true,
                                                      .quiet = arguments.quiet},
                                                     source, progress);
-  // Directions are those of the recording itself, wherever its voice might be put.
+  // Locate in the recording itself, without placing its voice.
   source.sound.placement = nullptr;
   const LocatedSpeaker located = locate_speaker(source, weights, fov_rad, progress);
   print_warnings(arguments.source, located.survey);

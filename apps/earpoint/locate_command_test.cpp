@@ -77,7 +77,7 @@ TEST_F(LocateCommand, ItsJsonHoldsEveryWindowAndAgreesWithItself) {
   ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
   const auto json = nlohmann::json::parse(outcome.output);
   EXPECT_EQ(json["by"], nlohmann::json::array({"sound"}));
-  // 3.5 s: three windows, and a rest of half of one.
+  // 3.5 s: three windows, and a remainder of half a window.
   ASSERT_EQ(json["windows"].size(), 4U);
   EXPECT_EQ(json["windows"][3]["time_s"], 3.5);
   for (const char* key : {"azimuth_deg", "elevation_deg", "distance_m", "position_m", "heading_deg",

@@ -179,7 +179,7 @@ Report compare_speech(const MetricsOptions& options) {
   return report;
 }
 
-/// RTE, if there is an estimator to hear it.
+/// Adds RTE, if there is an estimator for it.
 void add_reverberation_error(const MetricsOptions& options, const Pair& pair, Report& report) {
   const std::optional<fs::path> model = rt60_model(options.rt60_model);
   if (!model) {

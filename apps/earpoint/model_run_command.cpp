@@ -62,7 +62,7 @@ std::span<const float> expect_floats(const earpoint::SafetensorsFile& file,
   return values;
 }
 
-/// Which of the tensors stands for the picture.
+/// The name of the tensor that gives the picture.
 std::string picture_tensor(const earpoint::SafetensorsFile& file, const std::string& where,
                            bool has_encoder) {
   if (!has_encoder) return "visual_feat";

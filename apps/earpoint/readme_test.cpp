@@ -45,7 +45,7 @@ Waveform beginning_of(const Waveform& sound) {
   return part;
 }
 
-/// A folder with the files that README speaks of.
+/// Fills a folder with the files that README names.
 void fill(const fs::path& folder) {
   const fs::path examples = EARPOINT_SOURCE_DIR "/examples";
   const fs::path mini = EARPOINT_SOURCE_DIR "/src/networks/vigas/testdata/C_mini_noresnet";

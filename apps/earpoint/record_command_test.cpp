@@ -39,7 +39,7 @@ TEST_F(RecordCommand, SyncTellsHowFarClocksAreFromTheTruth) {
                     "--plot", in("sync.png"), "--quiet"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
   const auto json = nlohmann::json::parse(outcome.output);
-  // What is asked for. The movies' AAC adds noise of its own.
+  // The required accuracy. The movies' AAC adds noise of its own.
   EXPECT_LE(json.at("offset_error_ms_p95").get<double>(), 0.5);
   // 0.3 ms over 24 s.
   EXPECT_LE(json.at("drift_error_ppm_p95").get<double>(), 12.5);
@@ -50,7 +50,7 @@ TEST_F(RecordCommand, SyncTellsHowFarClocksAreFromTheTruth) {
 TEST_F(RecordCommand, PreparedClipsAreEvaluated) {
   const std::string out = in("prepared");
   for (const char* split : {"train", "test"}) {
-    // The same session as two scenes: nothing is learned from it here.
+    // The same session as two scenes: nothing is trained on it here.
     const fs::path scene = folder() / (std::string("session-") + split + ".json");
     auto json = nlohmann::json::parse(earpoint::read_text_file(folder() / "session.json"));
     json["scene"] = split;

@@ -25,8 +25,8 @@ Examples:
 
 Every session is a scene of the data set, all of it in one split. Devices are synchronised first, as by
 `earpoint record sync`. Seconds in which nobody speaks, and knocks, are left out by the energy of the near
-microphones; those in which two people speak are marked. Started again after it was stopped, it goes on
-where it stopped. The folders are described in docs/formats.md.
+microphones; those in which two people speak are marked. An interrupted run continues when it is started
+again. The folders are described in docs/formats.md.
 )";
 
 struct Options {

@@ -92,7 +92,7 @@ TEST_F(RecordSimulateCommand, MakesASessionAndGoesOnThere) {
   EXPECT_EQ(movie.preferred(earpoint::StreamKind::video)->width, 64);
   EXPECT_EQ(movie.preferred(earpoint::StreamKind::audio)->sample_rate_hz, 48000);
 
-  // Once more: all is there, and its place is told.
+  // Once more: everything is there already, and its folder is printed.
   const ProgramOutcome again = run_earpoint(arguments({}));
   EXPECT_EQ(again.exit_code, 0) << again.errors;
   EXPECT_EQ(again.output, (session / "session.json").string() + "\n");

@@ -205,7 +205,7 @@ void warn_of_peaks(const RenderArguments& arguments, const RenderReport& report)
   }
 }
 
-/// A program that was moved away from its models renders differently: never silently.
+/// Without the shipped models the result differs, so the user must know.
 void warn_of_missing_network() {
   fmt::print(
       stderr,

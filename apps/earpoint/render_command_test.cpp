@@ -278,7 +278,7 @@ TEST_F(RenderCommand, HelpTeachesByExample) {
   EXPECT_NE(outcome.output.find("earpoint render clip.mp4 --translate"), std::string::npos);
 }
 
-/// What a shell makes of a command line in which EARPOINT stands for the program.
+/// Runs a command line in a shell; EARPOINT stands for the program.
 ProgramOutcome run_shell(std::string line) {
   const std::string program = "EARPOINT";
   for (std::size_t at = line.find(program); at != std::string::npos; at = line.find(program, at)) {

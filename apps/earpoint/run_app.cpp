@@ -44,7 +44,7 @@ int run_app(CLI::App& app, int argc, char** argv) {
     std::fprintf(stderr, "earpoint: %s\n", with_flags(error.what(), &given_command(app)).c_str());
     return 2;
   } catch (const std::exception& error) {
-    if (std::ferror(stdout) != 0) return flushed();  // what printing failed at
+    if (std::ferror(stdout) != 0) return flushed();  // the error of a print before
     std::fprintf(stderr, "earpoint: internal error: %s\n", error.what());
     return 1;
   }

@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// As the system takes lists of words; they must outlive it.
+/// A list of words as the system takes it; the words must outlive it.
 std::vector<char*> pointers_to(std::vector<std::string>& words) {
   std::vector<char*> pointers;
   pointers.reserve(words.size() + 1);

@@ -26,7 +26,7 @@ void describe_source(const ReplayClip& clip, PairSample sample, ServedClip& serv
   served.speaker_box = sample.speaker_box;
   if (!clip.mouth_m) return;
   served.speaker_m = sample.speaker_m;
-  // Nothing tells where the speaker looks: to the camera, as people who are filmed do.
+  // The speaker's heading is not known: they are assumed to face the camera.
   served.speaker =
       ServedSpeaker{.position_m = sample.speaker_m,
                     .heading_rad = std::atan2(-sample.speaker_m.y, -sample.speaker_m.x),
@@ -36,7 +36,7 @@ void describe_source(const ReplayClip& clip, PairSample sample, ServedClip& serv
 ServedClip open_clip(const ReplayDataset& data, const ReplayClip& clip, int source) {
   ServedClip served;
   served.name = fmt::format("{}: camera {}", name_of(clip), camera_of(clip, source));
-  // As evaluate takes it: the layout tells no field of view.
+  // As in evaluate: the layout does not contain the field of view.
   served.horizontal_fov_rad = SynthesizerOptions{}.horizontal_fov_rad;
   for (int target = 0; target < std::ssize(clip.images); ++target) {
     if (target == source) continue;

@@ -91,7 +91,7 @@ ServedClip open_recording(const SourceArguments& arguments, const GtfWeights* fi
   for (std::string& line : lines_of(search, source)) clip.warnings.push_back(std::move(line));
   if (clip.picture && !arguments.fov_deg) {
     clip.warnings.push_back(
-        fmt::format("field of view: {:.0f} degrees, by the file's lens or else assumed",
+        fmt::format("field of view: {:.0f} degrees, from the file's lens data or assumed",
                     degrees_from_radians(fov_rad)));
   }
   return clip;
@@ -107,14 +107,14 @@ ServedClip open_upload(const fs::path& file, const std::string& name, const GtfW
     const std::string complaint = complaint_of(end, file);
     throw InputError(name, end.exit_code == 2 && !complaint.empty()
                                ? complaint
-                               : "cannot be decoded: it is damaged or asks for too much");
+                               : "cannot be decoded: it is damaged or too large");
   }
   SourceArguments arguments;
   if (fs::exists(folder / kPicture)) arguments.inputs.push_back((folder / kPicture).string());
   arguments.inputs.push_back((folder / kSound).string());
   ServedClip clip = open_recording(arguments, finder, detector, true);
   clip.name = name;
-  clip.source.reset();  // its files vanish
+  clip.source.reset();  // its files are removed
   return clip;
 }
 

@@ -172,7 +172,7 @@ TEST_F(SimulateCommandTest, WhatAnImporterDoubtsIsTold) {
   ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
   EXPECT_NE(outcome.errors.find("box.obj: "), std::string::npos) << outcome.errors;
   EXPECT_NE(outcome.errors.find("xyzzy"), std::string::npos) << outcome.errors;
-  // Two conversations share the scene, and the warnings come once.
+  // Two conversations share the scene, and the warnings are printed once.
   EXPECT_EQ(outcome.errors.find("xyzzy"), outcome.errors.rfind("xyzzy")) << outcome.errors;
 }
 

@@ -24,7 +24,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What locate and render do about a speaker whom nothing tells.
+/// What locate and render do if the speaker is not given.
 class SpeakerSearch : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -44,8 +44,8 @@ class SpeakerSearch : public ::testing::Test {
 
   [[nodiscard]] std::string at(const char* name) const { return (folder_ / name).string(); }
 
-  /// A second and a half of noise; on the second channel that of the first times `right`, or with 1
-  /// noise of its own.
+  /// Writes 1.5 s of noise. The second channel is the first times `right`; if that is 1, it has
+  /// independent noise.
   void write_noise(const char* name, int channels, float right) const {
     Waveform sound(channels, 24000, 16000);
     RandomStream random(5);
@@ -82,7 +82,7 @@ TEST_F(SpeakerSearch, LocateTellsFramesOfAGivenBoxInThePromisedForm) {
   }
   EXPECT_TRUE(json.contains("windows") && json.contains("speaker"));
   EXPECT_EQ(FrameReader(at("people.mp4")).info().width, 64);
-  // What it writes, render reads.
+  // render reads what locate writes.
   run({"render", at("frame.png"), at("sound.wav"), "--speaker-boxes", at("boxes.csv"),
        "--translate", "1,0,0", "-o", at("there.wav"), "--quiet"});
   EXPECT_TRUE(fs::exists(at("there.wav")));

@@ -56,9 +56,10 @@ constexpr const char* kReportFooter = R"(
 Shares (or mean ratings) have 95 % intervals, bootstrapped over participants and clips. Each method is
 tested against each baseline by sign tests: over answers, as if they were independent, over participants and
 over clips; each with the smallest preference that it detects with a power of 80 %.
-Not counted: who failed the headphone check, did not finish, missed the reference in more than 15 % of the
-controls (choice), or, after ITU-R BS.1534, rated the hidden reference below 90 on more than 15 % of the pages
-or an anchor's place above 90 on more than 15 % of its pages (mushra). Numbers before this screening are printed too.
+Participants are not counted if they failed the headphone check, did not finish, missed the reference in more
+than 15 % of the controls (choice), or, after ITU-R BS.1534, rated the hidden reference below 90 on more than
+15 % of the pages or an anchor's position above 90 on more than 15 % of its pages (mushra). Numbers before this
+screening are printed too.
 
 Examples:
   earpoint study report study

@@ -144,7 +144,7 @@ TEST_F(TraceCommand, WarnsWhereTheResponseIsCutOff) {
   EXPECT_EQ(line.find("earpoint: warning: the response ends at -"), 0U) << line;
   const std::string flag = "use --duration ";
   ASSERT_NE(line.find(flag), std::string::npos) << line;
-  // Eyring's time is 1 s; -60 dB under the loudest is a little earlier or later.
+  // Eyring's time is 1 s; -60 dB re the loudest is a little earlier or later.
   EXPECT_NEAR(std::stod(line.substr(line.find(flag) + flag.size())), 1.1, 0.35) << line;
 }
 

@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 using earpoint::EarpointPath;
 using earpoint::InputError;
 
-// A place or a path, and which flag gave it.
+// A fixed pose or a path, and the flag that gave it.
 struct Track {
   std::string flag;
   EarpointPath path;
@@ -52,7 +52,8 @@ struct Tracks {
   [[nodiscard]] bool move() const { return source.path.is_moving() || listener.path.is_moving(); }
 };
 
-// Every step lies in the scene, and sound can come from one to the other.
+// Checks that source and listener are inside the scene and apart at every step, and that the
+// response is long enough for the sound to arrive.
 void check_steps(const TraceSetup& setup, const Tracks& tracks, const NamedScene& named,
                  int steps) {
   double farthest_m = 0.0;
@@ -92,7 +93,7 @@ std::vector<float> read_dry_sound(TraceSetup& setup, bool rate_given) {
   return mono;
 }
 
-// A folder that is written aside and appears when it is whole.
+// A folder that is written under a temporary name and renamed when it is complete.
 class ResponseFolder {
  public:
   explicit ResponseFolder(const fs::path& path)
@@ -141,7 +142,7 @@ class ResponseFolder {
       "listener_x,listener_y,listener_z,listener_yaw_deg,listener_pitch_deg,listener_roll_deg\n";
 };
 
-// Refuses a motion during which nothing is ever heard, and warns once where a response is cut off.
+// Refuses a motion during which no sound arrives, and warns once of a response that is cut off.
 class Watch {
  public:
   explicit Watch(double duration_s) : duration_s_(duration_s) {}

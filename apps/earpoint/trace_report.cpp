@@ -29,7 +29,7 @@ std::vector<float> octave_of(std::span<const float> response, int sample_rate_hz
   return signal;
 }
 
-/// A measure, or a dash where the response does not hold it: a decay that ends too early, silence.
+/// A measure, or a dash if the response does not have it: a decay that ends too early, silence.
 template <typename Measure>
 std::string text_of(Measure measure, const char* format) {
   try {

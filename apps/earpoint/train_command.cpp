@@ -59,7 +59,7 @@ struct Options {
   bool quiet = false;
 };
 
-/// Says once of every bad example why it is left out.
+/// Prints for every bad example, once, why it is left out.
 class BadExamples {
  public:
   void add(const std::string& problem) {
@@ -92,7 +92,7 @@ nlohmann::ordered_json json_of(const earpoint::TrainingSummary& summary) {
   return json;
 }
 
-/// The configuration's file, and what overrides it, for messages.
+/// The configuration's file and the settings that override it, for messages.
 std::string place_of(const Options& options) {
   std::string place = options.config.string();
   for (const std::string& setting : options.settings) place += " --set " + setting;
@@ -144,7 +144,7 @@ std::vector<std::byte> bytes_of(const std::string& text) {
   return bytes;
 }
 
-/// All processes must learn the same: a share of another run's step would be averaged unnoticed.
+/// All processes must train alike: gradients of another configuration would be averaged unnoticed.
 void expect_same_configuration(ProcessGroup& group, const std::string& config) {
   const std::vector<std::byte> own = bytes_of(config);
   double others = group.from_first(own) == own ? 0.0 : 1.0;
@@ -160,7 +160,7 @@ struct Start {
   std::optional<earpoint::SafetensorsFile> checkpoint;  ///< of a run to go on with
 };
 
-/// Makes the task; with other processes, from what the first one has, down to the last bit.
+/// Makes the task. Of several processes, all start from the weights of the first, bit for bit.
 Start started(const Options& options, const earpoint::TrainConfig& config,
               earpoint::TaskOptions task_options, ProcessGroup* group) {
   const std::string where = place_of(options);

@@ -95,7 +95,7 @@ TEST_F(TrainCommandTest, WhatIsSetIsPartOfTheRunsConfiguration) {
   EXPECT_EQ(kept.at("training").at("steps"), 1);
   EXPECT_EQ(kept.at("network").at("box"), false);
   EXPECT_EQ(kept.at("network").at("channels"), 4);
-  // It goes on with the same settings, and as another run's without them.
+  // With the same settings it continues; without them the folder holds another run.
   EXPECT_EQ(train({"--set", "network.box=false", "--resume", "--quiet"}).exit_code, 0);
   const ProgramOutcome other = train({"--resume", "--quiet"});
   EXPECT_EQ(other.exit_code, 2);
@@ -203,14 +203,14 @@ TEST_F(SharedTrainingTest, TwoProcessesLearnWhatOneDoesFromTheSameBatch) {
     ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
     EXPECT_EQ(outcome.errors, "");
   }
-  // Only the first tells how it went.
+  // Only the first process prints the summary.
   EXPECT_EQ(nlohmann::json::parse(both[0].output).at("clips"), 18);
   EXPECT_EQ(both[1].output, "");
   const std::vector<double> expected = numbers("alone/steps.csv");
   const std::vector<double> found = numbers("both/steps.csv");
   ASSERT_EQ(expected.size(), 18U);
   ASSERT_EQ(found.size(), expected.size());
-  // As of the weights.
+  // The same rounding as in the weights.
   for (std::size_t i = 0; i < found.size(); ++i) {
     EXPECT_NEAR(found[i], expected[i], 1e-5 * expected[i]) << i;
   }
@@ -221,7 +221,7 @@ TEST_F(SharedTrainingTest, TwoProcessesLearnWhatOneDoesFromTheSameBatch) {
 TEST_F(SharedTrainingTest, TwoProcessesGoOnWithWhatTwoBegan) {
   std::string shorter = kShared;
   shorter.replace(shorter.find("\"steps\": 6"), 10, "\"steps\": 3");
-  // Of equal learning rates, whatever the run's length.
+  // The same learning rates, whatever the run's length.
   shorter.replace(shorter.find(", \"schedule\": \"cosine\""), 22, "");
   std::string longer = shorter;
   longer.replace(longer.find("\"steps\": 3"), 10, "\"steps\": 6");
@@ -268,8 +268,7 @@ TEST_F(TrainCommandTest, BadUseIsOneLine) {
   EXPECT_NE(error_of({"--set", "network.channels=few"}).find("'channels': expected"),
             std::string::npos)
       << error_of({"--set", "network.channels=few"});
-  // Several folders are for pairs of viewpoints; this network may have them, but they must be
-  // there.
+  // Several folders are allowed for pairs of viewpoints, as for this network, but they must exist.
   EXPECT_NE(error_of({"--data", "nowhere"}).find("nowhere: no such folder"), std::string::npos);
   std::string misspelt = kTiny;
   misspelt.replace(misspelt.find("\"batch\""), 7, "\"bathc\"");

@@ -1,4 +1,4 @@
-// earpoint-train: what `earpoint train` hands over to, the only program that loads LibTorch.
+// earpoint-train: the program that `earpoint train` runs, the only one that loads LibTorch.
 #include "run_app.h"
 #include "train_command.h"
 

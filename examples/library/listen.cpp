@@ -1,4 +1,4 @@
-// Hears a sound file from another place: the whole clip at once, then live in blocks of 256
+// Renders a sound file at another position: the whole clip at once, then live in blocks of 256
 // samples.
 //
 // usage: listen IN.wav WHOLE.wav LIVE.wav

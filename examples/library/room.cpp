@@ -1,4 +1,4 @@
-// Traces a room's binaural impulse response, says how it reverberates and how both ears differ.
+// Traces a room's binaural impulse response and prints its reverberation at each ear.
 #include <cstdio>
 
 #include <earpoint/metrics.h>

@@ -1,8 +1,8 @@
-// Who speaks, found by picture and sound in single seconds of a simulated data set: how often it is
-// right, by the angle between the two people, and what is said of speakers outside the picture; and
-// what gtf makes of being told that. And how near the level between the target's ears comes to the
-// truth where the source is made mono and its voice put at the speaker. Writes one JSON object to
-// standard output.
+// Finds who speaks by picture and sound in single seconds of a simulated data set. Measures how
+// often that is right, by the angle between the two people and for speakers outside the picture;
+// the errors of gtf with this answer; and the error of the interaural level difference at the
+// target if the source is made mono and its voice is placed at the speaker. Writes one JSON object
+// to standard output.
 //
 // usage: active_speaker DATA SPLIT DETECTOR [SECONDS]
 //
@@ -47,14 +47,14 @@ constexpr std::uint64_t kSeed = 1;
 constexpr int kRateHz = 16000;
 constexpr int kWindows = 4;  // of every speaker at every viewpoint
 constexpr double kFovRad = kPi / 2;
-constexpr double kSamePerson = 0.3;  // overlap (IoU) from which a box shows a person
+constexpr double kSamePerson = 0.3;  // least overlap (IoU) of a box that shows a person
 constexpr double kWellApartDegrees = 15.0;
 constexpr double kLevelTolerance_db = 2.0;
 constexpr std::array<double, 7> kAngles{0.0, 5.0, 10.0, 15.0, 30.0, 60.0, 181.0};
 
 enum class Answer { right, other, nobody };
 
-/// What gtf is told of the speaker, and the unchanged source beside it.
+/// What gtf gets of the speaker; `input` stands for the unchanged source.
 enum class Told { input, nothing, found, truth };
 constexpr std::array<const char*, 4> kToldNames{"input", "none", "found", "true"};
 
@@ -65,8 +65,8 @@ struct Case {
   bool speaker_in_sight = false;
   double angle_deg = 0.0;  // between the two, as seen from the camera
   double certainty = 0.0;
-  // Between the target's ears: from mono put at the person that was found and at the one that
-  // truly speaks, and from the binaural source.
+  // Errors of the interaural level difference at the target: from mono placed at the person that
+  // was found, from mono placed at the one that truly speaks, and from the binaural source.
   std::optional<double> found_level_error_db;
   std::optional<double> given_level_error_db;
   std::optional<double> binaural_level_error_db;
@@ -138,7 +138,7 @@ std::optional<double> level_error(const PairSample& sample, const Waveform& rend
   return binaural_metrics(sample.target, rendered).lre_db;
 }
 
-/// The source made mono, its voice put at the box, and rendered at the target.
+/// Makes the source mono, places its voice at the box, and renders it at the target.
 std::optional<double> mono_level_error(Bench& bench, const PairSample& sample, const Box& box) {
   Waveform mono(2, sample.source.samples(), kRateHz);
   for (std::ptrdiff_t i = 0; i < mono.samples(); ++i) {
@@ -239,7 +239,7 @@ nlohmann::json shares(const std::vector<Case>& cases, Filter filter) {
           {"nobody", counts[2] / whole}};
 }
 
-/// Of numbers there are at all: how many are within the tolerance, and their median.
+/// Of the cases that have a value: how many are within the tolerance, and the median.
 nlohmann::json level_json(const std::vector<Case>& cases, std::optional<double> Case::*error) {
   std::vector<double> errors;
   for (const Case& one : cases) {
@@ -265,7 +265,7 @@ double mean_of(const std::vector<Case>& cases, Told told, Metric metric) {
   return sum / std::max(count, 1);
 }
 
-/// Errors of gtf by what it is told, over those of the unchanged source.
+/// Errors of gtf by what it gets of the speaker, divided by those of the unchanged source.
 nlohmann::json told_json(const std::vector<Case>& cases) {
   nlohmann::json json = nlohmann::json::object();
   for (const Told told : {Told::nothing, Told::found, Told::truth}) {

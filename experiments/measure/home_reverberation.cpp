@@ -36,7 +36,7 @@ double middle_bands_s(const ReverberationEstimate& room) {
   return (room.eyring_s[3] + room.eyring_s[4]) / 2.0;
 }
 
-/// The mean over rooms, by their volume.
+/// The mean over rooms, weighted by their volume.
 double eyring_s(const std::vector<ReverberationEstimate>& rooms) {
   double sum = 0.0;
   double volume_m3 = 0.0;
@@ -68,8 +68,8 @@ std::optional<Vector3> free_place(const Home& home, int room, RandomStream& rand
   return std::nullopt;
 }
 
-/// T30 of the middle octaves between two places; nothing where an echo that flutters between bare
-/// walls keeps the response from falling by 35 dB in its time.
+/// T30 of the middle octaves between two places; nothing if a flutter echo between bare walls keeps
+/// the response from falling by 35 dB within its length.
 std::optional<double> traced_s(const AcousticScene& scene, const Vector3& from, const Vector3& to,
                                std::uint64_t seed, ThreadPool& pool) {
   const Source source{.world_from_source = {from, Quaternion{}}};

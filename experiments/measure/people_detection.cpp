@@ -1,12 +1,12 @@
-// How well a detector finds people in pictures whose people are known, and what a picture costs.
-// Writes one JSON object to standard output.
+// How well a detector finds people in pictures with known people, and its processor time per
+// picture. Writes one JSON object to standard output.
 //
 // usage: people_detection DATA [SPLIT [DETECTOR]]     default: the test split and the shipped
 // detector
 //
 // DATA is what earpoint-people-pictures or earpoint simulate wrote. A person counts as found where
-// the boxes overlap by half (intersection over union). Who is partly hidden, or of unknown
-// visibility, need not be found for "unoccluded"; "all" wants everybody who is listed.
+// the boxes overlap by half (intersection over union). For "unoccluded", people who are partly
+// hidden or of unknown visibility need not be found; for "all", everybody who is listed.
 
 #include <array>
 #include <cstdio>

@@ -1,6 +1,6 @@
-// How far an estimator of reverberation time is off on a data set's speech: the mean absolute error
-// over all responses of a split, each heard with one drawn second of that split's voices. Writes
-// one JSON object to standard output.
+// The error of an estimator of reverberation time on a data set's speech: the mean absolute error
+// over all responses of a split, each with one random second of that split's voices. Writes one
+// JSON object to standard output.
 //
 // usage: rt60_error DATA [SPLIT [MODEL]]     default: the test split and the shipped model
 
@@ -29,7 +29,7 @@ namespace {
 using namespace earpoint;
 
 constexpr std::uint64_t kSeed = 1;
-// The range that the error is stated for, and the steps of its table.
+// The range of T60 for which the error is stated, and the steps of its table.
 constexpr double kShortestS = 0.2;
 constexpr double kLongestS = 1.0;
 constexpr std::size_t kSteps = 8;
@@ -56,7 +56,7 @@ double mean_error(const std::vector<Estimate>& estimates) {
   return sum / static_cast<double>(estimates.size());
 }
 
-/// The same for one who always says the median.
+/// The same for an estimator that always returns the median.
 double median_error(std::vector<Estimate> estimates) {
   std::ranges::sort(estimates, {}, &Estimate::true_s);
   const double median_s = estimates[estimates.size() / 2].true_s;

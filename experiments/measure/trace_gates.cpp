@@ -1,4 +1,4 @@
-// Writes the table of gates that the path tracer is held against, as Markdown, to standard output.
+// Writes the table of the path tracer's gates, as Markdown, to standard output.
 
 #include "gates/gates.h"
 

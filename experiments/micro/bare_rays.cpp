@@ -111,7 +111,7 @@ std::array<float, 3> random_direction(RandomStream& random) {
           static_cast<float>(across * std::sin(azimuth_rad)), static_cast<float>(z)};
 }
 
-// The walks take turns, as in the tracer: rays that follow each other have nothing in common.
+// The walks take turns, as in the tracer, so that consecutive rays are not coherent.
 std::vector<BareRay> make_rays(const BareScene& scene, const Vector3& inside) {
   RandomStream random(5);
   const BareRay start{

@@ -1,4 +1,4 @@
-// How fast views of conversations in homes are drawn, on one core. Writes one JSON object per
+// How fast views of conversations in homes are rendered on one core. Writes one JSON object per
 // kind of home to standard output.
 //
 // usage: camera_bench [HOMES]

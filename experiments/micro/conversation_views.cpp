@@ -29,7 +29,7 @@ Spot draw_spot(const FloorRectangle& floor, RandomStream& random) {
   return {x, random.uniform(floor.y_min, floor.y_max)};
 }
 
-/// Where the two stand.
+/// The positions of the two people.
 std::optional<std::array<Spot, 2>> draw_places(const Home& home, RandomStream& random) {
   for (int i = 0; i < kTries; ++i) {
     const auto room = random.index(home.plan.rooms.size());

@@ -1,6 +1,6 @@
 // The numbers of docs/adr/0002-fft.md: the project's transform against FFmpeg's av_tx, and the
-// delay estimator that asked for it. experiments/peers/peer_gcc_phat.py is the same estimator in
-// NumPy.
+// delay estimator for which it was written. experiments/peers/peer_gcc_phat.py is the same
+// estimator in NumPy.
 #include <cmath>
 #include <complex>
 #include <vector>

@@ -1,5 +1,5 @@
 // One second of sound through the geometric time-frequency network and through the released ViGAS
-// network, in turns, and the multiply-adds of each. Prints JSON.
+// network, alternately, and the multiply-adds of each. Prints JSON.
 //
 // usage: gtf_bench [--rounds N]
 #include "released_network.h"
@@ -31,7 +31,7 @@ std::vector<float> noise(std::size_t count, double size, std::uint64_t seed) {
   return values;
 }
 
-/// As configs/gtf.json has it.
+/// The network of configs/gtf.json.
 GtfDescription configured() {
   GtfDescription description;
   description.channels = 128;
@@ -43,7 +43,7 @@ GtfDescription configured() {
   return description;
 }
 
-/// Random weights: what they are does not change the time.
+/// Random weights: their values do not change the time.
 earpoint::GtfWeights drawn_network(const GtfDescription& description) {
   earpoint::GtfWeights weights{description, {}, {}};
   std::uint64_t seed = 1;
@@ -70,7 +70,7 @@ double gtf_millions(const earpoint::GtfWeights& weights) {
   return of_frame * GtfDescription::kSampleRateHz / GtfDescription::kHop * 1e-6;
 }
 
-/// The same of the gated stack, in its direct form.
+/// The same for the gated stack, in its direct form.
 double vigas_millions(const earpoint::ViGasDescription& d) {
   const double squared = static_cast<double>(d.channels) * d.channels;
   return d.layers() * squared * (2.0 * d.kernel_size + 2.0) * d.sample_rate_hz * 1e-6;

@@ -29,7 +29,7 @@ constexpr int kHeight = 720;
 constexpr double kFrameRate_hz = 25.0;
 constexpr int kSoundRate_hz = 48000;
 
-/// A room with grain, through which two bars walk: what a codec and PNG find neither empty nor
+/// A room with grain, through which two bars walk: for a codec and PNG neither empty nor pure
 /// noise.
 Image picture(const Image& room, int frame) {
   Image image = room;

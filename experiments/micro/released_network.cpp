@@ -18,8 +18,8 @@ Tensor draw(const std::string& name, std::vector<std::int64_t> shape, double lo,
   return make_tensor<float>(values, std::move(shape));
 }
 
-/// Uniform weights whose variance is one over the number of inputs, more in the output head, which
-/// gets the mean of all layers; batch norms near identity.
+/// Uniform weights with a variance of 1 / (number of inputs), larger in the output head, which gets
+/// the mean of all layers; batch norms near identity.
 Tensor draw_weights(const std::string& name, const std::vector<std::int64_t>& shape) {
   if (name.ends_with("running_var")) return draw(name, shape, 0.6, 1.6);
   if (shape.size() == 1) {

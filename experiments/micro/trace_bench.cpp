@@ -1,5 +1,5 @@
-// What tracing costs: rays per second against a bare Embree loop on the same mesh in the same run,
-// the core-seconds of one binaural response of a conversation, and how the cost grows with
+// The cost of tracing: rays per second against a bare Embree loop on the same mesh in the same run,
+// the core-seconds of one binaural response of a conversation, and the growth of the cost with
 // triangles, rays and pairs. Prints JSON to standard output; `--plot FILE` draws the growth.
 //
 // usage: trace_bench [--quick] [--plot cost.png]

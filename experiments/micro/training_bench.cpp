@@ -34,7 +34,7 @@ namespace {
 namespace fs = std::filesystem;
 using earpoint::SafetensorsFile;
 
-constexpr double kLearningRate = 1e-5;  // small: the weights of a benchmark should stay
+constexpr double kLearningRate = 1e-5;  // small, so that the weights hardly change
 
 struct Options {
   int blocks = 1;
@@ -96,7 +96,7 @@ earpoint::ViGasDescription network_of(const Options& options) {
   return network;
 }
 
-/// With a target for every clip: its source, ears exchanged.
+/// With a target for every clip: its source with exchanged ears.
 SafetensorsFile training_inputs(const earpoint::ViGasDescription& network, std::int64_t clips) {
   SafetensorsFile inputs = earpoint::drawn_inputs(network, clips);
   const earpoint::Tensor& source = inputs.tensors.at("src_wav");

@@ -58,7 +58,7 @@ Options parse(const std::vector<std::string>& arguments) {
 }
 
 /// Multiplications and additions of the gated stack in its direct form: every tap of every output,
-/// also those that see only padding, and nothing else. NOTES count the same.
+/// also those that see only padding, and nothing else.
 double direct_operations(const ViGasDescription& network) {
   const double channels = network.channels;
   const double convolution = 2.0 * channels * channels * network.kernel_size;
