@@ -1,5 +1,5 @@
-// Makes the clip that the demo and the README use: a recorded voice in a furnished home, in front of
-// a camera with binaural sound, and the sound at other positions. Everything but the voice is made
+// Makes the clip that the demo and the README use: a recorded voice in a furnished home, before a
+// camera with binaural sound, and the sound at other positions. Everything but the voice is made
 // here: the home, its picture, its sound.
 //
 // usage: earpoint_make_clip VOICE.wav FOLDER

@@ -1,4 +1,4 @@
-// How long from a drag until its sound begins to change, and how busy the server is, by each method.
+// Measures the time from a drag until its sound begins to change, and the load of the server, for each method.
 // Usage: node web/measure.mjs EARPOINT_SERVE_ARGUMENT...    One JSON object a line.
 import { dragTo, openBrowser, openPage, settle, startProgram, until } from './test/harness.mjs';
 

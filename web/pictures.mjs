@@ -1,4 +1,4 @@
-// Takes pictures of the page: at a desk, in the dark, on a phone.
+// Takes pictures of the page: on a desktop, in dark mode, on a phone.
 // Usage: node web/pictures.mjs FOLDER EARPOINT_SERVE_ARGUMENT...
 import { join } from 'node:path';
 import { dragTo, openBrowser, openPage, startProgram } from './test/harness.mjs';

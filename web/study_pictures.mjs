@@ -1,4 +1,4 @@
-// Takes pictures of a study's page: the forced choice at a desk, ratings on a phone in the dark, and of a report.
+// Takes pictures of a study's page (forced choice on a desktop, ratings on a phone in dark mode) and of a report.
 // Usage: node web/study_pictures.mjs FOLDER CHOICE_STUDY RATING_STUDY REPORT_PAGE
 import { join, resolve } from 'node:path';
 import { pathToFileURL } from 'node:url';
@@ -8,7 +8,7 @@ const HEADPHONE_STEPS = 6;
 const [folder, choice, rating, report] = process.argv.slice(2);
 const browser = await openBrowser();
 
-/** Answers the headphone check and the practice as the page would, without its waiting. */
+/** Answers the headphone check and the practice as the page would, but without playing the sounds. */
 async function passTheBeginning(page) {
   await page.evaluate(async (steps) => {
     const post = (path, body) => fetch(path, { method: 'POST', body: JSON.stringify(body) });

@@ -1,4 +1,4 @@
-/** What the server tells of a clip: GET /api/clips/ID. Metres; x front, y left, z up. */
+/** What the server says about a clip: GET /api/clips/ID. Metres; x front, y left, z up. */
 export interface Clip {
   id: string;
   name: string;
@@ -22,7 +22,7 @@ export interface ClipList {
   most_upload_bytes: number;
 }
 
-/** Where a head is: metres in the source camera's frame; a positive yaw turns left. */
+/** Pose of the listener's head: metres in the source camera's frame; a positive yaw turns left. */
 export interface Pose {
   x: number;
   y: number;
@@ -30,7 +30,7 @@ export interface Pose {
   yaw_deg: number;
 }
 
-/** What a part of the sound is asked for with. */
+/** What a request for a part of the sound specifies. */
 export interface Wish {
   pose: Pose;
   method: string;
@@ -59,7 +59,7 @@ export async function fetchClip(id: string): Promise<Clip> {
   return { ...(await (await checked(await fetch(`/api/clips/${id}`))).json()), id };
 }
 
-/** Sends somebody's own recording. @returns the id of the clip that it has become */
+/** Uploads a recording. @returns the id of its clip */
 export async function sendClip(file: File): Promise<string> {
   return (await (await post(`/api/clips?name=${encodeURIComponent(file.name)}`, file)).json()).clip;
 }
@@ -73,7 +73,7 @@ export function leave(listener: string): void {
   navigator.sendBeacon(`/api/listeners/${listener}/leave`);
 }
 
-/** The sound from sample `start` on, left and right in turns. */
+/** The sound from sample `start` on, left and right interleaved. */
 export async function fetchSound(listener: string, start: number, samples: number, wish: Wish): Promise<Float32Array> {
   const { pose, method, matches_level } = wish;
   const body = JSON.stringify({
@@ -82,7 +82,7 @@ export async function fetchSound(listener: string, start: number, samples: numbe
   return new Float32Array(await (await post(`/api/listeners/${listener}/sound`, body)).arrayBuffer());
 }
 
-/** A walk rendered as `earpoint render --path` renders it. */
+/** A walk, rendered as by `earpoint render --path`. */
 export async function renderWalk(clip: string, method: string, format: string, csv: string): Promise<Blob> {
   const query = `method=${encodeURIComponent(method)}&format=${format}`;
   return (await post(`/api/clips/${clip}/walk?${query}`, csv)).blob();

@@ -64,7 +64,7 @@ class Page {
     requestAnimationFrame((now) => this.frame(now));
   }
 
-  /** @returns the one that is chosen */
+  /** @returns the chosen method */
   private addMethods(): string {
     const usable = this.clip.methods.filter(({ missing }) => !missing);
     const chosen = (usable.find(({ name }) => name === PREFERRED) ?? usable[usable.length - 1]).name;
@@ -180,7 +180,7 @@ class Page {
   }
 
   private async saveSound(format: string): Promise<void> {
-    tell(`Rendering the walk by ${this.method}`);
+    tell(`Rendering the walk with ${this.method}`);
     try {
       download(`walk.${format}`, await renderWalk(this.clip.id, this.method, format, this.walk.csv()));
       tell('');

@@ -28,7 +28,7 @@ export function showClip(clip: Clip): void {
   document.title = `${clip.name} - Earpoint`;
   element('name').textContent = `${clip.name}, ${clip.duration_s.toFixed(1)} s`;
   const picture = element<HTMLImageElement>('picture');
-  // As wide as its height leaves room for the sound below.
+  // Limits the height, so that there is room for the sound below.
   picture.onload = () => {
     element('picture-frame').style.maxWidth = `${(HIGHEST_VH * picture.naturalWidth) / picture.naturalHeight}vh`;
   };
@@ -45,7 +45,7 @@ export function showClip(clip: Clip): void {
 
 const go = (clip: string) => location.assign(`/?clip=${encodeURIComponent(clip)}`);
 
-/** Which clips there are, and the way to one's own. */
+/** Shows the list of clips and, if the server accepts files, the control that opens one. */
 export function showChoice(list: ClipList, chosen: string | undefined): void {
   const clips = element<HTMLSelectElement>('clips');
   for (const { id, name } of list.clips) clips.append(new Option(name, id, false, id === chosen));

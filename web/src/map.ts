@@ -1,11 +1,11 @@
 import { Clip, Pose } from './api';
 
-const REACH_M = 5; // the network was trained on moves up to here
+const REACH_M = 5; // the largest move that the network was trained on
 const STEP_M = 0.1;
 const STEP_DEGREES = 5;
 const STEP_UP_M = 0.05;
 const HIGHEST_M = 0.3;
-const SNAP_PIXELS = 14; // a click that near to a known place goes there
+const SNAP_PIXELS = 14; // a click this close to a known place goes there
 
 export function colour(name: string): string {
   return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
@@ -13,7 +13,7 @@ export function colour(name: string): string {
 
 const clamp = (value: number, most: number) => Math.max(-most, Math.min(most, value));
 
-/** The scene from above: the camera looks up the page, you are dragged. */
+/** The scene from above, with the camera's front up. The listener can be dragged. */
 export class SceneMap {
   readonly pose: Pose = { x: 0, y: 0, z: 0, yaw_deg: 0 };
   onmove: () => void = () => {};
@@ -71,7 +71,7 @@ export class SceneMap {
     return [this.canvas.clientWidth / 2 - y * this.scale, this.canvas.clientHeight / 2 - x * this.scale];
   }
 
-  /** Where a place is drawn, in the page's pixels; by default where you are. */
+  /** Where a place is drawn, in the page's pixels; by default the listener's. */
   pagePoint(x = this.pose.x, y = this.pose.y): [number, number] {
     const bounds = this.canvas.getBoundingClientRect();
     const [across, down] = this.toPage(x, y);
@@ -85,7 +85,7 @@ export class SceneMap {
     this.moveTo(-down / this.scale, -across / this.scale);
   }
 
-  /** Goes to a known place that was clicked on, and looks where it looks. */
+  /** Goes to a known place that was clicked, and takes its heading. */
   private snap(event: PointerEvent): boolean {
     const place = this.clip.places.find(({ position_m: [x, y] }) => {
       const [across, down] = this.pagePoint(x, y);
@@ -153,7 +153,7 @@ export class SceneMap {
     pen.globalAlpha = 1;
   }
 
-  /** Rooms in their walls, which open where doors are. */
+  /** Rooms and their walls, which are open at doors. */
   private drawPlan(pen: CanvasRenderingContext2D): void {
     const { plan } = this.clip;
     if (!plan) return;
@@ -208,10 +208,10 @@ export class SceneMap {
     pen.beginPath();
     pen.arc(x, y, 8, 0, 2 * Math.PI);
     pen.fill();
-    pen.fillText(told ? 'speaker' : 'speaker, as found', x + 12, y + 4);
+    pen.fillText(told ? 'speaker' : 'speaker, estimated', x + 12, y + 4);
   }
 
-  /** Numbered, as on its button: names would lie over each other. */
+  /** With the number on its button, as names would overlap. */
   private drawPlace(pen: CanvasRenderingContext2D, place: Clip['places'][number], number: number): void {
     const [x, y] = this.toPage(place.position_m[0], place.position_m[1]);
     pen.fillStyle = pen.strokeStyle = colour('--ink');

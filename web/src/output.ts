@@ -1,11 +1,11 @@
 import { SampleQueue } from './queue';
 
-const SCRIPT_SAMPLES = 1024; // that the page's own thread fills at once
+const SCRIPT_SAMPLES = 1024; // that the page's main thread supplies at once
 
-/** Where sound goes, left and right in turns. */
+/** Plays sound, left and right interleaved. */
 export interface Output {
   readonly node: AudioNode;
-  /** Called with all samples that were played so far. */
+  /** Called with the number of samples that were played so far. */
   onplayed: (samples: number) => void;
   push(part: Float32Array): void;
   clear(): void;
@@ -39,8 +39,8 @@ function openScript(context: AudioContext): Output {
 }
 
 /**
- * Connects an output to the context's destination. Browsers have worklets on pages of this computer or by HTTPS alone:
- * with `--host`, the page's own thread fills the sound.
+ * Connects an output to the context's destination. Browsers have worklets only on pages of this computer or by HTTPS:
+ * with `--host`, the page's main thread supplies the sound.
  */
 export async function openOutput(context: AudioContext): Promise<Output> {
   const output = context.audioWorklet ? await openWorklet(context) : openScript(context);

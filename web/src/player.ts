@@ -1,33 +1,33 @@
 import { Clip, Pose, ServerError, Wish, fetchSound, joinAsListener, leave } from './api';
 import { Output, openOutput } from './output';
 
-const PART_S = 0.043; // sound asked for at once
+const PART_S = 0.043; // length of a request
 const AHEAD_S = 0.09; // sound kept ready, so that a move is heard soon
 
-/** Plays the clip as it is heard from where the listener is. */
+/** Plays the clip as it sounds at the listener's pose. */
 export class Player {
   readonly output: AudioNode;
-  /** What to ask for, for the part that ends at that time of the clip. */
+  /** What to request for the part that ends at this time of the clip. */
   wish: (time_s: number) => Wish = () => ({
     pose: { x: 0, y: 0, z: 0, yaw_deg: 0 }, method: 'input', matches_level: false,
   });
-  /** A part was rendered that ends there and then. */
+  /** Called when a part was rendered, with the time and the pose at its end. */
   onpart: (time_s: number, pose: Pose) => void = () => {};
-  /** The clip is over; it begins again. */
+  /** Called at the end of the clip, which then starts again. */
   onend: () => void = () => {};
   onproblem: (what: string) => void = () => {};
   playing = false;
-  /** Share of real time that the server takes for a part. */
+  /** Time until the server answers, as a share of the part's duration. */
   load = 0;
-  /** From a move until its sound begins to change, as it was the last time. */
+  /** Time from the last measured move until its sound began to change. */
   latency_s?: number;
 
-  private next = 0; // sample to be asked for
+  private next = 0; // first sample of the next request
   private sent = 0; // samples given to the output
   private played = 0;
   private asking = false;
-  private moved_ms?: number; // when a move was made that no part was asked for with
-  private mark?: { sample: number; moved_ms: number }; // that part of the output is the first after a move
+  private moved_ms?: number; // time of a move that no request contains yet
+  private mark?: { sample: number; moved_ms: number }; // first sample of the output after a move, and its time
 
   private constructor(
     readonly clip: Clip, private listener: string, readonly context: AudioContext, private readonly queue: Output,
@@ -70,7 +70,7 @@ export class Player {
     void this.pump();
   }
 
-  /** The listener has moved: how long until that is heard? */
+  /** Notes a move, to measure the time until it is heard. */
   moved(): void {
     if (this.playing && !this.mark) this.moved_ms ??= performance.now();
   }
@@ -95,7 +95,7 @@ export class Player {
     }
   }
 
-  /** Sound from the server, which forgets listeners who were silent for long. */
+  /** Sound from the server, which forgets listeners that made no request for long. */
   private async fetch(start: number, samples: number, wish: Wish): Promise<Float32Array> {
     try {
       return await fetchSound(this.listener, start, samples, wish);
@@ -119,7 +119,7 @@ export class Player {
     const sound = await this.fetch(start, samples, wish);
     const took_s = (performance.now() - began) / 1000;
     this.load += 0.1 * (took_s / (samples / rate_hz) - this.load);
-    if (this.next !== start) return; // somebody leapt meanwhile
+    if (this.next !== start) return; // the user has jumped meanwhile
     this.queue.push(sound);
     this.sent += samples;
     this.next = start + samples;

@@ -1,10 +1,10 @@
-/** Sound that waits to be played, left and right in turns; silence where nothing is there yet. */
+/** Sound that waits to be played, left and right interleaved. */
 export class SampleQueue {
-  /** Samples of each ear so far. */
+  /** Samples per ear that were played so far. */
   played = 0;
 
   private parts: Float32Array[] = [];
-  private at = 0; // samples of the first part that were played
+  private at = 0; // numbers of the first part that were played
 
   push(part: Float32Array): void {
     this.parts.push(part);
@@ -17,7 +17,7 @@ export class SampleQueue {
 
   /** Fills both ears: silence where there is no sound yet. */
   fill(left: Float32Array, right: Float32Array): void {
-    left.fill(0); // not every browser hands over silent memory
+    left.fill(0); // not every browser clears the memory
     right.fill(0);
     for (let i = 0; i < left.length; ++i) {
       const part = this.parts[0];

@@ -3,23 +3,23 @@ import { colour } from './map';
 const WAVE_SAMPLES = 2048;
 const HEIGHT = 160; // of both spectrograms together, pixels
 const WIDTH = 600;
-const STEP = 2; // columns a drawing
+const STEP = 2; // columns per drawing
 const FLOOR_DB = -110;
 const RANGE_DB = 80;
 
-/** Black over violet and orange to white, by level. */
+/** From black through violet and orange to white, by level. */
 const SHADES = Uint8ClampedArray.from({ length: 1024 }, (_, i) => {
   const share = (i >> 2) / 255;
   return [255 * Math.min(1, 1.6 * share), 255 * Math.max(0, 1.8 * share - 0.8),
     255 * Math.max(0.12, share < 0.5 ? 0.9 * share : 1.1 - 1.2 * share, 4 * share - 3), 255][i & 3];
 });
 
-/** Waveforms and spectrograms of both ears, while they sound. */
+/** Draws waveforms and spectrograms of both ears while sound plays. */
 export class Scope {
   private readonly ears: AnalyserNode[];
   private readonly samples = new Float32Array(WAVE_SAMPLES);
   private readonly levels;
-  private readonly bins: number[]; // of a row of a spectrogram; low frequencies get more room
+  private readonly bins: number[]; // of each row of a spectrogram; low frequencies get more rows
 
   constructor(
     source: AudioNode, private readonly waves: HTMLCanvasElement, private readonly spectrogram: HTMLCanvasElement,

@@ -1,6 +1,6 @@
 import { Pose } from './api';
 
-/** Where one was at a time of the clip. */
+/** The listener's pose at a time of the clip. */
 export interface Step extends Pose {
   time_s: number;
 }
@@ -16,7 +16,7 @@ export class Walk {
 
   constructor(private readonly duration_s: number) {}
 
-  /** Times must grow. */
+  /** A step whose time does not increase is left out. */
   add(step: Step): void {
     const last = this.steps[this.steps.length - 1];
     if (!last || step.time_s > last.time_s) this.steps.push({ ...step });
@@ -40,7 +40,7 @@ export class Walk {
     };
   }
 
-  /** As `earpoint render --path` reads it: the whole clip is covered, one stands still after the last step. */
+  /** For `earpoint render --path`. Covers the whole clip: the listener stands still before and after the steps. */
   csv(): string {
     const rows = [...this.steps];
     if (rows[0].time_s > 0) rows.unshift({ ...rows[0], time_s: 0 });

@@ -1,11 +1,11 @@
 import { SampleQueue } from './queue';
 
-/** Plays what the page sends, and tells how much was played. */
 declare const registerProcessor: (name: string, processor: unknown) => void;
 declare class AudioWorkletProcessor {
   readonly port: MessagePort;
 }
 
+/** Plays what the page sends, and reports how much was played. */
 class Queue extends AudioWorkletProcessor {
   private readonly queue = new SampleQueue();
   private told = 0;

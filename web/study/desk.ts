@@ -1,4 +1,4 @@
-/** A step as the server tells it: nothing in it says which sound is of which method. */
+/** A step as the server describes it; it does not reveal the methods behind the sounds. */
 export interface Step {
   kind: 'headphones' | 'training' | 'trial';
   scale: '' | 'place' | 'timbre';
@@ -29,7 +29,7 @@ export interface Given {
   ratings?: number[];
 }
 
-/** What the server refused, with its HTTP status. */
+/** A refusal by the server, with its HTTP status. */
 export class Refusal extends Error {
   constructor(readonly status: number, message: string) {
     super(message);
@@ -55,7 +55,7 @@ export async function join(label: string): Promise<string> {
   return (await (await post('/api/participants', { label })).json()).participant;
 }
 
-/** One participant's way through the study. */
+/** The requests of one participant. */
 export class Desk {
   constructor(readonly participant: string) {}
 

@@ -6,8 +6,8 @@ const NAMES = 'ABCDEFGHIJ';
 
 const QUESTIONS: Record<string, [string, string]> = {
   '': ['Which sound is closest to the reference?',
-    'The picture shows what the listener sees; the reference is what is heard there. Listen to all sounds.'],
-  place: ['How close is the place of the voice?',
+    'The picture shows what the listener sees; the reference is the true sound there. Listen to all sounds.'],
+  place: ['How close is the position of the voice?',
     'Rate where the voice comes from and how far away it is, compared with the reference. '
     + 'One of the sounds is the reference itself and deserves 100. Do not rate the tone colour here.'],
   timbre: ['How close is the tone colour?',
@@ -18,7 +18,7 @@ const QUESTIONS: Record<string, [string, string]> = {
 /** A page that gives an answer once it is complete. */
 export interface Page {
   root: HTMLElement;
-  /** Nothing while something is missing. */
+  /** Undefined while the answer is incomplete. */
   given(): Given | undefined;
   onchange: () => void;
   sounds: Sounds;
@@ -36,7 +36,7 @@ function playRow(sounds: Sounds, name: string, text: string, ...controls: HTMLEl
   return { root: make('div', { className: 'sound' }, play, ...controls), play, name };
 }
 
-/** Marks what plays, and what was heard to its end. */
+/** Marks the sound that plays, and the sounds that were heard to their end. */
 function follow(sounds: Sounds, rows: Row[], onheard: (name: string) => void): void {
   sounds.onplaying = (name) => {
     for (const row of rows) row.play.classList.toggle('playing', row.name === name);
@@ -75,7 +75,7 @@ export function headphonePage(context: AudioContext): Page {
   return page;
 }
 
-/** The target's picture and its sound, and the sounds to be judged. */
+/** The target's picture and true sound, and the sounds to compare. */
 export function trialPage(context: AudioContext, desk: Desk, number: number, step: Step): Page {
   const sounds = new Sounds(context);
   const heard = new Set<string>();

@@ -1,8 +1,8 @@
 const FADE_S = 0.01;
 
-/** Plays the sounds of a page, one at a time; a change goes on from where the last sound was. */
+/** Plays the sounds of a page, one at a time; another sound continues at the time of the last one. */
 export class Sounds {
-  /** Called when a sound begins (its name) and when all is silent (nothing). */
+  /** Called with its name when a sound begins, and without when playing stops. */
   onplaying: (name?: string) => void = () => {};
   /** Called when a sound has played to its end. */
   onheard: (name: string) => void = () => {};
@@ -16,7 +16,7 @@ export class Sounds {
     this.buffers.set(name, await this.context.decodeAudioData(bytes));
   }
 
-  /** Begins a sound, in the middle where another one is playing; stops it if it is playing. */
+  /** Starts a sound, at the time of the one that is playing, if any; stops it if it is playing itself. */
   async toggle(name: string): Promise<void> {
     await this.context.resume();
     const before = this.playing;

@@ -14,7 +14,7 @@ function tell(problem: unknown): void {
   byId('problem').textContent = problem ? (problem as Error).message : '';
 }
 
-/** Begins with somebody new. */
+/** A button that starts a new participant. */
 function startButton(text: string): HTMLButtonElement {
   const button = make('button', { type: 'button', textContent: text });
   button.onclick = () => { localStorage.removeItem(STORED); location.reload(); };
@@ -34,7 +34,7 @@ class Study {
     document.addEventListener('keydown', (event) => this.onKey(event));
   }
 
-  /** Goes to where the participant is. */
+  /** Goes to the participant's present step. */
   async begin(): Promise<void> {
     this.state = await this.desk.state();
     byId('title').textContent = this.state.title;
@@ -82,7 +82,7 @@ class Study {
     return step > 0 && this.state!.steps[step - 1].kind !== 'headphones';
   }
 
-  /** Stores the answer, then goes on; while the network is away it stays here and says so. */
+  /** Stores the answer, then goes on; if the network fails, stays on the page and says so. */
   private async send(): Promise<void> {
     const given = this.page?.given();
     if (!given || this.sending) return;
@@ -107,7 +107,7 @@ class Study {
     return JSON.stringify([step.choice, step.ratings]) !== JSON.stringify([given.choice, given.ratings]);
   }
 
-  /** An answer that is there already, as from another tab: goes to where the participant is. */
+  /** If the answer exists already, for example from another tab, goes to the participant's present step. */
   private async recover(error: unknown): Promise<void> {
     if (!(error instanceof Refusal) || error.status !== 409) return tell(error);
     await this.begin();
@@ -138,8 +138,8 @@ class Study {
         await this.recover(error);
       }
     };
-    show(make('h2', { textContent: 'Anything to remark?' }),
-      make('p', { className: 'hint', textContent: 'Afterwards answers can no longer be changed.' }), comment,
+    show(make('h2', { textContent: 'Any remarks?' }),
+      make('p', { className: 'hint', textContent: 'After this, answers can no longer be changed.' }), comment,
       make('div', { className: 'buttons' }, back, end));
   }
 
@@ -178,7 +178,7 @@ function showWelcome(about: About): void {
     make('p', { textContent: 'Please use headphones in a quiet place, the left side on the left ear, and set a comfortable volume '
       + 'with the first tones. Leave it as it is afterwards.' }),
     make('label', {}, 'Your code, if you were given one ', label),
-    make('p', { className: 'hint', textContent: 'Stored are your answers, how long they took, and what you write here; nothing else.' }),
+    make('p', { className: 'hint', textContent: 'Only your answers, how long they took, and what you write here are stored.' }),
     make('div', { className: 'buttons' }, make('span'), start));
 }
 

@@ -1,4 +1,4 @@
-// Starts what a test of the pages needs: the program, a browser, and an ear at the page's output.
+// Starts what a test of the pages needs: the program, a browser, and a level meter at the page's output.
 import { spawn } from 'node:child_process';
 import { existsSync } from 'node:fs';
 import { dirname, join } from 'node:path';
@@ -23,7 +23,7 @@ async function findChromium() {
   return { chromium: playwright.chromium, executablePath };
 }
 
-/** Opens a browser without a window, in which pages may start sound by themselves. */
+/** Opens a headless browser in which pages may start sound by themselves. */
 export async function openBrowser() {
   const { chromium, executablePath } = await findChromium();
   return chromium.launch({ executablePath, args: ['--no-sandbox', '--autoplay-policy=no-user-gesture-required'] });
@@ -56,7 +56,7 @@ export async function startProgram(...args) {
   return { address, first, stop };
 }
 
-/** Runs the program to its end. @returns what it printed; throws what it complained of */
+/** Runs the program to its end. @returns what it printed; throws its error output if it fails */
 export async function runProgram(...args) {
   const child = spawn(process.env.EARPOINT_PROGRAM, args, { stdio: ['ignore', 'pipe', 'pipe'] });
   let output = '';
@@ -68,7 +68,7 @@ export async function runProgram(...args) {
   return output;
 }
 
-/** Opens a page and writes down which hosts it asks for anything, and what goes wrong in it. */
+/** Opens a page and records the hosts that it contacts and its errors. */
 export async function openPage(browser, address, options = {}) {
   const page = await browser.newPage({ viewport: { width: 1280, height: 900 }, ...options });
   const hosts = new Set();
@@ -86,24 +86,24 @@ export async function openPage(browser, address, options = {}) {
   return { page, hosts, problems };
 }
 
-/** Waits until something is so in the page. (playwright's waitForFunction evaluates text, which the page forbids.) */
+/** Waits until a condition holds in the page. (playwright's waitForFunction evaluates text, which the page forbids.) */
 export async function until(page, isSo, argument) {
   const end = Date.now() + START_MS;
   while (!(await page.evaluate(isSo, argument))) {
-    if (Date.now() > end) throw new Error(`it never came to be that ${isSo}`);
+    if (Date.now() > end) throw new Error(`timed out waiting for ${isSo}`);
     await page.waitForTimeout(50);
   }
 }
 
-/** Waits until what was rendered before now has been played, and what fades out of it. */
+/** Waits until everything that was rendered before now has been played, including fades. */
 export async function settle(page) {
   const end = await page.evaluate(() => window.earpoint.player.sent + 0.2 * window.earpoint.clip.sample_rate_hz);
   await until(page, (sample) => window.earpoint.player.played >= sample, end);
 }
 
 /**
- * Takes samples of what the page plays, until it has that many seconds that are not digital silence: a busy machine
- * may leave gaps. @returns levels of the ears in dB
+ * Measures what the page plays, until there are that many seconds without digital silence: a busy machine may leave
+ * gaps. @returns levels of the ears in dB
  */
 export function hear(page, seconds) {
   return page.evaluate(async ([duration_s, most_s]) => {
@@ -133,7 +133,7 @@ export function hear(page, seconds) {
   }, [seconds, START_MS / 1000]);
 }
 
-/** Drags the listener on the map to a place, as a pointer does it: metres, x ahead and y left. */
+/** Drags the listener on the map to a place with the pointer: metres, x ahead and y left. */
 export async function dragTo(page, x, y) {
   await page.locator('#map').scrollIntoViewIfNeeded();
   const from = await page.evaluate(() => window.earpoint.map.pagePoint());

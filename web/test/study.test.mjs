@@ -24,7 +24,7 @@ function wav(samples) {
   return bytes;
 }
 
-/** A short tone whose ears differ, so that every file is another one. */
+/** A short tone with different ears, so that all files differ. */
 function tone(frequency_hz, left, right) {
   return wav(Array.from({ length: 0.3 * RATE }, (_, i) => {
     const value = 0.3 * Math.sin((2 * Math.PI * frequency_hz * i) / RATE);
@@ -32,7 +32,7 @@ function tone(frequency_hz, left, right) {
   }));
 }
 
-/** Writes a study of that many clips. @returns by the hash of a sound file what it is */
+/** Writes a study of that many clips. @returns what each file is, by its hash */
 function writeStudy(folder, design, count) {
   const known = new Map();
   const put = (name, bytes, what) => {
@@ -63,7 +63,7 @@ function writeStudy(folder, design, count) {
   return known;
 }
 
-/** Somebody at the page, who knows which sound is which. */
+/** A participant at the page who knows which sound is which. */
 class Visitor {
   constructor(page, known) {
     this.page = page;
@@ -84,7 +84,7 @@ class Visitor {
     return this.page.textContent('#progress-text');
   }
 
-  /** What the sound is that the page plays under a name. */
+  /** Which sound the page plays under a name. */
   async soundAt(step, name) {
     const participant = await this.page.evaluate(() => localStorage.getItem('earpoint-study-participant'));
     const path = `/api/participants/${participant}/steps/${step}/sounds/${name}`;
@@ -181,7 +181,7 @@ test('a participant goes through the forced choice, back, through a reload and a
   await page.reload();
   await until(page, () => document.getElementById('progress-text').textContent === 'Question 2 of 3');
 
-  // The same question in a second tab: the answer that comes later is refused, and the tab goes on.
+  // The same question in a second tab: the later answer is refused, and the tab goes to the next question.
   const other = new Visitor(await page.context().newPage(), known);
   await other.page.goto(program.address);
   await until(other.page, () => document.getElementById('progress-text').textContent === 'Question 2 of 3');
@@ -210,7 +210,7 @@ test('a participant goes through the forced choice, back, through a reload and a
   assert.equal(report.groups[0].participants[0].comment, 'fine');
 });
 
-test('who misses the tones is sent back to put headphones on', async (context) => {
+test('a participant who misses the tones is asked to put headphones on', async (context) => {
   await serve(context, 'choice', 1);
   const { page } = await visit();
   const visitor = new Visitor(page, known);

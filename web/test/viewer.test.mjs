@@ -6,7 +6,7 @@ import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { SOURCE_DIR, dragTo, hear, openBrowser, openPage, runProgram, settle, startProgram, until } from './harness.mjs';
 
-const SPEAKER = [1.89, 0.196, 0.147]; // as examples/earpoints.json tells it
+const SPEAKER = [1.89, 0.196, 0.147]; // as in examples/earpoints.json
 const CLIP = `${SOURCE_DIR}/examples/clip.mp4`;
 const KNOWN = `${SOURCE_DIR}/examples/earpoints.json`;
 const TOLD = ['--speaker', SPEAKER.join(','), '--speaker-box', '0.383,0.348,0.513,1'];
@@ -26,7 +26,7 @@ after(async () => {
   await program?.stop();
 });
 
-/** Where the speaker is from a place and a heading: radians, to the left. */
+/** Azimuth of the speaker from a pose: radians, positive to the left. */
 const azimuthFrom = ({ x, y, yaw_deg }) => Math.atan2(SPEAKER[1] - y, SPEAKER[0] - x) - (yaw_deg * Math.PI) / 180;
 
 const poseOf = (page) => page.evaluate(() => ({ ...window.earpoint.map.pose }));
@@ -62,7 +62,7 @@ test('the ear on the side of the speaker is the louder one after a drag', async 
 
 test('another method sounds different', async () => {
   const { page } = opened;
-  // Right of the speaker they are on the left; the recording was made in front of them.
+  // From the right of the speaker, they are on the left; the recording was made in front of them.
   await dragTo(page, SPEAKER[0] - 0.5, SPEAKER[1] - 1);
   await settle(page);
   const there = await hear(page, 1);
@@ -165,7 +165,7 @@ test('two pages play at once', async () => {
   assert.deepEqual(other.problems, []);
 });
 
-test('somebody brings a recording of their own, and a program that is called one is refused', async () => {
+test('a recording of the user is played, and a program with the name of a movie is refused', async () => {
   const { page } = await openPage(browser, program.address);
   const bring = (name, buffer) => page.setInputFiles('#file', { name, mimeType: 'video/mp4', buffer });
   await bring('holiday.mp4', readFileSync(process.execPath).subarray(0, 1_000_000));
@@ -207,7 +207,7 @@ test('the truth is heard at the places where it is known', async () => {
 test('another computer plays with the token, where browsers have no worklets', async (t) => {
   const shared = await startProgram('serve', CLIP, ...TOLD, '--host', '0.0.0.0', '--quiet');
   try {
-    // What a browser calls an address of this network that is not this computer's own.
+    // An address of the network, which a browser does not take for this computer.
     const { port, search } = new URL(shared.address);
     const places = Object.values(networkInterfaces()).flat().filter(({ family, internal }) => family === 'IPv4' && !internal);
     if (places.length === 0) return t.skip('this computer has no network address');
