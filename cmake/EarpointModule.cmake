@@ -6,15 +6,15 @@ target_compile_options(earpoint_flags INTERFACE
   -Wnon-virtual-dtor -Woverloaded-virtual)
 # Sums in a fixed order, so that the same seed gives the same bytes: no -ffast-math anywhere.
 target_compile_options(earpoint_flags INTERFACE -ffp-contract=off)
-# GCC 12 warns falsely of std::string's own copies (GCC bug 105651) in optimised builds.
+# GCC 12 gives false warnings about std::string's own copies (GCC bug 105651) in optimised builds.
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   target_compile_options(earpoint_flags INTERFACE -Wno-restrict)
 endif()
-# EARPOINT_CHECK(!"what is wrong") is meant.
+# EARPOINT_CHECK(!"what is wrong") is intended.
 if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
   target_compile_options(earpoint_flags INTERFACE -Wno-string-conversion)
 endif()
-# GCC forgets of precompiled headers which are the system's, and warns of them.
+# In precompiled headers GCC does not know which are the system's, and warns of those too.
 if(EARPOINT_PRECOMPILE)
   target_compile_options(earpoint_flags INTERFACE -w)
 endif()
@@ -31,7 +31,7 @@ if(EARPOINT_SANITIZE)
   target_link_options(earpoint_flags INTERFACE -fsanitize=${EARPOINT_SANITIZE})
 endif()
 
-# Headers that most sources parse: of the standard library here, with the command line's in apps/earpoint.
+# Headers that most sources include, from the standard library; apps/earpoint adds those of the command line.
 set(EARPOINT_COMMON_HEADERS
   <algorithm> <array> <cmath> <complex> <cstdint> <filesystem> <functional> <map> <memory> <numeric> <optional> <set>
   <span> <string> <utility> <variant> <vector> <fmt/format.h>)
@@ -43,8 +43,8 @@ set(EARPOINT_COMMON_HEADERS
 #
 # Makes earpoint::<name> with the include root include/ beside the CMakeLists.txt, and <name>_test from TESTS; without
 # SOURCES a library of headers alone. A file may include headers of its own module and of those in DEPENDS, a test also
-# of those in TEST_DEPENDS: ./dev lint holds it to that (cmake/check_modules.py), as the compiler sees whatever these
-# include in turn.
+# of those in TEST_DEPENDS. ./dev lint checks that (cmake/check_modules.py), as the compiler also sees what these
+# include.
 function(earpoint_add_module name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" ""
     "DEPENDS;LIBRARIES;SOURCES;TESTS;TEST_DEPENDS;TEST_LIBRARIES")
@@ -82,7 +82,7 @@ function(earpoint_add_module name)
       GTest::gtest_main)
     target_compile_definitions(${name}_test PRIVATE
       EARPOINT_SOURCE_DIR="${PROJECT_SOURCE_DIR}" EARPOINT_BINARY_DIR="${PROJECT_BINARY_DIR}")
-    # Loading LibTorch alone can take longer than the 5 s that listing the tests has by default.
+    # Loading LibTorch alone can take longer than the default limit of 5 s for listing the tests.
     gtest_discover_tests(${name}_test DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 120
       PROPERTIES TIMEOUT 600 LABELS ${name})
   endif()
@@ -90,8 +90,8 @@ endfunction()
 
 # earpoint_limit_simd_targets(<target>...)
 #
-# The instruction sets that kernels are compiled for, the same for their tests. Vectors whose length is only known at run
-# time (SVE, RISC-V) do not fit the tiles; SSSE3 adds nothing to SSE4's processors.
+# Limits the instruction sets that kernels and their tests are compiled for. Vectors whose length is only known at run
+# time (SVE, RISC-V) do not fit the tiles; SSSE3 gains nothing on processors with SSE4.
 function(earpoint_limit_simd_targets)
   foreach(target IN LISTS ARGN)
     if(TARGET ${target})
@@ -104,7 +104,7 @@ endfunction()
 # earpoint_add_fuzz(<name> SOURCES <file>... DEPENDS <module>...)
 #
 # A fuzz target: SOURCES define LLVMFuzzerTestOneInput, and fuzz_seeds/<name>/ holds inputs to start
-# from, among them every input that once broke it. With EARPOINT_FUZZ this makes the libFuzzer
+# from, among them every input that made it fail before. With EARPOINT_FUZZ this makes the libFuzzer
 # program <name> (./dev fuzz runs it); otherwise a test that replays the seeds.
 function(earpoint_add_fuzz name)
   if(NOT EARPOINT_FUZZ AND NOT BUILD_TESTING)

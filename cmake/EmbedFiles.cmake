@@ -1,5 +1,5 @@
-# Writes a C++ file that holds the files of FOLDER (none if it is not given) as HEADER declares, by default
-# page_bytes.h: page_bytes() in the namespace NAMESPACE, by default earpoint.
+# Writes a C++ file with the contents of the files in FOLDER (of none if it is not given). It defines page_bytes(), which
+# HEADER (default: page_bytes.h) declares in the namespace NAMESPACE (default: earpoint).
 # Usage: cmake [-DFOLDER=...] [-DHEADER=...] [-DNAMESPACE=...] -DOUTPUT=... -P EmbedFiles.cmake
 if(NOT HEADER)
   set(HEADER page_bytes.h)

@@ -1,5 +1,5 @@
-# What cmake --install puts where. The modules of src/ and lab/ are the project's own affair: programs link one library
-# for each component of find_package(earpoint), whose headers are those of include/earpoint.
+# What cmake --install puts where. The modules of src/ and lab/ are internal: programs link one library for each
+# component of find_package(earpoint), with the headers of include/earpoint.
 include(CMakePackageConfigHelpers)
 
 pkg_check_modules(SNDFILE REQUIRED IMPORTED_TARGET sndfile>=1.1)
@@ -13,7 +13,7 @@ set(EARPOINT_PACKAGE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/earpoint)
 # earpoint_add_component(<name> OUTPUT <library> MODULES <module>... LIBRARIES <target>... [REQUIRES <component>...]
 #                        [OBJECTS <generator expression>...] HEADERS <file>...)
 #
-# One library, static or shared by BUILD_SHARED_LIBS, of all that the modules hold: earpoint::<name> for programs that
+# One library of all objects of the modules, static or shared by BUILD_SHARED_LIBS: earpoint::<name> for programs that
 # find the package.
 function(earpoint_add_component name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "OUTPUT" "MODULES;LIBRARIES;REQUIRES;OBJECTS;HEADERS")
@@ -54,12 +54,12 @@ find_package(embree 3 REQUIRED)
 find_package(meshoptimizer REQUIRED)
 earpoint_add_component(lab OUTPUT earpoint_lab REQUIRES renderer
   MODULES media scene trace lab_library
-  # Of evaluation, what measures sounds: the rest wants data sets and networks.
+  # Of evaluation only the metrics of sounds: the rest needs data sets and networks.
   OBJECTS "$<FILTER:$<TARGET_OBJECTS:earpoint_evaluate>,INCLUDE,/metrics.cpp|/speech_metrics.cpp>"
   LIBRARIES embree meshoptimizer::meshoptimizer PkgConfig::ASSIMP PkgConfig::FFMPEG fmt::fmt Threads::Threads
   HEADERS metrics.h trace.h)
 if(BUILD_SHARED_LIBS)
-  # What the renderer's library hides of the modules below.
+  # Symbols of lower modules that the renderer's shared library hides.
   target_link_libraries(earpoint_component_lab PRIVATE earpoint::lab_library)
 endif()
 
@@ -76,7 +76,7 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/earpointConfigVersion.cma
 install(FILES ${PROJECT_BINARY_DIR}/earpointConfig.cmake ${PROJECT_BINARY_DIR}/earpointConfigVersion.cmake
   DESTINATION ${EARPOINT_PACKAGE_DIR} COMPONENT renderer)
 
-# A shared library brings what it needs along; a static one leaves it to the program.
+# A shared library links what it needs; with a static one the program must link it.
 set(EARPOINT_PC_REQUIRES "sndfile soxr libmysofa libzip libhwy fmt")
 set(EARPOINT_PC_LIBS " -ldnnl -lgomp -pthread")
 if(BUILD_SHARED_LIBS)

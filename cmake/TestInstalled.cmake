@@ -1,5 +1,5 @@
-# Installs what was built, builds examples/library against that as somebody elsewhere would, and runs it on the bundled
-# clip's sound. Usage: cmake -DBINARY_DIR=... -DSOURCE_DIR=... -DCOMPILER=... -P TestInstalled.cmake
+# Installs what was built, builds examples/library against it like an outside program, and runs it on the bundled clip's
+# sound. Usage: cmake -DBINARY_DIR=... -DSOURCE_DIR=... -DCOMPILER=... -P TestInstalled.cmake
 set(folder ${BINARY_DIR}/installed_test)
 set(prefix ${folder}/prefix)
 file(REMOVE_RECURSE ${folder})

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Whether the modules keep to what they declare. Run by ./dev lint; prints one line per fault.
+"""Checks that the modules keep to what they declare. Run by ./dev lint; prints one line per fault.
 
 - A file includes headers of its own module and of those that its CMakeLists.txt names in DEPENDS, a test also of those in
-  TEST_DEPENDS. The compiler cannot tell, as it sees whatever these include in turn.
+  TEST_DEPENDS. The compiler cannot check that, as it also sees what these include.
 - No module depends on itself by way of others, and nothing that ships depends on the lab.
-- The graphs that train share a network's description, weights and input encoding with its engine, not the engine: that
-  both give the same sound is the proof of both.
+- Training graphs share a network's description, weights and input encoding with its engine, but not the engine: each is
+  the check of the other.
 - A source file includes its own header first, so that the header is known to stand alone.
 - No message of a library names a flag: apps/earpoint/flag_advice.cpp adds it, by phrases and settings that messages still
   have.
@@ -22,7 +22,7 @@ INCLUDE = re.compile(r'^#include ([<"])([^>"]+)[>"]', re.M)
 # What a training graph may read of networks.
 SHARED_WITH_TRAINING = {"description", "weights", "view", "constants", "encoding", "training_range", "sight",
                         "checkpoint_export"}
-# Whose headers of include/earpoint are, beside those of core, which every module may include.
+# The modules that own the headers in include/earpoint; the others are core's, which every module may include.
 FRONT_DOOR = {"renderer.h": "library", "stream.h": "library", "network.h": "library", "version.h": "library",
               "trace.h": "lab_library", "metrics.h": "lab_library"}
 NETWORKS = {"gtf", "vigas", "vam", "rt60", "people"}
@@ -79,12 +79,12 @@ def check_includes(root, modules, path):
             yield f"{here}: includes {name}, but module {module.name} does not name {parts[1]} among its dependencies"
         if module.name == "train" and not is_test(path) and parts[1] in NETWORKS and \
                 Path(name).stem not in SHARED_WITH_TRAINING:
-            yield f"{here}: includes {name}, of the engine that the graph is held against"
+            yield f"{here}: includes {name}, of the engine, which must stay independent of the graph"
     yield from check_own_header(root, here, path, module, text)
     if not is_test(path):
         for message in FLAG.findall(text):
             if "./dev " not in message:
-                yield f"{here}: a message names a flag, which only apps/ know: {message}"
+                yield f"{here}: a message names a flag, which only apps/ may do: {message}"
 
 
 def check_own_header(root, here, path, module, text):
@@ -126,9 +126,9 @@ def check_halves(root, modules):
     for module in modules.values():
         for other in sorted(module.depends):
             if other not in modules:
-                yield f"{module.folder.relative_to(root)}: depends on {other}, which is no module"
+                yield f"{module.folder.relative_to(root)}: depends on {other}, which is not a module"
             elif module.folder.is_relative_to(root / "src") and modules[other].folder.is_relative_to(root / "lab"):
-                yield f"{module.folder.relative_to(root)}: what ships depends on {other} of the lab"
+                yield f"{module.folder.relative_to(root)}: a module that ships depends on {other} of the lab"
 
 
 def check_advice(root):

@@ -1,6 +1,6 @@
 #pragma once
 
-// For fuzz targets of readers that want a file: the input as one, in memory.
+// For fuzz targets of readers that need a file: makes the input a file in memory.
 
 #include <cstddef>
 #include <cstdint>

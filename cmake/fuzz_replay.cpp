@@ -1,4 +1,4 @@
-// Runs a fuzz target once over every file in a folder: the seeds, as an ordinary test.
+// Runs a fuzz target once on every file in a folder: the seeds, as an ordinary test.
 #include <cstdint>
 #include <cstdio>
 #include <exception>

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Draws which module includes which, for docs/tour.md. ./dev lint holds the picture against the sources.
+"""Draws which module includes which, for docs/tour.md. ./dev lint checks the picture against the sources.
 
 A module stands above all that it includes; an arrow that follows from others is left out. Blue ships, orange is the lab.
 
@@ -18,7 +18,7 @@ COLOURS = {"src": ("#dbe9f7", "#0072b2"), "lab": ("#fbe6d5", "#d55e00")}
 
 
 def included(root, modules):
-    """{module: the modules that its files include}, without tests and what only serves tests."""
+    """{module: the modules that its files include}, without tests and test support."""
     found = {name: set() for name in modules if not name.endswith("_testing")}
     for folder in ("src", "lab"):
         for path in sorted((root / folder).rglob("*")):
@@ -49,7 +49,7 @@ def reachable(graph, name):
 
 
 def reduced(graph):
-    """Without the arrows that follow from others."""
+    """The graph without arrows that follow from others."""
     return {name: {other for other in others
                    if not any(other in reachable(graph, between) for between in others - {other})}
             for name, others in graph.items()}

@@ -33,7 +33,7 @@ struct DemoEarpoint {
 };
 [[nodiscard]] std::vector<DemoEarpoint> demo_earpoints(const DemoHome& home);
 
-/// The home from above without its ceilings, turned so that the camera looks up the page.
+/// The home from above without its ceilings, turned so that the camera's front is up.
 struct FloorMapPicture {
   Image rgb;
   PixelPosition camera;  ///< where it stands

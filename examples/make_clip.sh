@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Makes examples/clip.mp4, earpoints.json and what they name anew, byte for byte: fetches the recorded
-# voice (Debian's asterisk-core-sounds-it-g722, CC-BY-3.0, unpacked and not installed), packs the
-# furniture, builds the maker, runs it.
+# Makes examples/clip.mp4, earpoints.json and the files that it names again, byte for byte: fetches the
+# recorded voice (Debian's asterisk-core-sounds-it-g722, CC-BY-3.0, unpacked and not installed), packs the
+# furniture, builds earpoint_make_clip and runs it.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 folder=$(mktemp -d)

@@ -1,4 +1,4 @@
-"""Reads and writes safetensors files without any package: docs/formats.md has the format."""
+"""Reads and writes safetensors files without any package; docs/formats.md describes the format."""
 import json
 import struct
 from pathlib import Path
@@ -8,7 +8,7 @@ BYTES = {"F64": 8, "I64": 8, "U64": 8, "F32": 4, "I32": 4, "U32": 4, "F16": 2, "
 
 
 def read(path):
-    """Tensors by name, each its type, shape and bytes; and the metadata."""
+    """Tensors by name, each with its type, shape and bytes; and the metadata."""
     data = Path(path).read_bytes()
     (length,) = struct.unpack("<Q", data[:8])
     header = json.loads(data[8:8 + length])
@@ -42,7 +42,7 @@ def read_arrays(path):
 
 
 def write_arrays(path, arrays):
-    """NumPy arrays by name, in a folder that is made where it is missing."""
+    """Writes NumPy arrays by name; makes the folder if it is missing."""
     import numpy as np
     names = {np.dtype(kind): name for name, kind in NUMPY.items()}
     Path(path).parent.mkdir(parents=True, exist_ok=True)

@@ -4,8 +4,8 @@
 #include <cstdlib>
 #include <new>
 
-/// How often operator new was called so far, by the library too: this program's own takes the place
-/// of the standard one. Included by one source file.
+/// Number of calls of operator new so far, also by the library: this one replaces the standard one.
+/// To be included by one source file only.
 inline std::atomic<long> allocation_count{0};
 inline long allocations() { return allocation_count; }
 

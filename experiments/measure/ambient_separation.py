@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Compares the ways to separate ambient sound: SI-SDR of the primary sound, and what becomes of methods.
+"""Compares the ways to separate ambient sound: SI-SDR of the primary sound, and the errors of methods.
 
 usage: ambient_separation.py EARPOINT DATA METHODS [--levels -60,-40,-20] [--limit N] [--context S]
 

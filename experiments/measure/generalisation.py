@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""How a gtf network does where it was not trained: unheard voices, far targets, targets out of the speaker's
+"""Errors of a gtf network outside of its training data: other voices, far targets, targets out of the speaker's
 sight, wrong boxes and pictures, two people at once, music and noise. Prints JSON.
 
 usage: experiments/measure/generalisation.py EARPOINT DATA GTF.safetensors SCRATCH [--every N]
 
-DATA is a data set of earpoint simulate whose test split the network has not seen; SCRATCH is where altered
-copies of it go (metadata, sounds; the rest are links). --every N takes every Nth pair. Each case is a run of
-`earpoint evaluate`, so that what is measured, and its intervals, are those of the other tables.
+DATA is a data set of earpoint simulate whose test split the network has not seen; SCRATCH gets altered copies
+of it (metadata, sounds; the rest are links). --every N takes every Nth pair. Each case is a run of `earpoint
+evaluate`, so that the measures and their intervals are those of the other tables.
 """
 import argparse
 import copy
@@ -30,7 +30,7 @@ METRICS = ("mag", "lre_db", "level_db", "itd_us", "c50_db")
 
 
 class Data:
-    """The test split: its pairs, its scenes' metadata, where it lies."""
+    """The test split: its pairs, the metadata of its scenes, its folder."""
 
     def __init__(self, folder, every):
         self.folder = folder
@@ -74,7 +74,7 @@ def evaluate(arguments, data_folder, pairs, listed, scratch):
 
 
 def altered(data, scratch, name, change_viewpoint, keep_speech=True):
-    """A copy of the data set, links but for its metadata.
+    """A copy of the data set, with links for everything but its metadata.
 
     change_viewpoint(scene, clip number, viewpoint number, viewpoint) alters a viewpoint in place.
     """
@@ -104,7 +104,7 @@ def unchanged(*_):
 
 
 def shift_boxes(scene, number, index, viewpoint):
-    """A tenth of the picture to the right, or to the left where that leaves it."""
+    """Shifts boxes by a tenth of the picture to the right, or to the left if that would leave it."""
     step = PICTURE_PX // 10
     for box in viewpoint["bboxes"].values():
         if any(box):
@@ -123,7 +123,7 @@ def drop_boxes(scene, number, index, viewpoint):
 
 
 def swap_pictures(data):
-    """Every viewpoint sees what one of the next home saw."""
+    """Gives every viewpoint the picture of a viewpoint in the next home."""
     names = list(data.scenes)
     following = dict(zip(names, names[1:] + names[:1]))
 
@@ -231,7 +231,7 @@ def two_at_once(data, scratch):
 
 
 def cases(data, scratch):
-    """(group, case, folder, pairs, whether C50 means anything) one after the other."""
+    """Yields (group, case, folder, pairs, whether C50 is meaningful)."""
     plain = data.folder
     yield "all", "all pairs", plain, data.pairs, True
     voices = sorted({data.speaker(pair)["speech"].split("-")[0] for pair in data.pairs})
@@ -263,7 +263,7 @@ def cases(data, scratch):
 
 
 def row_of(group, case, result, has_dry=True):
-    """What the table keeps of one run of `earpoint evaluate`."""
+    """The table's row for one run of `earpoint evaluate`."""
     row = {"group": group, "case": case, "clips": result["clips"], "methods": {}}
     for method in result["rows"]:
         row["methods"][method["method"]] = {

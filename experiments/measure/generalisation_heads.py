@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""How a gtf network does with the ears of another head, and in a building that was imported. Prints JSON.
+"""Errors of a gtf network with the ears of another head, and in an imported building. Prints JSON.
 
 usage: experiments/measure/generalisation_heads.py EARPOINT KEMAR FABIAN IMPORTED GTF.safetensors SCRATCH
 
-KEMAR and FABIAN are the test splits of the same homes and conversations, which differ in the head alone;
-IMPORTED is that of a model which `earpoint simulate --scene` read. SCRATCH is where pairs go whose source
-and target have different heads.
+KEMAR and FABIAN are test splits of the same homes and conversations, which differ only in the head; IMPORTED
+is that of a model which `earpoint simulate --scene` has read. SCRATCH gets the pairs whose source and target
+have different heads.
 """
 import argparse
 import copy

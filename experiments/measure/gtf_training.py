@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Clips per second of `earpoint train` with gtf, by number of threads: the whole command.
 
-A short and a longer training in turns; what starting costs falls out of their difference. Wall time needs
-a machine that does nothing else; processor time tells what a clip costs in any case. With --before the same
-of another build, whose losses must agree. Writes FOLDER/training_gtf.json.
+Runs a short and a longer training alternately; their difference does not contain the cost of starting. Wall
+time needs an idle machine; processor time shows the cost of a clip in any case. With --before it measures
+another build too, whose losses must agree. Writes FOLDER/training_gtf.json.
 
 usage: gtf_training.py EARPOINT CONFIG DATA FOLDER [--before EARPOINT] [--rounds N] [--steps N]
 """
@@ -19,8 +19,8 @@ import time
 
 SHORT_STEPS = 8
 BATCH = 16
-# Loss after the same steps, float32 sums in other orders: what Adam makes of rounding. By its number of threads
-# alone the build that the passes replaced differed by 4e-4 of its loss.
+# Relative difference of the losses after the same steps: float32 sums in other orders, amplified by Adam. The build
+# before the optimisations differed by 4e-4 between numbers of threads.
 MOST_DIFFERENCE = 1e-3
 
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""How many times faster than real time `earpoint render` is: start, reading and writing included.
+"""How many times faster than real time `earpoint render` is, including start, reading and writing.
 
 The sound is that of the bundled clip, looped by ffmpeg to ten minutes, beside a still picture of it.
 Prints one JSON object for each way of rendering.

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What a simulated session costs: processor time of `earpoint record simulate` per minute of session.
+"""Cost of a simulated session: processor time of `earpoint record simulate` per minute of session.
 
 usage: experiments/measure/session_cost.py EARPOINT SPEECH
 

@@ -1,17 +1,17 @@
 #!/usr/bin/env python3
-"""How well clocks of simulated sessions are found: `earpoint record sync` against the truth.
+"""Errors of the clocks of simulated sessions: `earpoint record sync` against the truth.
 
 usage: experiments/measure/session_sync.py EARPOINT SPEECH FOLDER [--minutes 5] [--cameras 4] [--snr 10] [--walks 5] [--seeds 101,...]
 
-Simulates one session a seed, each in a flat of its own, into FOLDER/seed-N, or takes it from there, and
-prints one line of JSON for each.
+Simulates one session per seed, each in its own flat, into FOLDER/seed-N, or takes it from there, and prints
+one line of JSON for each.
 """
 import argparse
 import json
 import os
 import subprocess
 
-# Clocks are found by sound alone: few pictures, and few rays, which only make the late reverberation.
+# Clocks are estimated by sound alone: few pictures, and few rays, which only matter for late reverberation.
 CHEAP = ["--size", "64x36", "--fps", "1", "--samples", "1", "--rays", "200"]
 
 

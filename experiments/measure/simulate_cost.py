@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What simulation costs, by stage, and what the paper's data set would cost at that rate.
+"""Cost of simulation by stage, and the cost of the paper's data set at that rate.
 
 usage: experiments/measure/simulate_cost.py EARPOINT SPEECH [SCENES [CONVERSATIONS]]
 

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""How often the intervals and tests of `earpoint study report` err, on studies that are drawn (docs/adr/0021-study-statistics.md).
+"""How often intervals and tests of `earpoint study report` err on random studies (docs/adr/0021-study-statistics.md).
 
 Usage: python3 experiments/measure/study_statistics.py [REPETITIONS]
-Two methods are equally good over all people and clips, but every participant and every clip leans to one of them.
+Two methods are equally good over all people and clips, but every participant and every clip prefers one of them.
 """
 import sys
 from math import comb

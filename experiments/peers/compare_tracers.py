@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Compares earpoint trace with pyroomacoustics in rooms whose right answer is known.
+"""Compares earpoint trace with pyroomacoustics in rooms with a known answer.
 
 usage: experiments/peers/compare_tracers.py EARPOINT [--triangles N,N,...] >tracers.json
 
-A room of 6 x 5 x 3 m whose walls absorb 20 % and scatter half, as a box and as a mesh of more and more
-triangles of the same walls. The reference is neither program: particles that bounce between the walls,
-counted in a sphere at the microphone. Both programs run on one core, in turns. Needs pyroomacoustics 0.10
+A room of 6 x 5 x 3 m whose walls absorb 20 % and scatter half, as a box and as meshes of the same walls with
+more and more triangles. The reference is independent of both: particles that bounce between the walls,
+counted in a sphere at the microphone. Both programs run alternately on one core. Needs pyroomacoustics 0.10
 or later (pip install pyroomacoustics), numpy and scipy for the python3 that runs it.
 """
 import argparse
@@ -65,7 +65,7 @@ def particles_in_room(count=400000, seed=1):
         position += direction * way[:, None]
         elapsed += way
         energy *= 1.0 - ABSORPTION
-        # A share of the particles leaves anew by Lambert's law, the others are mirrored.
+        # A share of the particles is scattered by Lambert's law, the others are reflected.
         rows = np.arange(count)
         outward = np.sign(direction[rows, axis])
         direction[rows, axis] *= -1.0
@@ -203,7 +203,7 @@ def main():
         for count in map(int, arguments.triangles.split(",")):
             mesh = walls(max(1, round((count / 12) ** 0.5)))
             path = write_mesh(folder, mesh)
-            # Without a tree over the walls a ray costs as much as there are triangles.
+            # Without a tree over the walls the cost of a ray grows with the number of triangles.
             cases.append((mesh, [path, "--materials", path + ".json", "--up", "z"],
                           max(100, int(1e7 / count))))
         for mesh, scene, rays in cases:

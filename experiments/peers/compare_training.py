@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Training steps of ViGAS networks: Earpoint and PyTorch in turns.
+"""Training steps of ViGAS networks: Earpoint and PyTorch alternately.
 
-The peer (experiments/peers/peer_training.py) computes only the head that is heard, and both keep freed memory.
-Every round runs each of them once, so that whatever else the machine does meets them alike. Writes
+The peer (experiments/peers/peer_training.py) computes only the output head that is used, and both keep freed
+memory. Every round runs each of them once, so that other load on the machine affects both alike. Writes
 FOLDER/training.json.
 
 usage: compare_training.py TRAINING_BENCH FOLDER [--rounds N] [--threads N]
@@ -25,8 +25,8 @@ MOST_DIFFERENCE = 1e-3
 
 
 def check_peer(folder, threads):
-    """The peer must compute Earpoint's gradients, by all but the image trunk: there the batch norms
-    of noise amplify rounding."""
+    """The peer must compute Earpoint's gradients, except in the image trunk, where batch norms of noise
+    amplify rounding."""
     output = subprocess.run([PYTHON, PEER, folder, "--check", "--threads", threads], check=True,
                             text=True, stdout=subprocess.PIPE).stdout
     if not float(output) < MOST_DIFFERENCE:

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""One second of sound through the released network: Earpoint and two PyTorch peers, in turns.
+"""One second of sound through the released network: Earpoint and two PyTorch peers, alternately.
 
 Peers (experiments/peers/peer_pytorch.py, 2 threads unless told otherwise):
-  released  all 30 output heads, the C library's allocator as it comes: the call as released
-  fair      only the head that is heard, the allocator told to keep its memory
-Every round runs each of them once, so that whatever else the machine does meets them alike. Writes
+  released  all 30 output heads, the C library's default allocator: the call as released
+  fair      only the output head that is used, the allocator set to keep its memory
+Every round runs each of them once, so that other load on the machine affects all alike. Writes
 FOLDER/vigas.json and FOLDER/vigas.md and prints the latter.
 
 usage: compare_vigas.py VIGAS_BENCH FOLDER [--rounds N] [--threads N]
@@ -18,13 +18,13 @@ import sys
 import time
 
 PEER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "peer_pytorch.py")
-PYTHON = "/usr/bin/python3"  # the one that Debian's PyTorch belongs to
+PYTHON = "/usr/bin/python3"  # which has Debian's PyTorch
 KEEP_MEMORY = {  # glibc: never return memory, so that no page faults twice
     "MALLOC_MMAP_THRESHOLD_": str(1 << 32),
     "MALLOC_TRIM_THRESHOLD_": str(1 << 35),
     "MALLOC_TOP_PAD_": str(1 << 28),
 }
-PAUSE_S = 0.1  # until the OpenMP threads of the one before have gone to sleep
+PAUSE_S = 0.1  # until the OpenMP threads of the previous run are asleep
 
 
 class Contestant:

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The delay of both ears of a second at 16 kHz by NumPy, every lag computed: the peer of
+"""The delays of both ears of a second at 16 kHz by NumPy, at every lag: the peer of
 gcc_phat_of_a_clip in fft_bench. Prints the least and the median processor time per clip in ms."""
 import time
 

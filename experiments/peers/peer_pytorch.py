@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""The ViGAS network in PyTorch, layer by layer as the paper's released code runs it: the peer of
-vigas_bench. Weights, inputs and expected outputs come from `vigas_bench --save FOLDER`, or are a
-reference's (the same names).
+"""The ViGAS network in PyTorch, layer by layer as in the paper's released code: the peer of
+vigas_bench. Weights, inputs and expected outputs come from `vigas_bench --save FOLDER`, or from
+reference data with the same file names.
 
 usage: peer_pytorch.py FOLDER [--heads all|last] [--threads N] [--check] [--serve]
-  --heads   `all`: also the 29 output heads that nobody listens to, as released; `last`: only one
+  --heads   `all`: also the 29 output heads that are not used, as released; `last`: only the used one
   --check   print the largest difference of the output from FOLDER/outputs.safetensors and end
   --serve   read "whole", "trunk" or "stack" from standard input, answer each with a line: seconds,
             and processor seconds of all threads
@@ -33,7 +33,7 @@ def read_safetensors(path):
 
 
 class Network:
-    training = False  # whether batch norms follow their batch
+    training = False  # whether batch norms use the statistics of their batch
 
     def __init__(self, weights, description):
         self.weights = weights
@@ -41,7 +41,7 @@ class Network:
         self.layers_per_block = description["layers_per_block"]
         self.base = description["dilation_base"]
         self.inputs = [entry["name"] for entry in description["inputs"]]
-        # Heads but the last are not in the weight file; they cost the same with any numbers.
+        # The heads before the last are not in the weight file; their cost does not depend on the values.
         self.heads = [
             f"output_net.{i}" if f"output_net.{i}.first.weight" in weights
             else f"output_net.{self.layers - 1}"

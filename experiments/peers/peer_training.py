@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Training steps of the ViGAS network in PyTorch, on the processor: the peer of training_bench. Only
-the output head that is heard is computed. Weights, inputs and expected gradients come from
+the output head that is used is computed. Weights, inputs and expected gradients come from
 `training_bench --save FOLDER`.
 
 usage: peer_training.py FOLDER [--threads N] [--check] [--serve]
@@ -19,7 +19,7 @@ import torch
 
 from peer_pytorch import Network, read_safetensors
 
-LEARNING_RATE = 1e-5  # small: the weights of a benchmark should stay where they are
+LEARNING_RATE = 1e-5  # small, so that the weights hardly change
 
 
 class Trainer:

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""What a change of the simulator did to the tables of methods: the means of an earlier page beside new ones.
+"""The effect of a change of the simulator on the tables of methods: the means of an earlier page beside new ones.
 
 usage: experiments/publish/change_of_results.py EARLIER.md evaluate-single.json METHODS evaluate-novel.json METHODS
          >out/bench/change_of_results.md
 
 EARLIER.md is docs/results/methods.md of an earlier commit (git show COMMIT:docs/results/methods.md). METHODS, separated by
-commas, are those that are the same in both: a network, only if it is the same file.
+commas, are those that are the same in both; networks only if their files are the same.
 """
 import json
 import re
@@ -32,7 +32,7 @@ def earlier_means(page, section):
 
 
 def change_table(before, run, methods):
-    """Before -> after of every metric, and where the intervals lie apart."""
+    """Before -> after of every metric; bold where the intervals do not overlap."""
     metrics = [m for m in METRICS if any(m[0] in row for row in run["rows"])]
     lines = ["| method | " + " | ".join(heading for _, heading, _ in metrics) + " |",
              "|---" * (len(metrics) + 1) + "|"]

@@ -1,15 +1,15 @@
 #!/usr/bin/env python3
-"""Holds what ./dev results --quick measured against the numbers that are expected.
+"""Compares the measurements of ./dev results --quick with the expected numbers.
 
 usage: experiments/publish/check_quick.py MEASURED.json EXPECTED.json [--write]
 
-MEASURED is the JSON of `earpoint evaluate`. Every mean of every method must lie within a tolerance, which is
-a share of what is expected and of `input`'s error, for errors near 0 have no share to speak of. --write makes
-EXPECTED of what was measured.
+MEASURED is the JSON of `earpoint evaluate`. Every mean of every method must lie within a tolerance: a share of
+the expected value or of `input`'s error, whichever is larger, as errors near 0 need an absolute tolerance.
+--write makes EXPECTED from what was measured.
 
 The tolerances: the same program gives the same numbers, but other processors take other instructions, and
-rays that graze an edge then hit or miss; training takes such differences further with each step. With its
-libraries held to AVX2 in place of AVX-512 the trained networks' errors moved by up to a twentieth of input's.
+rays that graze an edge then hit or miss; training amplifies such differences with each step. With its
+libraries limited to AVX2 instead of AVX-512 the trained networks' errors moved by up to a twentieth of input's.
 """
 import json
 import sys
@@ -25,7 +25,7 @@ def means(text):
 
 
 def differences(measured, expected):
-    """(method, metric, measured, expected) of all that is too far off, or missing on either side."""
+    """(method, metric, measured, expected) of all numbers out of tolerance, or missing on either side."""
     for method in sorted(measured.keys() | expected.keys()):
         tolerance = TRAINED if method.endswith("-quick") else GIVEN
         ours, theirs = measured.get(method, {}), expected.get(method, {})

@@ -46,7 +46,7 @@ def extent(run):
 
 
 def intervals(run):
-    """What the intervals are drawn by, and which means are over fewer clips."""
+    """What is resampled for the intervals, and which means are over fewer clips."""
     fewer = {heading: min(row[key]["clips"] for row in run["rows"] if row.get(key))
              for key, heading, _ in METRICS if any(row.get(key) for row in run["rows"])}
     text = f"Intervals are drawn by {run.get('intervals_by', 'conversation')}."

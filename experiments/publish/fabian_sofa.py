@@ -4,9 +4,9 @@
 usage: experiments/publish/fabian_sofa.py hrirs_fabian_min_phase_eq.wav FABIAN.sofa
 
 The WAV file of Debian's soundscaperenderer-common holds 360 azimuths in the horizontal plane: channels 2 a and
-2 a + 1 are the left and right ear of azimuth a, counted to the left. Other heights take the azimuth with the
-same angle to the ears' axis, before or behind: delays and levels between the ears are right there, what the
-pinnae tell of height is missing. Needs python3-netcdf4 and python3-numpy.
+2 a + 1 are the left and right ear of azimuth a, counted to the left. Other elevations take the azimuth with the
+same angle to the interaural axis, in front or behind: interaural delays and levels are right there, but the
+spectral cues of elevation are missing. Needs python3-netcdf4 and python3-numpy.
 """
 import sys
 import wave
@@ -14,7 +14,7 @@ import wave
 import netCDF4
 import numpy
 
-DISTANCE_M = 2.5  # any beyond the head's near field will do: Earpoint takes the direction alone
+DISTANCE_M = 2.5  # any beyond the head's near field will do: Earpoint uses only the direction
 EAR_M = 0.08
 STEP_DEG = 5
 ELEVATIONS_DEG = range(-80, 81, 10)
@@ -35,7 +35,7 @@ def read_hrirs(path):
 
 
 def horizontal_azimuth_deg(azimuth_deg, elevation_deg):
-    """The azimuth in the horizontal plane with the same angle to the ears' axis."""
+    """The azimuth in the horizontal plane with the same angle to the interaural axis."""
     azimuth, elevation = numpy.radians(azimuth_deg), numpy.radians(elevation_deg)
     lateral = numpy.degrees(numpy.arcsin(numpy.sin(azimuth) * numpy.cos(elevation)))
     return round(lateral if numpy.cos(azimuth) >= 0 else 180 - lateral) % 360

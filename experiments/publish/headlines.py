@@ -58,7 +58,7 @@ def largest_error(content):
 
 
 def times_slower(content):
-    """How often slower the peer's whole is, from the two times of the table."""
+    """How many times slower the peer is as a whole, from the two times of the table."""
     rows = {row[""]: float(row["whole, ms"]) for row in tables_of(content)[0]}
     return f"**{rows['PyTorch, last head, tuned allocator'] / rows['Earpoint']:.1f}** times faster"
 
@@ -100,7 +100,7 @@ HEADLINES = [
     Headline("commands killed at random moments and restarted", "Killed at random moments", kills),
 ]
 
-# What README shows of them.
+# The numbers that README shows.
 README = [(NOVEL, LRE_OF_GTF, "error of the left-right energy ratio with `gtf` in homes that it was not trained "
            "on, over that of the unchanged recording"),
           ("Speed: rendering a clip", GTF_SPEED, "`gtf` on one core, at 48 kHz, reading and writing included"),
@@ -144,7 +144,7 @@ def headline_table(measured):
 
 
 def readme_lines(measured):
-    """Three numbers for README, each with the page that it stands on."""
+    """Three numbers for README, each with a link to its page."""
     values = [(value_of(section, value, measured), section, words) for section, value, words in README]
     return [f"- {value.removesuffix(' of input')}: {words} ([where measured]({link(section, 'docs/results/')}))"
             for value, section, words in values if value]

@@ -3,9 +3,8 @@
 
 usage: experiments/publish/learning_curves.py RUNS PICTURE.svg
 
-RUNS holds a folder for each method as `earpoint train --out` fills it, and is named after the data. The
-table's forecast extends the line through the later half of a curve, on logarithmic axes, to ten times the
-clips.
+RUNS has a folder of `earpoint train --out` for each method, and is named after the data. The table's forecast
+extends the line through the later half of a curve, on logarithmic axes, to ten times the clips.
 """
 import csv
 import json
@@ -21,7 +20,7 @@ COLOURS = {"gtf": "#0072b2", "vigas": "#d55e00", "vigas-blind": "#e69f00",
 def curve_of(folder):
     """(clips, error) pairs of the validations, and seconds of the whole run.
 
-    Steps that made no sound are not counted, nor are validations before their end.
+    Steps that produced no sound are not counted, nor are validations before the end of these steps.
     """
     with open(os.path.join(folder, "validation.csv"), encoding="utf-8") as file:
         rows = [{key: float(value) for key, value in row.items()} for row in csv.DictReader(file)]
@@ -66,7 +65,7 @@ def picture(data, runs):
     left = LEFT
     most = max(curve[-1][0] for _, curve, _ in runs)
     errors = [error for _, curve, _ in runs for _, error in curve]
-    # Networks start as a copy of their input or later: what lies above went wrong and is cut off.
+    # Networks start as a copy of their input: larger errors are cut off.
     low, high = 0.98 * min(errors), 1.02 * max(curve[0][1] for _, curve, _ in runs)
     parts = [f'<svg xmlns="http://www.w3.org/2000/svg" width="{width + 2 * LEFT}" height="{HEIGHT}" '
              'font-family="sans-serif" font-size="12"><rect width="100%" height="100%" fill="#fff"/>',

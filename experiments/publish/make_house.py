@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Writes a building as an OBJ file that no generator here would draw: an octagonal brick hall of 9 m under a
-steep roof, a bare corridor of 8 m, and an attic with sloping ceilings.
+"""Writes an OBJ file of a building unlike the generated homes: an octagonal brick hall of 9 m under a steep
+roof, a bare corridor of 8 m, and an attic with sloping ceilings.
 
 usage: experiments/publish/make_house.py HOUSE.obj
 
-Metres, z up. Groups bear the names of their materials, which `earpoint simulate --scene` knows.
+Metres, z up. Groups have the names of their materials, which `earpoint simulate --scene` knows.
 """
 import math
 import sys

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Makes the clips that shipped_gtf_test.cpp tries a shipped network on, out of the test split of a data set of
-earpoint simulate: one second of a voice heard in a home, what the camera saw, where the speaker truly is.
+"""Makes the clips with which shipped_gtf_test.cpp tests a shipped network, from the test split of a data set of
+earpoint simulate: one second of a voice in a home, the camera's picture and the speaker's true position.
 
 usage: experiments/publish/make_sanity_clips.py DATA FOLDER
 
 FOLDER gets sounds.flac (left ear, right ear, dry voice; 16 kHz, the clips one after the other), views.png
-(64 x 64 pixels each, one below the other) and clips.json. One clip a conversation, of the Asterisk voices alone,
+(64 x 64 pixels each, one below the other) and clips.json. One clip per conversation, only of the Asterisk voices,
 whose licences allow it. The data of the committed clips: simulate --scenes 120 --conversations 6 --rays 1000
 --seed 11.
 """
@@ -48,7 +48,7 @@ def heard(voice, response):
 
 
 def place(viewpoint, speaker):
-    """Of the mouth in the viewpoint's frame (x front, y left, z up); files have y up and look along -z."""
+    """The mouth's position in the viewpoint's frame (x front, y left, z up); files have y up and look along -z."""
     dx, dy, dz = (s - v for s, v in zip(speaker["location"], viewpoint["location"]))
     front, left, yaw = -dz, -dx, viewpoint["rotation"]
     return [front * math.cos(yaw) + left * math.sin(yaw),
@@ -67,7 +67,7 @@ def pictures(paths):
 
 
 def chosen(data):
-    """A viewpoint and speaker a conversation: one in sight of the camera."""
+    """A viewpoint and a speaker in sight of it, one of each conversation."""
     for scene in sorted(os.listdir(os.path.join(data, SPLIT))):
         with open(os.path.join(data, SPLIT, scene, "cleaned_metadata_v3.json")) as file:
             clips = json.load(file)
@@ -95,7 +95,7 @@ def main():
         if len(voice) < RATE_HZ:
             continue
         response = decoded(os.path.join(data, viewpoint["rir"][str(speaker["id"])]), 2)
-        # As loaders do: what both ears wait for is dropped.
+        # As in the loaders, the common delay of both ears is dropped.
         response = response[numpy.flatnonzero(numpy.abs(response).max(axis=1) > 0)[0]:]
         sounds.append(numpy.concatenate([heard(voice, response), voice[:, None]], axis=1))
         views.append(os.path.join(data, viewpoint["image"]))

@@ -28,7 +28,7 @@ def tables_of(text):
 
 
 def estimate(cell):
-    """`0.86 [0.84, 0.88]` or a bare number; None for what was not measured."""
+    """`0.86 [0.84, 0.88]` or a bare number; None if it was not measured."""
     found = re.match(r"\**(-?[\d.]+)(?: \[(-?[\d.]+), (-?[\d.]+)\])?", cell)
     return Estimate(*(None if text is None else float(text) for text in found.groups())) if found else None
 

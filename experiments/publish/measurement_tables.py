@@ -23,8 +23,8 @@ def gtf_training_table(text):
         ms = 1000 * row["processor_s_per_clip"]
         rows.append(f"| {row['build']} | {row['jobs'] or 'default'} | {row['clips_per_s']:.0f} | {ms:.1f} | "
                     f"{2000 / ms:.0f} clips/s |")
-    return "\n".join(rows + ["", f"{run['cores']} cores; losses after the same steps differ by "
-                             f"{run['loss_difference']:.0e} of themselves."])
+    return "\n".join(rows + ["", f"{run['cores']} cores; relative difference of the losses after the "
+                             f"same steps: {run['loss_difference']:.0e}."])
 
 
 def network_table(text):
@@ -92,8 +92,8 @@ def rt60_table(text):
     for step in run["by_time"]:
         rows.append(f"| from {step['from_s']:.1f} s | {step['responses']} | {step['error_s']:.3f} s |")
     rows += [f"| **all** | {run['responses']} | **{run['error_s']:.3f} s** (goal 0.08) |", "",
-             f"On average {run['bias_s']:+.3f} s off; always saying the median would be "
-             f"{run['error_of_saying_the_median_s']:.3f} s off."]
+             f"Bias {run['bias_s']:+.3f} s; an estimator that always returns the median has an error of "
+             f"{run['error_of_saying_the_median_s']:.3f} s."]
     return "\n".join(rows)
 
 
@@ -113,21 +113,21 @@ def speaker_table(text):
              row("one is out of the picture, the other speaks", run["one_in_sight"]),
              row("the speaker is out of the picture (right: saying so)", run["speaker_outside"]),
              row("**all** (goal 80 %)", run["all"]), "",
-             "How sure it says to be, and how often it is right:", "", "| certainty | cases | right |", "|---|---|---|"]
+             "The certainty that is stated, and how often the answer is right:", "", "| certainty | cases | right |", "|---|---|---|"]
     for step in run["by_certainty"]:
         if step["cases"]:
             rows.append(f"| {step['from']:.2f} to {min(step['to'], 1):.2f} | {step['cases']} | "
                         f"{100 * step['right']:.1f} % |")
     if run.get("gtf_told"):
-        rows += ["", "gtf's mean errors over those of the unchanged source, by what it is told of the speaker:", "",
+        rows += ["", "gtf's mean errors over those of the unchanged source, by what it gets of the speaker:", "",
                  "| told | Mag | LRE | interaural delay |", "|---|---|---|---|"]
         for name, errors in run["gtf_told"].items():
             rows.append(f"| {name} | {errors['mag']:.3f} | {errors['lre_db']:.3f} | {errors['itd_us']:.3f} |")
     if run.get("mono_given"):
-        rows += ["", "The source made mono, its voice put at a person and rendered by gtf: clips whose level between "
-                 "the ears is within 2 dB of the truth (goal 80 %).", "", "| source | clips | within 2 dB | median error |",
+        rows += ["", "The source made mono, its voice placed at a person and rendered by gtf: clips whose interaural "
+                 "level difference is within 2 dB of the truth (goal 80 %).", "", "| source | clips | within 2 dB | median error |",
                  "|---|---|---|---|"]
-        for name, key in (("mono, at the true speaker", "mono_given"), ("mono, at the one who was found", "mono_found"),
+        for name, key in (("mono, at the true speaker", "mono_given"), ("mono, at the person found", "mono_found"),
                           ("binaural", "binaural")):
             part = run[key]
             rows.append(f"| {name} | {part['cases']} | {100 * part['within_2_db']:.1f} % | {part['median_db']:.2f} dB |")
@@ -141,7 +141,7 @@ def detection_table(text):
     for line in text.splitlines():
         run = json.loads(line)
         clear = run["unoccluded"]
-        # Views of conversations do not tell who is hidden: everybody with a box counts.
+        # It is unknown who is hidden in views of conversations: everybody with a box counts.
         known = clear["people"] > 0
         count = clear if known else run["all"]
         heights = [f"{step['recall']:.3f}" if known and step["people"] else "-"
@@ -153,7 +153,7 @@ def detection_table(text):
 
 
 def demo_table(text):
-    rows = ["| earpoint | truly: level, left-right (dB) | method | level error (dB) | LRE (dB) | Mag | RTE (s) |",
+    rows = ["| earpoint | true level, left-right (dB) | method | level error (dB) | LRE (dB) | Mag | RTE (s) |",
             "|---|---|---|---|---|---|---|"]
     for earpoint in json.loads(text)["earpoints"]:
         truth = earpoint["truth"]
@@ -276,7 +276,7 @@ def simulation_table(text):
 def session_table(text):
     run = json.loads(text.splitlines()[-1])
     return "\n".join([
-        "| core-seconds per minute | of them sound | minutes that two cores make in an hour |", "|---|---|---|",
+        "| core-seconds per minute | of that, sound | minutes that two cores make in an hour |", "|---|---|---|",
         f"| {run['core_s_per_minute']:.0f} | {run['core_s_per_minute_without_pictures']:.0f} "
         f"| {run['minutes_per_hour_on_two_cores']:.0f} |"])
 

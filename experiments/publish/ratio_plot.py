@@ -1,12 +1,12 @@
-"""A dot plot of ratios to `input` with their intervals, as SVG: one row a method or case, one panel a metric."""
+"""A dot plot of ratios to `input` with their intervals, as SVG: one row per method or case, one panel per metric."""
 import html
 
 from markdown_tables import estimate
 
 ROW, TOP, LABELS, PANEL, GAP = 20, 44, 250, 180, 44
-LAST = 1.5  # The right edge of a panel; what lies beyond is written there.
+LAST = 1.5  # The right edge of a panel; larger values are written there.
 FONT = 'font-family="sans-serif" font-size="12" fill="#1d2430"'
-# What is given part of the answer is no competitor: it is drawn lighter.
+# Oracles, which are given part of the answer, are drawn lighter.
 COLOURS = {False: "#0072b2", True: "#8a93a0"}
 
 
@@ -40,7 +40,7 @@ def mark(left, y, found, colour):
 
 
 def ratio_plot(rows, plot):
-    """The SVG, or None where the table has nothing to show."""
+    """The SVG, or None if the table has nothing to show."""
     named = [(": ".join(filter(None, (row.get(label, "") for label in plot.labels))), row) for row in rows]
     named = [(name, row) for name, row in named if name not in ("input", "oracle-all")]
     columns = [column for column in plot.columns if any(column in row for _, row in named)]

@@ -17,7 +17,7 @@ NOT_MEASURED = "*Not measured yet.*"
 
 
 class Measured(NamedTuple):
-    """What a section shows besides its words."""
+    """What a section shows besides its introduction."""
     when: str       # "on 2026-11-28 at 4c06d99"
     content: str    # Markdown, tables
     now: bool       # from a file of this run
@@ -33,7 +33,7 @@ class Measured(NamedTuple):
 
 
 def stamp(path):
-    """When a file was measured, and the last commit before that where this is a checkout."""
+    """When a file was measured, and the last commit before that if this is a checkout."""
     seconds = os.path.getmtime(path)
     commit = ""
     if shutil.which("git"):
@@ -76,7 +76,7 @@ def sections_of(path):
 
 
 def earlier_sections(results):
-    """What an earlier run wrote, be it into one page or into several."""
+    """What an earlier run wrote, into one page or several."""
     found = sections_of(results)
     for page in PAGES:
         found |= sections_of(page_path(results, page))

@@ -1,4 +1,4 @@
-"""What the pages behind docs/results.md show: their sections, the file each is made of, and the words above it."""
+"""The contents of the pages behind docs/results.md: their sections, the file of each, and the text above it."""
 from dataclasses import dataclass
 from typing import Callable, NamedTuple, Optional
 
@@ -50,7 +50,7 @@ METHODS = Page("methods", "Methods", "Errors of every method on the same pairs, 
     Section("Methods in one home", "evaluate-single.json", evaluation_table,
             EVALUATION_WORDS + "One home, split by conversation.", Plot("methods-single", RATIOS)),
     Section("Methods in unseen homes, with preceding sound", "context-novel.json", evaluation_table,
-            "`earpoint evaluate --context 4 --json`: the same pairs, but `dsp` and networks also hear the four seconds "
+            "`earpoint evaluate --context 4 --json`: the same pairs, but `dsp` and networks also get the four seconds "
             "before the second that is compared, in overlapping windows that are cross-faded, as in a long recording.",
             Plot("methods-context-novel", RATIOS)),
     Section("Learning curves in one home", "learning_curves-single.md", None,
@@ -86,9 +86,9 @@ PEOPLE = Page("people-and-recordings", "People and recordings",
               "Finding people and who speaks, and data sets made of recorded sessions.", [
     Section("People in pictures", "people_detection.jsonl", detection_table,
             "`people_detection DATA test`: a person is found where a box overlaps by half (intersection over union). "
-            "*Drawn*: pictures of `earpoint-people-pictures`, homes and people of its test split; counted are people of "
-            "whom nothing but the picture's edge hides more than a tenth. *Views of conversations*: those of "
-            "`earpoint simulate`'s test split; counted is everybody with a box, hidden or not. *Photographs*: four of "
+            "*Drawn*: pictures of `earpoint-people-pictures`, homes and people of its test split; people count if at most a "
+            "tenth of them is hidden by anything but the picture's edge. *Views of conversations*: those of "
+            "`earpoint simulate`'s test split; everybody with a box counts, hidden or not. *Photographs*: four of "
             "people and six of things from Debian packages, boxes drawn by hand (`experiments/publish/photographs.json`): "
             "a smoke test, not a measurement. NanoDet is what `./dev assets --people` installs."),
     Section("Who speaks, in unseen homes", "active_speaker.json", speaker_table,
@@ -149,7 +149,7 @@ SPEED = Page("speed-and-memory", "Speed, memory and exactness", "Timings on anot
             "`gtf_bench`: one second of sound, networks in turns, medians; multiply-adds counted by the direct form."),
     Section("Speed: one second of sound through the released network", "vigas.md", None,
             "`experiments/peers/compare_vigas.py`: Earpoint and PyTorch take turns in one run; medians. GFLOP are "
-            "counted by the direct form of the convolutions, whatever was really multiplied."),
+            "those of the direct form of the convolutions, whatever algorithm is used."),
     Section("Exactness: our engine against the authors' code", "oracle_errors.md", None,
             "The same weights and inputs through `earpoint model run` and through the released code. "
             "Tests hold every output to 1e-4, on every instruction set that the machine has."),
@@ -172,8 +172,8 @@ SPEED = Page("speed-and-memory", "Speed, memory and exactness", "Timings on anot
     Section("Speed: training gtf", "training_gtf.json", gtf_training_table,
             "`experiments/measure/gtf_training.py`: the whole of `earpoint train` with `configs/gtf.json`, its "
             "examples prepared on the fly, medians of runs in turns. *before* is the build before the optimisations of "
-            "[ADR 0015](../adr/0015-training-speed.md). Other work on the machine affects wall time, processor time "
-            "hardly."),
+            "[ADR 0015](../adr/0015-training-speed.md). Other work on the machine affects wall time, but hardly "
+            "processor time."),
 ])
 
 ROBUSTNESS = Page("robustness", "Robustness", "Inputs that differ from the training data, ambient noise, and commands that "
@@ -190,7 +190,7 @@ ROBUSTNESS = Page("robustness", "Robustness", "Inputs that differ from the train
             Plot("generalisation-heads", ("Mag", "LRE", "ITD"), ("", "case"))),
     Section("Ambient sound in unseen homes", "ambient-novel.json", evaluation_table,
             "`earpoint evaluate --ambient -40 --json`: room noise in every source, separated by the high-pass at 80 Hz; "
-            "the target is clean. `no-separation` was trained with the noise in both sounds and hears all of it; its "
+            "the target is clean. `no-separation` was trained with the noise in both sounds and gets all of it; its "
             "output is separated. `with-ambient` was trained on separated sounds.", Plot("ambient-novel", RATIOS)),
     Section("Ambient sound in one home", "ambient-single.json", evaluation_table,
             "`earpoint evaluate --ambient -40 --json`, as above.", Plot("ambient-single", RATIOS)),
@@ -216,7 +216,7 @@ OLDER = Page("older", "Older comparisons", "Comparisons of two versions, made on
 
 PAGES = [METHODS, ABLATIONS, PEOPLE, SIMULATOR, SPEED, ROBUSTNESS, OLDER]
 
-# Sections and sentences that read otherwise on earlier pages.
+# Headings and sentences with another wording on earlier pages.
 FORMER_TITLES = {"Methods in unseen homes, with sound before": "Methods in unseen homes, with preceding sound"}
 FORMER_WORDS = {"With what the published evaluation does with the target's help:":
                     "With the published evaluation's use of the target (it corrects signs, and delays on Replay-NVAS):",

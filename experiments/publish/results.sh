@@ -1,8 +1,8 @@
-# What ./dev results does. ./dev sources this file; say, build, bench, demo, gather_speech and
-# speech_folder are its own.
+# The command ./dev results. ./dev sources this file; say, build, bench, demo, gather_speech and
+# speech_folder are from there.
 # shellcheck shell=bash disable=SC2154
 
-# The data of the paper's two set-ups, one home and unseen homes: two cores half an hour, once.
+# The data of the paper's two set-ups, one home and unseen homes: half an hour on two cores, once.
 simulate_data() {
   local earpoint=$1
   [ -f "$speech_folder/speech.csv" ] || gather_speech "$speech_folder"
@@ -11,7 +11,7 @@ simulate_data() {
   "$earpoint" simulate --scenes 1 --conversations 420 --rays 1000 --seed 3 --out out/data/single
 }
 
-# On one thread, as sums depend on how many there are; goes on where it was stopped.
+# Trains on one thread, as sums depend on the number of threads; continues an interrupted run.
 # Usage: train_run EARPOINT CONFIG DATA RUN [KEY=VALUE...]
 train_run() {
   local earpoint=$1 config=configs/$2.json data=$3 run=$4 setting settings=()
@@ -22,7 +22,7 @@ train_run() {
     "$earpoint" train "$config" "${settings[@]}" --data "$data" --out "$run" --jobs 1 --resume
 }
 
-# Networks without one of their parts, which train for less long: NAME CONFIG [KEY=VALUE...]
+# Networks without one of their parts, which are trained for fewer steps: NAME CONFIG [KEY=VALUE...]
 ablations=(
   "gtf gtf"
   "gtf-blind gtf network.picture_px=0 network.box=false"
@@ -46,7 +46,7 @@ train_ablation() {
   train_run "$earpoint" "$config" "$data" "$run" $short "$@"
 }
 
-# What the tables compare, and the ablations.
+# The networks that the tables compare, and the ablations.
 train_data_set() {
   local earpoint=$1 data=out/data/$2 runs=out/runs/$2 ablation name config settings steps=16000
   # One home is learned sooner than unseen ones.
@@ -80,8 +80,8 @@ train_methods() {
     data.target=near_microphone data.ambient_db=-40
 }
 
-# Recordings as Replay-NVAS has them: twelve sessions in one flat, split by session, the clips that are
-# cut from them, and what is trained on these. Hours on two cores.
+# Recordings in the layout of Replay-NVAS: twelve sessions in one flat, split by session, the clips that are
+# cut from them, and the networks trained on these. Hours on two cores.
 record_sessions() {
   local earpoint=$1 session name methods=input,tf,dsp,gtf,vigas
   say "Recording simulated sessions into out/data/sessions, and their clips into out/data/recorded"
@@ -102,7 +102,7 @@ record_sessions() {
     >out/bench/evaluate-recorded.json
 }
 
-# Every method side by side on the frozen test pairs, into out/bench; what was not trained has no row.
+# Every method side by side on the frozen test pairs, into out/bench; networks that were not trained have no row.
 # Usage: evaluate_methods EARPOINT DATA...
 evaluate_methods() {
   local earpoint=$1 data name methods weights
@@ -139,9 +139,9 @@ evaluate_methods() {
   done
 }
 
-# The test splits that other heads and buildings are heard in: the same homes and conversations with the
-# ears of KEMAR and of FABIAN (Debian's soundscaperenderer-common, unpacked and not installed), and a house
-# that is read from a file.
+# The test splits with another head and another building: the same homes and conversations with the ears of
+# KEMAR and of FABIAN (Debian's soundscaperenderer-common, unpacked and not installed), and a house that is
+# read from a file.
 simulate_generalisation() {
   local earpoint=$1 unpacked head
   local homes=(--scenes 12 --conversations 3 --split test --rays 1000 --seed 99)
@@ -163,7 +163,7 @@ simulate_generalisation() {
     --rays 1000 --seed 99 --out out/data/imported
 }
 
-# Speech enhancement, and what gtf was not trained for.
+# Speech enhancement, and conditions for which gtf was not trained.
 evaluate_beyond() {
   local earpoint=$1
   if [ -d out/enhance ]; then
@@ -204,15 +204,15 @@ measure_simulator() {
   python3 experiments/measure/session_sync.py "$earpoint" "$speech_folder" out/data/sync >out/bench/session_sync.jsonl
 }
 
-# Whether anything is lost or left where a command is killed.
+# Whether killing a command loses anything or leaves anything behind.
 measure_kills() {
   [ -f "$speech_folder/speech.csv" ] || gather_speech "$speech_folder"
   say "Killing commands at random moments"
   python3 experiments/stress/kill_anywhere.py "$1" "$speech_folder" examples/clip.mp4 out/kills >out/bench/kills.json
 }
 
-# Photographs of people and of things out of Debian packages, which are unpacked and not installed, with
-# the boxes that experiments/publish/photographs.json has for them.
+# Photographs of people and of things from Debian packages, which are unpacked and not installed, with the
+# boxes of experiments/publish/photographs.json.
 # Usage: gather_photographs FOLDER
 gather_photographs() (
   local folder=$1/test/photographs unpacked package
@@ -231,8 +231,8 @@ gather_photographs() (
   cp experiments/publish/photographs.json "$folder/people.json"
 )
 
-# People in pictures that no detector of ours learned from, simulated and photographed: the shipped
-# detector, and NanoDet where ./dev assets --people has installed it.
+# People in pictures that our detector was not trained on, simulated and photographed: the shipped detector,
+# and NanoDet if ./dev assets --people has installed it.
 measure_detectors() {
   local detector data
   local installed=${EARPOINT_DATA_DIR:-${XDG_DATA_HOME:-$HOME/.local/share}/earpoint}/people-nanodet.onnx
@@ -285,8 +285,8 @@ results() {
   [ -z "$failed_gates" ] || fail "$failed_gates gates do not hold: see docs/results/simulator.md"
 }
 
-# The whole way in miniature, from voices to tables, in minutes: six voices, twelve homes of stand-in
-# furniture, networks that train for seconds. Holds every number against experiments/publish/quick_expected.json.
+# The whole process in miniature, from voices to tables, in minutes: six voices, twelve homes with stand-in
+# furniture, networks that train for seconds. Compares every number with experiments/publish/quick_expected.json.
 # EARPOINT_PRESET=dev takes the binary of the tests.
 quick_results() {
   local preset=${EARPOINT_PRESET:-release} quick=$PWD/out/quick

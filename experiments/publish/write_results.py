@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""Writes docs/results.md and the pages behind it from what ./dev results has measured. Writes numbers, no judgement.
+"""Writes docs/results.md and the pages behind it from what ./dev results has measured: numbers, without judgement.
 
 usage: experiments/publish/write_results.py MEASURED RESULTS.md [--measured-only] [--readme README.md]
 
 MEASURED is a folder with the files that experiments/publish/result_sections.py names. RESULTS.md gets the headline
 numbers; a page for each topic goes into results/ beside it, plots into images/. A section whose file is missing
-keeps its numbers, and is marked as older where others are of a later day. Earlier versions had all sections in
-RESULTS.md: they are taken over. --measured-only leaves out what was never measured and starts from nothing that
-was written before. --readme renews the lines of README.md between <!-- results --> and <!-- /results -->.
+keeps its numbers, and is marked as older if others are of a later day. Sections of earlier versions, which were
+all in RESULTS.md, are kept. --measured-only leaves out what was never measured and ignores what was written
+before. --readme renews the lines of README.md between <!-- results --> and <!-- /results -->.
 """
 import argparse
 import os

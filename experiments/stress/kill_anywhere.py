@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Kills simulate, train, evaluate and render at random moments and looks at what is left.
+"""Kills simulate, train, evaluate and render at random moments and checks the files.
 
 usage: experiments/stress/kill_anywhere.py EARPOINT SPEECH CLIP FOLDER [--times N] [--seed N] >kills.json
 
@@ -27,7 +27,7 @@ CONFIG = {"format": "earpoint-train-1",
 
 
 def digest(path):
-    """Of a file's bytes; of a weight file's tensors, since its metadata hold the run's clock."""
+    """A digest of a file's bytes; of a weight file only of its tensors, since its metadata have the run's times."""
     with open(path, "rb") as file:
         content = file.read()
     if path.endswith(".safetensors"):
@@ -70,7 +70,7 @@ class Task:
 
 
 def killed_after(task, seconds):
-    """Whether the command still ran by then; it runs no more."""
+    """Kills the command after that time. @return whether it was still running"""
     process = task.start()
     try:
         process.communicate(timeout=seconds)
@@ -129,7 +129,7 @@ def main():
     subprocess.run(simulation(inside("data", "homes")), check=True)
     tasks = [
         Task("simulate", simulation(inside("simulate", "homes")), inside("simulate")),
-        # These show seconds.
+        # These files have times in seconds.
         Task("train", [earpoint, "train", inside("config.json"), "--data", inside("data", "homes"), "--out",
                        inside("train", "run"), "--resume", "--jobs", "1"], inside("train"),
              ("validation.csv", "curves.png")),

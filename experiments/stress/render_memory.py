@@ -26,8 +26,8 @@ def main():
             ["ffmpeg", "-v", "error", "-stream_loop", "-1", "-i", clip, "-t", str(MINUTES * 60),
              "-c", "copy", long_clip],
             check=True)
-        # Only what comes from here on counts: the greatest of all children so far is kept by the
-        # system, and ffmpeg was one of them.
+        # In a child process: the system reports the largest memory of all children so far, and ffmpeg
+        # was one of them.
         reader, writer = os.pipe()
         start = time.monotonic()
         child = os.fork()

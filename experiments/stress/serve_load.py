@@ -2,7 +2,7 @@
 """Load on the server of `earpoint serve`: many connections, many poses, slow and broken ones. Needs wrk.
 
 Usage: python3 experiments/stress/serve_load.py EARPOINT CLIP [SERVE_ARGUMENT...]
-Prints a JSON object a line. Exits with 1 if a request failed, or slow connections kept the server busy.
+Prints one JSON object per line. Exits with 1 if a request failed, or slow connections kept the server busy.
 """
 import json
 import re
@@ -18,11 +18,11 @@ CONNECTIONS = 200
 SECONDS = 8
 LISTENERS = 8
 POSES = 10_000
-PART = 2048  # samples of one request, as the page asks for them
-SLOW = 100  # connections that drip
+PART = 2048  # samples of one request, as in the page
+SLOW = 100  # connections that send a byte a second
 
 SCRIPT = """
--- Poses of listeners in turns; or one address, where there are none.
+-- Poses of all listeners, one after the other; without listeners, one address.
 local listeners = {%s}
 local method = "%s"
 local count = 0

@@ -53,7 +53,7 @@ class ConfigurationWriter {
     const bool is_choice = study_.design == StudyDesign::choice;
     std::string question = "Which sound is closest to the reference?";
     if (scale == kStudyScales[0])
-      question = "How close is the place of the voice to the reference?";
+      question = "How close is the position of the voice to the reference?";
     if (scale == kStudyScales[1]) question = "How close is the timbre to the reference?";
     const std::string content =
         fmt::format("<p>{}</p><img src=\"{}\" alt=\"What the listener sees\" height=\"256\">",
