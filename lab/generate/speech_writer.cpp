@@ -1,5 +1,7 @@
 #include "speech_writer.h"
 
+#include <system_error>
+
 #include <earpoint/audio/sound_file.h>
 #include <earpoint/core/file.h>
 #include <earpoint/dataset/soundspaces_metadata.h>
@@ -21,6 +23,7 @@ void write_speech(const fs::path& path, const Waveform& speech, SpeechForm form)
   fs::path aside = path;
   aside.replace_extension(".wav");
   write_sound(aside, speech, SampleFormat::float32);
+  std::error_code error;
   fs::rename(aside, path, error);
   // Another process that writes the same may have been a moment earlier.
   if (error && !fs::exists(path))

@@ -69,7 +69,7 @@ RunState run_state_in(const SafetensorsFile& checkpoint) {
 
 RunFolder::RunFolder(const TrainerOptions& options, std::int64_t last_step)
     : options_(options),
-      steps_(made(options.folder) / "steps.csv", "step,loss,learning_rate", last_step),
+      steps_(create_folder(options.folder) / "steps.csv", "step,loss,learning_rate", last_step),
       validations_(options.folder / "validation.csv", "step,clips,seconds,loss,error", last_step) {
   write_file(options.folder / "config.json", options.config);
 }
