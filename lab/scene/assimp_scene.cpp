@@ -24,7 +24,7 @@
 namespace earpoint {
 namespace {
 
-constexpr std::string_view kMend = "export it again, or convert it with another program";
+constexpr std::string_view kHint = "export it again, or convert it with another program";
 constexpr unsigned int kSteps = aiProcess_SortByPType | aiProcess_GenUVCoords;
 
 /// Textures of a model, each decoded once.
@@ -304,7 +304,7 @@ nlohmann::json check_gltf(const std::filesystem::path& path) {
   const std::optional<std::string> text = gltf_json(path);
   auto json = nlohmann::json::parse(text.value_or(""), nullptr, false);
   if (json.is_discarded() || !json.is_object()) {
-    throw InputError(path.string(), "is damaged: its JSON cannot be read", kMend);
+    throw InputError(path.string(), "is damaged: its JSON cannot be read", kHint);
   }
   const auto images = json.find("images");
   if (images == json.end() || !images->is_array()) return json;
@@ -343,7 +343,7 @@ ImportedScene read_with_assimp(const std::filesystem::path& path, const ImportOp
   }
   if (source == nullptr) {
     throw InputError(path.string(), fmt::format("cannot be read as a model: {}", one_line(problem)),
-                     kMend);
+                     kHint);
   }
   return AssimpReader(*source, path, options, up_axis).read();
 }

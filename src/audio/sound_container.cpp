@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr const char* kMend = "copy or export it again";
+constexpr const char* kHint = "copy or export it again";
 
 /// A file read at given places; what lies behind its end is missing from the result.
 class FileBytes {
@@ -56,12 +56,12 @@ std::uint64_t little_endian(std::string_view bytes) {
       path.string(),
       fmt::format("is truncated: its header promises {} bytes of samples, {} are there", claimed,
                   present),
-      kMend);
+      kHint);
 }
 
 void check_wav(const fs::path& path) {
   const std::optional<WavData> data = find_wav_data(path);
-  if (!data) throw InputError(path.string(), "is truncated: it has no data chunk", kMend);
+  if (!data) throw InputError(path.string(), "is truncated: it has no data chunk", kHint);
   if (data->is_cut()) throw_cut(path, data->claimed, data->present);
 }
 
@@ -79,7 +79,7 @@ void check_w64(FileBytes& file) {
     if (length > file.size()) break;
     position += (length + 7) / 8 * 8;
   }
-  throw InputError(file.path().string(), "is truncated: it has no data chunk", kMend);
+  throw InputError(file.path().string(), "is truncated: it has no data chunk", kHint);
 }
 
 /// The last page carries a mark and must be whole: 27 bytes, a table of segment lengths, segments.
@@ -99,7 +99,7 @@ void check_ogg(FileBytes& file) {
     if ((page[5] & kEndOfStream) != 0 && table.size() == segments && length <= page.size()) return;
   }
   throw InputError(file.path().string(), "is truncated: its last Ogg page is missing or cut",
-                   kMend);
+                   kHint);
 }
 
 }  // namespace

@@ -23,8 +23,8 @@ namespace {
 
 /// Samples of all channels that are decoded at a time.
 constexpr std::ptrdiff_t kBlockSamples = 1 << 18;
-constexpr const char* kMendFormat = "convert it to WAV, W64, FLAC or OGG";
-constexpr const char* kMendTruncated = "copy or export it again";
+constexpr const char* kHintFormat = "convert it to WAV, W64, FLAC or OGG";
+constexpr const char* kHintTruncated = "copy or export it again";
 
 struct CloseSound {
   void operator()(SNDFILE* file) const { sf_close(file); }
@@ -37,7 +37,7 @@ void check_is_a_file(const fs::path& path) {
   if (!fs::exists(status)) throw InputError(path.string(), "no such file");
   if (!fs::is_regular_file(status)) throw InputError(path.string(), "is not a file");
   if (fs::file_size(path, error) == 0) {
-    throw InputError(path.string(), "is empty (0 bytes)", kMendTruncated);
+    throw InputError(path.string(), "is empty (0 bytes)", kHintTruncated);
   }
 }
 
@@ -47,7 +47,7 @@ SoundHandle open_sound(const fs::path& path, SF_INFO& info) {
   SoundHandle file(sf_open(path.c_str(), SFM_READ, &info));
   if (!file) {
     const std::string reason = sf_strerror(nullptr);
-    throw InputError(path.string(), "is not a readable sound file (" + reason + ")", kMendFormat);
+    throw InputError(path.string(), "is not a readable sound file (" + reason + ")", kHintFormat);
   }
   return file;
 }
@@ -118,7 +118,7 @@ Waveform SoundReader::read(std::ptrdiff_t frames) {
           fmt::format("is corrupt or truncated: can be read up to sample {} of {} ({})",
                       s.position + std::max<sf_count_t>(got, 0), s.info.frames,
                       sf_error(s.file.get()) != 0 ? sf_strerror(s.file.get()) : "the data ends"),
-          kMendTruncated);
+          kHintTruncated);
     }
     for (int c = 0; c < s.info.channels; ++c) {
       const std::span<float> channel = result.channel(c);

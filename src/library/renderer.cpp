@@ -97,9 +97,9 @@ void check_options(const RendererOptions& options) {
     return;
   }
   throw InputError("field of view",
-                   fmt::format("{:.3g} degrees is not a camera's",
+                   fmt::format("expected 10 to 170 degrees, found {:.3g}",
                                degrees_from_radians(options.horizontal_fov_rad)),
-                   "give radians, from 10 to 170 degrees");
+                   "give it in radians");
 }
 
 }  // namespace

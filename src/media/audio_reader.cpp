@@ -134,7 +134,7 @@ struct AudioReader::State {
     // The first frame tells the true rate: a header may state half of it (HE-AAC).
     has_following = decoder.next(*following);
     if (!has_following) {
-      throw InputError(container.where(stream), "holds no sound", ffmpeg::kDamagedMend);
+      throw InputError(container.where(stream), "holds no sound", ffmpeg::kDamagedHint);
     }
     if (following->sample_rate > 0) info.sample_rate_hz = following->sample_rate;
     refill();
@@ -214,7 +214,7 @@ struct AudioReader::State {
     if (end_s && until_s > *end_s + kSlackSeconds) {
       throw InputError(container.where(stream, queued_s()),
                        fmt::format("the next timestamp is {:.3f} s, past the end", until_s),
-                       ffmpeg::kDamagedMend);
+                       ffmpeg::kDamagedHint);
     }
     silence_left = samples;
     queued += samples;

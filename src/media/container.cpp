@@ -201,7 +201,7 @@ void InputContainer::open() {
   constexpr const char* kProblem = "cannot be opened as a movie or sound file";
   // Frees the context itself if it fails.
   check(avformat_open_input(&format, path_.c_str(), kind, nullptr), path_.string(), kProblem,
-        kDamagedMend);
+        kDamagedHint);
   format_.reset(format);
   if (std::strcmp(kind->name, "wav") == 0) {
     const std::optional<WavData> data = find_wav_data(path_);
@@ -209,7 +209,7 @@ void InputContainer::open() {
   }
   ProbeOptions options(format_->nb_streams);
   check(avformat_find_stream_info(format_.get(), options.get()), path_.string(), kProblem,
-        kDamagedMend);
+        kDamagedHint);
   find_origin();
 }
 
@@ -328,7 +328,7 @@ void InputContainer::join_clocks(AVPacket& packet) {
 void InputContainer::throw_damaged(int error) const {
   throw InputError(where(selected_, last_time_s_),
                    "the file is damaged or ends too early after this (" + reason(error) + ")",
-                   kDamagedMend);
+                   kDamagedHint);
 }
 
 void InputContainer::check_whole(int error) {

@@ -60,6 +60,6 @@ void check_memory(int error);
 constexpr std::int64_t kMaxPixels = 100'000'000;
 
 /// What to say where data turn out damaged.
-constexpr std::string_view kDamagedMend = "copy, export or record it again";
+constexpr std::string_view kDamagedHint = "copy, export or record it again";
 
 }  // namespace earpoint::ffmpeg

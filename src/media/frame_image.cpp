@@ -229,7 +229,7 @@ Image oriented(const Image& image, const Orientation& o) {
 Image ImageMaker::image(const AVFrame& frame, std::string_view where) {
   const AVPixFmtDescriptor* format = av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame.format));
   if (format == nullptr || frame.width <= 0 || frame.height <= 0) {
-    throw InputError(where, "has no picture", kDamagedMend);
+    throw InputError(where, "has no picture", kDamagedHint);
   }
   if (frame.format == AV_PIX_FMT_PAL8) return image_from_palette(frame);
   if (is_exact(*format, frame.format)) return image_from_components(frame, *format);

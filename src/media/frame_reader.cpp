@@ -38,7 +38,7 @@ struct FrameReader::State {
     if (has_begun) frames.rewind();
     has_begun = true;
     if (!take_position(/*at_first=*/true)) {
-      throw InputError(frames.where(), "holds no picture", ffmpeg::kDamagedMend);
+      throw InputError(frames.where(), "holds no picture", ffmpeg::kDamagedHint);
     }
   }
 

@@ -62,13 +62,13 @@ FramePtr decode_picture(std::span<const std::byte> bytes, AVCodecID id, const st
   const PacketPtr packet = packet_of(bytes);
   constexpr const char* kProblem = "is damaged, cut short or too large";
   FramePtr frame = make_frame();
-  check(avcodec_send_packet(codec.get(), packet.get()), where, kProblem, kDamagedMend);
-  check(avcodec_send_packet(codec.get(), nullptr), where, kProblem, kDamagedMend);
-  check(avcodec_receive_frame(codec.get(), frame.get()), where, kProblem, kDamagedMend);
+  check(avcodec_send_packet(codec.get(), packet.get()), where, kProblem, kDamagedHint);
+  check(avcodec_send_packet(codec.get(), nullptr), where, kProblem, kDamagedHint);
+  check(avcodec_receive_frame(codec.get(), frame.get()), where, kProblem, kDamagedHint);
   // Decoders return part of a picture with an error message; that is refused.
   if (!first_complaint().empty() || frame->decode_error_flags != 0 ||
       (frame->flags & AV_FRAME_FLAG_CORRUPT)) {
-    check(AVERROR_INVALIDDATA, where, kProblem, kDamagedMend);
+    check(AVERROR_INVALIDDATA, where, kProblem, kDamagedHint);
   }
   return frame;
 }
@@ -164,7 +164,7 @@ Image decode_image(std::span<const std::byte> bytes, std::string_view name) {
 
   const bool is_jpeg = *format == PictureFormat::jpeg;
   if (is_jpeg && !ends_properly(bytes)) {
-    throw InputError(where, "is truncated (no end marker)", kDamagedMend);
+    throw InputError(where, "is truncated (no end marker)", kDamagedHint);
   }
   const FramePtr frame =
       decode_picture(bytes, is_jpeg ? AV_CODEC_ID_MJPEG : AV_CODEC_ID_PNG, where);

@@ -34,7 +34,7 @@ StreamDecoder::StreamDecoder(InputContainer& container, int stream)
 
 void StreamDecoder::throw_damaged(int error, std::optional<double> time_s) const {
   throw InputError(container_.where(stream_, time_s), "is damaged (" + reason(error) + ")",
-                   kDamagedMend);
+                   kDamagedHint);
 }
 
 void StreamDecoder::feed() {

@@ -22,7 +22,7 @@ namespace {
 constexpr std::string_view kConvention = "SimpleFreeFieldHRIR";
 constexpr std::string_view kDefaultSet = "libmysofa/MIT_KEMAR_normal_pinna.sofa";
 constexpr std::uint64_t kMostTaps = 65536;
-constexpr std::string_view kMend = "use another set of head-related impulse responses";
+constexpr std::string_view kHint = "use another set of head-related impulse responses";
 
 // One file being read; every refusal names it.
 class Reader {
@@ -33,7 +33,7 @@ class Reader {
 
  private:
   [[noreturn]] void refuse(std::string_view field, const std::string& problem) const {
-    throw InputError(fmt::format("{}: {}", path_.string(), field), problem, kMend);
+    throw InputError(fmt::format("{}: {}", path_.string(), field), problem, kHint);
   }
   void check_convention() const;
   /// The variable of that name after checking its size: `one` set of values for all measurements
@@ -252,7 +252,7 @@ void check_signature(const std::filesystem::path& path, std::span<const std::byt
   throw InputError(path.string(),
                    fmt::format("expected a SOFA file (NetCDF-4), found {}",
                                classic ? "classic NetCDF" : "something else"),
-                   classic ? "convert it: nccopy -k nc4" : kMend);
+                   classic ? "convert it: nccopy -k nc4" : kHint);
 }
 
 }  // namespace

@@ -105,7 +105,7 @@ void check_expressible(const ViGasDescription& d, std::string_view where) {
   const bool replay = d.pose_encoding == PoseEncoding::replay;
   const BoxEncoding box = soundspaces ? BoxEncoding::soundspaces : BoxEncoding::corners;
   if ((soundspaces || replay) && (!d.has_input("bboxes") || d.box_encoding == box)) return;
-  throw InputError(where, "the released code does not have its encoding of poses or boxes",
+  throw InputError(where, "the released code has no such encoding of poses or boxes",
                    "train with \"pose_encoding\" \"soundspaces\" or \"replay\"");
 }
 
