@@ -78,7 +78,8 @@ int format_of(const fs::path& path, SampleFormat format) {
     }
     return SF_FORMAT_FLAC | subtype_of(format);
   }
-  throw InputError(path.string(), fmt::format("'{}' is not a sound format that can be written", extension),
+  throw InputError(path.string(),
+                   fmt::format("'{}' is not a sound format that can be written", extension),
                    "use the extension .wav, .w64, .flac, .ogg or .mp3");
 }
 

@@ -42,7 +42,8 @@ std::string warning_of(StereoKind kind) {
     case StereoKind::one_channel:
       return fmt::format("only one channel has sound: {}", kEnd);
     case StereoKind::same:
-      return "both channels are the same, as of mono sound, which has no direction, or of dry sound "
+      return "both channels are the same, as of mono sound, which has no direction, or of dry "
+             "sound "
              "straight ahead";
     case StereoKind::panned:
       return fmt::format("its channels differ in level and not in time, as panned sound does: {}",
