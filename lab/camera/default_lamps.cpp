@@ -32,7 +32,7 @@ std::vector<float> heights_on_line(const RayTracer& tracer, float x, float y, fl
   return heights;
 }
 
-// The middle of each part of an axis, off the exact middle, where walls like to stand.
+// The middle of each part of an axis, moved off the exact middle, where walls often stand.
 std::vector<float> places_along(double low, double high) {
   const double length = high - low;
   const int count =

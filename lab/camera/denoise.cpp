@@ -12,8 +12,8 @@ namespace {
 
 constexpr int kLevels = 5;
 constexpr int kBorder = 1 << (kLevels - 1);  // the widest step: no neighbour is out of range
-constexpr float kReach = 2.0F;               // footprints off the plane of a place
-constexpr float kTolerance = 5.0F;           // standard deviations that noise may explain
+constexpr float kReach = 2.0F;               // footprints from the plane of a pixel
+constexpr float kTolerance = 5.0F;           // standard deviations that count as noise
 constexpr int kSamplesToKnowNoise = 16;
 
 // One number per pixel, with a border of zeros.
@@ -23,7 +23,7 @@ class Plane {
       : stride_(width + 2 * kBorder),
         values_(static_cast<std::size_t>(stride_) * (height + 2 * kBorder)) {}
 
-  /// From a number to the one below it.
+  /// Numbers from one row to the next.
   [[nodiscard]] std::ptrdiff_t stride() const { return stride_; }
   [[nodiscard]] float* row(int y) { return &values_[offset(y)]; }
   [[nodiscard]] const float* row(int y) const { return &values_[offset(y)]; }
@@ -37,12 +37,12 @@ class Plane {
   std::vector<float> values_;
 };
 
-// Where the pixels lie: planes 0 to 2 position, 3 to 5 normal, 6 one over the reach, 7 how much of
-// the pixel there is.
+// Where the pixels lie: planes 0 to 2 position, 3 to 5 normal, 6 one over the reach, 7 the share of
+// the samples on that surface.
 using Place = std::array<Plane, 8>;
 
 // One kind of light: planes 0 to 2 its colour, 3 luminance, 4 variance of the luminance, 5 one over
-// the square of the difference that noise explains.
+// the square of the difference that counts as noise.
 using Light = std::array<Plane, 6>;
 
 template <std::size_t kCount>
@@ -79,7 +79,7 @@ void fill_light(const PixelBuffers& buffers, int y, std::size_t part, Light& lig
     light[1].row(y)[x] = mean.y;
     light[2].row(y)[x] = mean.z;
     light[3].row(y)[x] = level;
-    // Of the mean; a single sample says nothing about its noise: as large as itself.
+    // Variance of the mean. One sample does not show its noise, which is taken to be as large.
     light[4].row(y)[x] = sum.samples > 1
                              ? std::max(0.0F, sum.squares[part] / n - level * level) / (n - 1.0F)
                              : level * level;
@@ -109,7 +109,7 @@ EARPOINT_VECTOR_CLONES void estimate_noise(const Place& place, int width, int y,
   }
 }
 
-// The nine neighbours that a level takes, itself among them.
+// The nine pixels that a level averages: the pixel itself and eight neighbours.
 struct Taps {
   static constexpr std::size_t kCount = 9;
   static constexpr std::array<float, kCount> kKernel = {0.0625F, 0.125F,  0.0625F, 0.125F, 0.25F,
@@ -121,10 +121,10 @@ struct Taps {
     }
   }
 
-  std::array<std::ptrdiff_t, kCount> offset{};  // of the numbers in a plane
+  std::array<std::ptrdiff_t, kCount> offset{};  // in a plane, from the pixel
 };
 
-// For one row: how far each neighbour is on the same surface, times the kernel.
+// For one row: how much each neighbour is on the same surface, times the kernel.
 struct RowWeights {
   explicit RowWeights(int width) { same.fill(std::vector<float>(static_cast<std::size_t>(width))); }
 
@@ -192,9 +192,9 @@ EARPOINT_VECTOR_CLONES void smooth_row(const Light& from, int width, int y, cons
       sum.y += w * green[at];
       sum.z += w * blue[at];
     };
-    // Spelled out, so that the loop over x is the one that becomes vectors.
+    // Unrolled by hand, so that the compiler vectorizes the loop over x.
     add(0), add(1), add(2), add(3), add(4), add(5), add(6), add(7), add(8);
-    // Without a neighbour (nor itself) a pixel stays as it is.
+    // Where all weights are zero, the pixel stays as it is.
     const float keep = weight > 1e-8F ? 0.0F : 1.0F;
     const float scale = (1.0F - keep) / (weight + 1e-20F);
     to_red[x] = sum.x * scale + keep * red[x];
@@ -245,8 +245,8 @@ std::vector<PlaceLight> smooth_light(const PixelBuffers& buffers, ThreadPool& po
   std::vector<Light> next = light;
   std::vector<RowWeights> scratch(static_cast<std::size_t>(pool.threads()), RowWeights(width));
   for (int level = 0; level < kLevels; ++level) {
-    // A few samples hardly know their own noise, and a rare bright one stands out from any
-    // estimate: the first level takes all neighbours for alike.
+    // The noise of a few samples is not well known, and a rare bright sample exceeds any estimate:
+    // the first level treats all differences as noise.
     const bool blind = level == 0 && buffers.samples < kSamplesToKnowNoise;
     each_row([&](int y, int) {
       for (Light& part : light) estimate_noise(place, width, y, blind, part);

@@ -16,7 +16,7 @@ Rgb leaving(const Rgb& albedo, const Rgb& added, const PlaceLight& light) {
   return albedo * light.irradiance() * (1.0F / kPiF) + light.parts[PlaceLight::gloss] + added;
 }
 
-// The samples of a pixel that lie on the surface of its middle, together.
+// Radiance of those samples of a pixel that lie on the surface at its middle.
 Rgb middle_radiance(const PixelSum& sum, const PlaceLight& light) {
   const float scale = 1.0F / static_cast<float>(sum.samples);
   return leaving(sum.albedo * scale, sum.added * scale, light);
@@ -28,7 +28,7 @@ namespace {
 
 constexpr float kTileReach = 4.0F;  // footprints
 
-/// The light of the pixels around a stray sample whose middles show its surface.
+/// The light for a stray sample, from the pixels around it whose middles show its surface.
 /// @return false if there are none
 bool borrow_from_middles(const std::vector<PlaceLight>& light, const PixelBuffers& buffers,
                          StraySample& stray) {
@@ -74,7 +74,8 @@ PlaceLight shared_light(const std::vector<const StraySample*>& samples, const St
 void borrow_light(const std::vector<PlaceLight>& light, PixelBuffers& buffers, ThreadPool& pool) {
   const auto tiles = static_cast<std::ptrdiff_t>(buffers.strays.size());
   pool.run(tiles, [&](std::ptrdiff_t tile, int) {
-    // What no middle shows, a pane before other things for instance, shares its light in the tile.
+    // Surfaces that are at the middle of no pixel, such as a pane in front of other things, share
+    // their light within the tile.
     std::vector<const StraySample*> alone;
     std::vector<StraySample*> waiting;
     for (StraySample& stray : buffers.strays[static_cast<std::size_t>(tile)]) {
@@ -112,8 +113,8 @@ FloatImage put_together(const PixelBuffers& buffers, const std::vector<PlaceLigh
 }
 
 float find_exposure(const FloatImage& radiance) {
-  // The mean of the logarithm over the middle of the brightness: neither a window nor a dark corner
-  // decides.
+  // The mean logarithm over the middle range of brightness, so that neither a window nor a dark
+  // corner sets the exposure.
   constexpr float kDarkest = 1e-6F;
   constexpr double kLowShare = 0.1;
   constexpr double kHighShare = 0.9;

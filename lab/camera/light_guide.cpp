@@ -7,7 +7,7 @@ namespace {
 
 constexpr std::size_t kPoints = 16;  // per region: one packet of rays to each light
 constexpr std::uint32_t kSeed = 0x6D2B79F5U;
-// Share that a light keeps for places that it does reach although no test ray did.
+// Share that a light keeps where no test ray reached it, as it may still shine there.
 constexpr float kDoubt = 0.03F;
 
 // For every region, points spread over its patches.

@@ -26,7 +26,7 @@ double mean(const FloatImage& picture) {
   return std::accumulate(pixels.begin(), pixels.end(), 0.0) / static_cast<double>(pixels.size());
 }
 
-// As a screen shows them: what is brighter than white counts as white.
+// As a screen shows them: values above white count as white.
 double root_mean_square(const FloatImage& a, const FloatImage& b) {
   double sum = 0.0;
   for (std::size_t i = 0; i < a.pixels().size(); ++i) {
@@ -50,8 +50,8 @@ TEST(Furnace, ARoomThatShinesEverywhereIsUniform) {
         .world_from_camera = look_at({1, 1, 1.5}, {4, 3, 1}), .width = 32, .height = 32};
     const FloatImage radiance = radiance_of(scene, camera, kNoSky);
     const double expected = 0.3 / (1.0 - reflectance);
-    // The patches' 64 rays each are exact here, but for the 16 draws of direct light: the mean over
-    // some thousand patches and 16,000 samples is good to well below 1 %.
+    // The patches' 64 rays each are exact here, except for the 16 draws of direct light; over some
+    // thousand patches and 16,000 samples the error of the mean is well below 1 %.
     EXPECT_NEAR(mean(radiance), expected, 0.01 * expected) << reflectance;
   }
 }
@@ -73,7 +73,7 @@ TEST(Furnace, AnOutsideSkyGivesAConvexThingItsReflectance) {
       }
       if (!inside) continue;
       ++checked;
-      // Every ray that leaves the ball meets the sky, but for the few that smooth normals send
+      // Every ray that leaves the ball reaches the sky, except for the few that smooth normals send
       // below the flat triangle, which leans by up to 0.023 rad: at most one of a pixel's 16 is
       // lost.
       EXPECT_LE(radiance.at(x, y), 0.6001F);
@@ -136,12 +136,12 @@ TEST(Shadow, FallsOnTheFarSideOfTheLamp) {
   // Left in the picture is +y, where the lamp hangs; the shadow lies to the right.
   const FloatImage radiance = radiance_of(scene, camera, kNoSky);
   EXPECT_LT(radiance.at(42, 32), 0.1F * radiance.at(22, 32));
-  EXPECT_GT(radiance.at(42, 42), 0.5F * radiance.at(42, 22));  // beside it there is none
+  EXPECT_GT(radiance.at(42, 42), 0.5F * radiance.at(42, 22));  // no shadow beside it
   EXPECT_GT(radiance.at(42, 42), 10.0F * radiance.at(42, 32));
 }
 
 TEST(Shadow, OfAWiderLampIsSofter) {
-  // How many pixels across the end of a wall's shadow are neither light nor dark.
+  // Number of pixels across the edge of a wall's shadow that are neither light nor dark.
   const auto pixels_between = [](float radius_m) {
     const auto picture = [&](bool with_wall) {
       Scene scene;
@@ -167,8 +167,9 @@ TEST(Shadow, OfAWiderLampIsSofter) {
     }
     return between;
   };
-  // The shadow ends at y = -1 m. Seen from there the lamp is as far behind the wall's top as the
-  // floor: the half shadow is as wide as the ball seems, 0.57 m and 0.057 m of 4.7 cm pixels.
+  // The shadow ends at y = -1 m. The wall's top is half-way between there and the lamp, so that the
+  // penumbra on the floor is the lamp's diameter over sin(45 degrees): 0.57 m and 0.057 m, in
+  // pixels of 4.7 cm. 8 of its 12 pixels get 10 to 90 % of a disc's light.
   EXPECT_NEAR(pixels_between(0.2F), 10, 3);
   EXPECT_LE(pixels_between(0.02F), 2);
 }
@@ -181,7 +182,7 @@ TEST(Noise, FallsWithSamples) {
     return radiance_of(scene, camera, kNoSky, {.samples_per_side = side, .denoise = denoise}, seed);
   };
   // Two pictures with different seeds differ by sqrt(2) of their noise. Independent samples would
-  // halve it from 4 to 16 per pixel; spread samples do better, the texture's edges worse.
+  // halve it from 4 to 16 per pixel; evenly spread samples do better, edges of the texture worse.
   const double four = root_mean_square(picture(2, false, 1), picture(2, false, 2));
   const double sixteen = root_mean_square(picture(4, false, 1), picture(4, false, 2));
   EXPECT_LT(sixteen, 0.6 * four);
@@ -199,7 +200,7 @@ TEST(Noise, SmoothingComesNearerToTheTruthAndKeepsTheMean) {
   const FloatImage raw = drawer.radiance(camera, {.denoise = false}, 1, pool);
   const FloatImage smooth = drawer.radiance(camera, {}, 1, pool);
   EXPECT_LT(root_mean_square(smooth, truth), 0.6 * root_mean_square(raw, truth));
-  // Rare bright samples weigh a little less than their share.
+  // The filter gives rare bright samples a little less weight than their share.
   EXPECT_NEAR(mean(smooth), mean(truth), 0.02 * mean(truth));
 }
 
@@ -212,11 +213,12 @@ TEST(SeeThrough, APaneTakesItsOpacityOfTheLightBehind) {
   glass.opacity = 0.3F;
   add_rectangle(scene, "pane", {2, -9, -9}, {0, 18, 0}, {0, 0, 18}, glass);
   const Camera camera{.width = 32, .height = 32};
-  // 16 rays a pixel know opacities in steps of 1/16: at most half a step off, and without noise.
+  // 16 rays per pixel resolve opacity in steps of 1/16: at most half a step off, and the same in
+  // every pixel.
   const FloatImage seen = radiance_of(scene, camera, kNoSky);
   EXPECT_NEAR(mean(seen), 0.7, 1.0 / 32.0);
   for (const float value : seen.pixels()) EXPECT_NEAR(value, mean(seen), 1e-5);
-  // Depth and mask look through what is mostly so.
+  // Depth and mask ignore a pane that is mostly see-through.
   const View view = SceneDrawer(scene).draw(camera, {}, 1);
   EXPECT_EQ(view.instance.at(5, 7), wall);
   EXPECT_NEAR(view.depth_m.at(5, 7), 4.0F, 1e-5F);
@@ -250,7 +252,7 @@ TEST(Mirror, ShowsWhatIsBehindTheCameraTurnedRound) {
   EXPECT_NEAR(view.depth_m.at(20, 32), 2.0F, 1e-5F);
   // Its image is 5.9 m away, 2 m to the left: column 32 - 32 * 2 / 5.9 = 21.
   const FloatImage radiance = drawer.radiance(camera, kExact, 1, pool);
-  EXPECT_NEAR(radiance.at(21, 32, 0), 0.9F, 0.01F);  // Schlick's term adds a little off the normal
+  EXPECT_NEAR(radiance.at(21, 32, 0), 0.9F, 0.01F);  // Schlick's term adds a little off the axis
   EXPECT_EQ(radiance.at(43, 32, 0), 0.0F);
 }
 

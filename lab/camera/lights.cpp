@@ -56,7 +56,7 @@ void Lights::gather_groups() {
     };
     for (const std::uint32_t i : shining) {
       const Float3 middle = surfaces_->position(i, 1.0F / 3.0F, 1.0F / 3.0F);
-      // In the widest grid the materials share too.
+      // In the widest grid all materials share one group.
       const std::uint32_t material = width_m < 1e4F ? surfaces_->material_index(i) : 0;
       groups[{material, cell(middle.x), cell(middle.y), cell(middle.z)}].push_back(i);
     }
@@ -84,7 +84,7 @@ LightSample Lights::sample(int light, const Float3& from, float which, UnitPair 
 
 LightSample Lights::sample_lamp(const Light& lamp, const Float3& from, UnitPair where) const {
   const Float3 offset = lamp.centre - from;
-  // Inside the ball the light is that of its surface.
+  // Inside the lamp's ball the light is as at its surface.
   const float distance = std::max(norm(offset), 1.001F * lamp.radius_m);
   const float sine = lamp.radius_m / distance;
   const float cos_limit = std::sqrt(std::max(0.0F, 1.0F - sine * sine));
@@ -94,7 +94,7 @@ LightSample Lights::sample_lamp(const Light& lamp, const Float3& from, UnitPair 
   const Float3 axis = norm(offset) > 0.0F ? normalized(offset) : Float3{0.0F, 0.0F, 1.0F};
   sample.direction = Frame(axis).to_world(cone_direction(where, height));
   sample.distance_m = distance - lamp.radius_m;
-  // Lamps stand for bulbs in shades: what is nearer than the shade's size sees no brighter spot.
+  // Lamps stand for bulbs in shades: closer than the size of a shade the light grows no brighter.
   const float near = std::min(1.0F, distance / kNearM);
   sample.radiance = lamp.radiance * (near * near);
   sample.density = 1.0F / (2.0F * kPiF * height);

@@ -16,7 +16,7 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr float kConverged = 1e-4F;
 constexpr int kMostBounces = 400;  // 0.95^400 = 1e-9
 
-// What a gathering ray of a patch met.
+// What a gathering ray of a patch hit.
 struct Link {
   static constexpr std::uint32_t kNothing = ~0U;
   std::uint32_t patch = kNothing;
@@ -56,8 +56,8 @@ class PatchGatherer {
     return sum * (1.0F / kDirectRays);
   }
 
-  // Fills the links; `rays` tells how many. Returns the light that the rays brought from the sky,
-  // from what shines and from what is known.
+  // Fills the links and sets `rays` to their number. Returns the light that the rays gathered from
+  // the sky, from emitting surfaces and from surfaces of known light.
   Rgb gather(Link* links, int& rays) {
     Rgb sum;
     for (rays = 0; rays < kGatheringRays && !(rays > 0 && sees_no_front_);
@@ -106,8 +106,8 @@ class PatchGatherer {
 
   const LitScene& scene_;
   const SolvedLight* known_;
-  // Inside of things and behind walls rays meet back sides alone, or nothing: nobody looks there,
-  // and the first packet of rays will do.
+  // Inside of things and behind walls rays hit only back sides, or nothing. These patches are not
+  // seen, so the first packet of rays is enough.
   bool sees_no_front_ = true;
   std::uint32_t patch_;
   std::uint32_t region_;
@@ -125,7 +125,7 @@ DirectRay draw_direct_ray(const LitScene& scene, const Float3& start, const Floa
   const float cosine = dot(sample.direction, normal);
   if (sample.density <= 0.0F || cosine <= 0.0F) return ray;
   const float density = chosen.probability * sample.density;
-  // Rays that gather light meet groups of triangles, but never lamps.
+  // Gathering rays hit groups of emitting triangles, but never lamps.
   ray.from_lamp = scene.lights.is_lamp(chosen.light);
   const float rival = ray.from_lamp ? 0.0F : bounces * cosine / kPiF;
   ray.direction = sample.direction;
@@ -147,7 +147,7 @@ float shining_weight(const LitScene& scene, std::uint32_t region, float cosine,
 
 namespace {
 
-// What the patches from the first on receive, by links among themselves.
+// Light that the patches from the first one on receive through the links between them.
 std::vector<Rgb> solve(const LitScene& scene, const SolvedLight* known, std::uint32_t first_patch,
                        ThreadPool& pool) {
   const std::size_t patches = scene.patches.size() - first_patch;
@@ -167,8 +167,8 @@ std::vector<Rgb> solve(const LitScene& scene, const SolvedLight* known, std::uin
     start[i] = gatherer.direct() + gatherer.gather(&links[i * kGatheringRays], rays[i]);
   });
 
-  // Jacobi's iteration adds one bounce each time; a new array each, so that the order of work
-  // changes nothing.
+  // Jacobi's iteration adds one bounce each time. Each writes a second array, so that the order of
+  // work does not matter.
   std::vector<Rgb> light = start;
   std::vector<Rgb> next(patches);
   std::vector<float> change(patches);

@@ -13,7 +13,7 @@ namespace {
 constexpr std::size_t kMostBins = 3'000'000;
 constexpr double kMostPatches = 100'000.0;  // of flat surface; clutter adds some
 constexpr float kRegionWidthM = 1.0F;
-// Off any round number, so that walls and floors do not lie on the border between two cubes.
+// Not a round number, so that walls and floors do not lie on the border between two cubes.
 constexpr float kGridShiftM = 0.0737F;
 
 std::uint64_t cube_key(const Float3& position, float width_m) {
@@ -24,7 +24,7 @@ std::uint64_t cube_key(const Float3& position, float width_m) {
   return (cell(position.x) << 40) | (cell(position.y) << 20) | cell(position.z);
 }
 
-// Which of the six axes' ends a normal is nearest to.
+// Which of the six axis directions a normal is nearest to.
 std::uint64_t facing(const Float3& normal) {
   const Float3 size{std::abs(normal.x), std::abs(normal.y), std::abs(normal.z)};
   if (size.x >= size.y && size.x >= size.z) return normal.x > 0.0F ? 0 : 1;
@@ -123,7 +123,7 @@ void Patches::fill(const Surfaces& surfaces, std::uint32_t first_triangle) {
             samples_.resize(samples_.size() + kSamples);
           }
           weights[patch] += area;
-          // Every slot keeps one of the bins that it has seen, by area.
+          // Every slot keeps one of the bins so far, drawn by area.
           for (int slot = 0; slot < kSamples; ++slot) {
             const float draw =
                 unit_from_bits(hash_words(number, static_cast<std::uint32_t>(20 + slot)));
@@ -138,7 +138,7 @@ void Patches::fill(const Surfaces& surfaces, std::uint32_t first_triangle) {
 }
 
 void Patches::group_regions() {
-  // Wide scenes get wide regions.
+  // Regions grow with the width of patches, which grows with the scene.
   const float width_m = kRegionWidthM * width_m_ / 0.25F;
   std::unordered_map<std::uint64_t, std::uint32_t> region_of_key;
   for (auto patch = static_cast<std::uint32_t>(regions_.size()); patch < size_; ++patch) {

@@ -25,7 +25,7 @@ struct RayTracer::Context {
   SeeThrough see_through = SeeThrough::by_chance;
   std::uint32_t per_pixel = 1;
 
-  // Whether a ray passes a surface: hangs on the two alone, not on the order of traversal.
+  // Whether a ray passes a surface depends only on these two, not on the order of traversal.
   [[nodiscard]] bool lets_pass(std::uint32_t ray, const Geometry& geometry, unsigned number) const {
     const float opacity = geometry.opacity[number];
     switch (see_through) {
@@ -45,7 +45,7 @@ struct RayTracer::Context {
 
 void RayPacket::clear() {
   valid_.fill(0);
-  // Lanes without a ray are read by the tracer, but change nothing.
+  // The tracer reads lanes without a ray; they must hold valid numbers.
   rays_ = {};
 }
 
@@ -160,7 +160,7 @@ void RayTracer::trace(RayPacket& packet, Rays rays, SeeThrough see_through, std:
 void RayTracer::locate(const RTCRay16& ray, int lane, Hit& hit) const {
   const std::array<float, 3> origin = {ray.org_x[lane], ray.org_y[lane], ray.org_z[lane]};
   const std::array<float, 3> direction = {ray.dir_x[lane], ray.dir_y[lane], ray.dir_z[lane]};
-  // Whether the ray passes a see-through triangle is not asked again: a solid one goes before it.
+  // A see-through triangle is not tested again: a coincident solid one takes precedence.
   hit.triangle = coincident_.on_top(hit.triangle, origin, direction,
                                     [&](std::uint32_t other) { return is_solid_[other] != 0; });
   const auto [a, b, c] = corners_[hit.triangle];
@@ -171,8 +171,8 @@ void RayTracer::locate(const RTCRay16& ray, int lane, Hit& hit) const {
   const Vector3 along_ray{direction[0], direction[1], direction[2]};
   const Vector3 across = cross(along_ray, along_v);
   const double slope = dot(along_u, across);
-  // A ray through an edge meets one of its triangles, if by rounding just beside it; one along the
-  // plane meets the triangle anywhere.
+  // A ray through an edge hits one of its triangles, by rounding perhaps just beside it. A ray
+  // along the plane hits the triangle anywhere.
   const auto share = [&](double numerator, double most) {
     const double part = numerator / slope;
     return std::isfinite(part) ? std::clamp(part, 0.0, most) : 0.0;

@@ -12,7 +12,7 @@ SurfaceMaterial metal(float roughness) {
   return material;
 }
 
-// The share of a sky of radiance one that comes back: by drawn directions.
+// The share of the light of a uniform sky that is reflected, by drawn directions.
 float drawn_share(const Reflection& reflection, const Float3& viewer) {
   constexpr std::uint32_t kCount = 16384;
   float sum = 0.0F;
@@ -24,7 +24,7 @@ float drawn_share(const Reflection& reflection, const Float3& viewer) {
   return sum;
 }
 
-// The same by summing the function over all directions.
+// The same, as a sum of the reflection function over all directions.
 float summed_share(const Reflection& reflection, const Float3& viewer) {
   constexpr std::uint32_t kCount = 1U << 18;
   float sum = 0.0F;
@@ -53,8 +53,8 @@ TEST(Reflection, NeverReturnsMoreThanItGets) {
     for (const float slant : {0.0F, 0.8F, 1.4F}) {
       const float share = drawn_share(reflection, {std::sin(slant), 0.0F, std::cos(slant)});
       EXPECT_LE(share, 1.0001F);  // float sums
-      // What rough facets pass from one to the next is lost in this model: the more, the rougher
-      // and the more slanted.
+      // The model lacks light that is reflected between facets: the loss grows with roughness and
+      // slant.
       EXPECT_GE(share, roughness < 0.4F ? 0.85F : 0.25F);
     }
   }
@@ -65,7 +65,7 @@ TEST(Reflection, SmoothMetalIsAMirror) {
   Rgb weight;
   const Float3 viewer = normalized(Float3{0.5F, 0.3F, 0.6F});
   const Float3 out = draw_glossy(reflection, viewer, {0.4F, 0.7F}, weight);
-  // The facets of the smallest width lean by about 1e-3.
+  // At the smallest roughness the facets are tilted by about 1e-3 rad; several of that.
   EXPECT_NEAR(norm(out - Float3{-viewer.x, -viewer.y, viewer.z}), 0.0F, 5e-3F);
 }
 

@@ -8,7 +8,7 @@
 namespace earpoint {
 namespace {
 
-// Whether of 2^n points one lies in each of the boxes of 2^-a by 2^-(n-a), for all a.
+// Whether each box of 2^-a by 2^-(n-a) holds exactly one of 2^n points, for all a.
 bool is_net(const std::vector<UnitPair>& points) {
   int n = 0;
   while ((1U << n) < points.size()) ++n;

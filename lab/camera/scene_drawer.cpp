@@ -45,7 +45,7 @@ struct SceneDrawer::Parts {
         own_lamps(scene.lamps.size()),
         solved(lit_scene(), solve_patch_light(lit_scene(), pool)) {}
 
-  /// Of a scene that begins with that of `base`.
+  /// For a scene that begins with the scene of `base`.
   Parts(const Parts& base, const Scene& scene, ThreadPool& pool)
       : surfaces(base.surfaces, scene),
         tracer(surfaces),
@@ -73,7 +73,7 @@ struct SceneDrawer::Parts {
   Lights lights;
   LightGuide guide;
   Rgb sky;
-  std::size_t own_lamps;  // of the scene, not those that were put into the dark
+  std::size_t own_lamps;  // of the scene, without default lamps in dark rooms
   SolvedLight solved;
 };
 

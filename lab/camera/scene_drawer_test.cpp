@@ -26,7 +26,7 @@ bool same(const View& a, const View& b) {
          std::ranges::equal(a.instance.pixels(), b.instance.pixels());
 }
 
-// A wall 4 m in front of the origin, and what else is wanted.
+// A wall 4 m in front of the origin, to which tests add more.
 Scene wall_in_front() {
   Scene scene;
   add_rectangle(scene, "wall", {4, -20, -20}, {0, 40, 0}, {0, 0, 40}, kGrey);
@@ -53,7 +53,7 @@ TEST(SceneDrawer, ThingsOnTheLeftAppearOnTheLeft) {
 }
 
 TEST(SceneDrawer, OfSurfacesThatLieOnEachOtherTheLastOneIsSeen) {
-  // 2 m of the 8 m that are seen at a distance of 4 m.
+  // The poster is 2 m wide; at a distance of 4 m the picture spans 8 m.
   const auto add_poster = [](Scene& scene) {
     return add_rectangle(scene, "poster", {4, -1, -1}, {0, 2, 0}, {0, 0, 2}, kRed);
   };
@@ -89,8 +89,8 @@ TEST(SceneDrawer, MaskCoversThePixelsThatTheProjectionSays) {
 }
 
 TEST(SceneDrawer, FieldOfViewEndsAtTheEdgesOfThePicture) {
-  // Seen at 90 degrees from 2 m, a wall 4 m wide fills the picture to the outermost pixel; half a
-  // pixel's width more or less on a side would show.
+  // Seen at 90 degrees from 2 m, a wall 4 m wide fills the picture to the outermost pixel; an error
+  // of half a pixel on a side would be seen.
   const double half_pixel_m = 2.0 / 128 / 2;
   for (const double spare_m : {0.5 * half_pixel_m, -1.5 * half_pixel_m}) {
     Scene scene;
@@ -143,7 +143,7 @@ TEST(SceneDrawer, DepthOfABallIsThatOfTheClosedForm) {
 }
 
 TEST(SceneDrawer, TakesAnyWorldPose) {
-  // The same view from a camera that stands elsewhere, turned, with the scene moved along.
+  // The same view from a camera at another place and yaw, with the scene moved in the same way.
   Scene scene;
   const Vector3 ahead = rotate(quaternion_from_euler({.yaw_rad = kPi / 2}), {2, 0, 0});
   const Vector3 at = Vector3{5, -3, 1.5} + ahead;
@@ -210,7 +210,7 @@ TEST(SceneDrawer, ARegionHoldsThePixelsOfTheWholePicture) {
   const SceneDrawer drawer(scene);
   ThreadPool pool(1);
   const Camera camera{.width = 96, .height = 64};
-  // Without smoothing, which ends at the region's edges.
+  // Without denoising, which does not cross the region's edges.
   const RenderQuality quality{.samples_per_side = 2, .denoise = false};
   const View whole = drawer.draw(camera, quality, 5, pool);
   const PixelRegion region{.x = 24, .y = 16, .width = 41, .height = 30};
@@ -221,7 +221,8 @@ TEST(SceneDrawer, ARegionHoldsThePixelsOfTheWholePicture) {
   for (int y = 0; y < region.height; ++y) {
     for (int x = 0; x < region.width; ++x) {
       EXPECT_EQ(part.instance.at(x, y), whole.instance.at(region.x + x, region.y + y));
-      // One ray rounds differently where the view's corner is added up in another order.
+      // One step of 8 bits: rays are rounded differently because the corner of the view is computed
+      // in another order.
       EXPECT_NEAR(part.rgb.at(x, y), whole.rgb.at(region.x + x, region.y + y), 1.0);
     }
   }
@@ -279,7 +280,8 @@ TEST(ExtendedRenderer, LightsWhatIsAddedAsAFreshRendererDoes) {
       (is_guest ? on_guest_expected : elsewhere_expected) += expected.at(x, y, 0);
     }
   }
-  // What the guest darkens is missing from the second bounce alone: some percent of the light.
+  // Only the second and later bounces ignore that the guest darkens the room: some percent of the
+  // light.
   EXPECT_NEAR(on_guest / on_guest_expected, 1.0, 0.05);
   EXPECT_NEAR(elsewhere / elsewhere_expected, 1.0, 0.05);
 }

@@ -8,7 +8,7 @@
 namespace earpoint {
 namespace {
 
-// A surface that returned all light would fill a closed room with infinitely much of it.
+// With a reflectance of 1 the light in a closed room would grow without limit.
 constexpr float kLargestReflectance = 0.95F;
 
 Rgb clamp_colour(const Rgb& c, float high) {
@@ -44,7 +44,7 @@ void Surfaces::append(const Scene& scene) {
     extent = std::max(extent, largest({std::abs(positions_[i].x), std::abs(positions_[i].y),
                                        std::abs(positions_[i].z)}));
   }
-  // Far above the rounding of positions, far below what is seen.
+  // Far above the rounding of positions, far below what can be seen.
   start_offset_m_ = 1e-4F + 4e-6F * extent;
   for (std::size_t i = normals_.size(); i < mesh.normals.size(); ++i) {
     normals_.push_back(float3(mesh.normals[i]));
@@ -78,7 +78,7 @@ void Surfaces::take_materials(const Scene& scene) {
                          : textures_[static_cast<std::size_t>(m.texture)]->mean();
     m.mean_base = m.base_colour * mean;
     m.mean_emission = m.emission * mean;
-    // What a metal reflects is passed on as if it were diffuse: the patches know no direction.
+    // Patches have no direction, so that light reflected by metals is passed on as diffuse.
     m.reflectance = clamp_colour(m.mean_base, kLargestReflectance);
     materials_.push_back(m);
   }
@@ -130,7 +130,7 @@ SurfacePoint Surfaces::point(std::uint32_t triangle, float u, float v,
   const float length = norm(smooth);
   if (!(length > 1e-6F) || !std::isfinite(length)) return point;
   const Float3 unit = smooth * (1.0F / length);
-  // Files disagree about which way normals and faces turn: the seen side decides.
+  // Files disagree about the sides of normals and faces: the normal is turned to the visible side.
   const float side = dot(unit, point.face_normal);
   if (std::abs(side) > 0.1F) point.normal = side > 0.0F ? unit : -unit;
   return point;

@@ -22,7 +22,7 @@ void add_triangle(Scene& scene, std::array<std::uint32_t, 3> corners, std::uint3
   scene.mesh.triangle_instance.push_back(static_cast<std::uint32_t>(scene.instances.size() - 1));
 }
 
-// Fills what earlier vertices lack, so that the arrays stay as long as each other.
+// Fills missing normals and texture coordinates, so that the arrays keep the same length.
 void pad_vertices(Scene& scene) {
   scene.mesh.normals.resize(scene.mesh.positions.size());
   scene.mesh.uvs.resize(scene.mesh.positions.size());
@@ -192,7 +192,7 @@ Scene furnished_room() {
   add_rectangle(scene, "wall x low", {0, 0, 0}, {0, 4.5, 0}, {0, 0, 2.6}, wall);
   add_rectangle(scene, "wall y low", {0, 0, 0}, {0, 0, 2.6}, {6, 0, 0}, wall);
   add_rectangle(scene, "wall y high", {0, 4.5, 0}, {6, 0, 0}, {0, 0, 2.6}, wall);
-  // The wall x = 6 m around a window, behind which the sky shines.
+  // The wall x = 6 m around a window with a bright sky behind it.
   add_rectangle(scene, "wall under", {6, 0, 0}, {0, 0, 0.9}, {0, 4.5, 0}, wall);
   add_rectangle(scene, "wall over", {6, 0, 2.1}, {0, 0, 0.5}, {0, 4.5, 0}, wall);
   add_rectangle(scene, "wall right", {6, 0, 0.9}, {0, 0, 1.2}, {0, 1.5, 0}, wall);

@@ -32,7 +32,7 @@ TEST(Texture, IsLinearBetweenPixels) {
 TEST(Texture, Repeats) {
   const Texture texture(four_pixels());
   for (const float shift : {-3.0F, 1.0F, 7.0F}) {
-    // Single precision of 7.3.
+    // Rounding of coordinates up to 7.3 in single precision.
     EXPECT_NEAR(texture.sample(0.3F + shift, 0.2F - shift, 0.0F).x,
                 texture.sample(0.3F, 0.2F, 0.0F).x, 1e-5F);
   }
@@ -42,7 +42,8 @@ TEST(Texture, Repeats) {
 
 TEST(Texture, ShowsItsMeanFromFarAway) {
   const Texture texture(four_pixels());
-  // Light adds linearly: red is half on, green a quarter. 8 bits of sRGB are steps of 0.4 %.
+  // Light adds linearly: red is on in half of the pixels, green in a quarter. 8 bits of sRGB are
+  // steps of 0.4 %.
   EXPECT_NEAR(texture.mean().x, 0.5F, 0.005F);
   EXPECT_NEAR(texture.mean().y, 0.25F, 0.005F);
   EXPECT_EQ(texture.sample(0.1F, 0.9F, 2.0F).x, texture.mean().x);

@@ -11,7 +11,7 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr int kMostMirrors = 3;
 // Two places are one surface if they lie within so many footprints of each other's plane.
 constexpr float kSampleReach = 1.5F;
-// Sharper reflections see the lamps themselves; in blurred ones they are drawn as lights are.
+// Sharper reflections hit the lamps themselves; for blurred ones lamps are sampled as lights.
 constexpr float kSharpAlpha = 0.02F;
 
 // What a random number decides; each draws from a sequence of its own.
@@ -160,7 +160,8 @@ void ViewSampler::trace_camera_rays(Lanes& lanes, SeeThrough see_through) const 
   for (int i = 0; i < kLanes; ++i) {
     Lane& lane = lanes.at[i];
     if (!lane.used) continue;
-    // Directions advance by one along the optical axis: the ray's length is the depth.
+    // Directions have a length of one along the optical axis, so that the ray's length is the
+    // depth.
     Hit hit;
     const bool met = scene_.tracer.hit(packet, i, hit);
     lane.path_m = met ? hit.distance_m : kInfinity;
@@ -215,7 +216,8 @@ void ViewSampler::shade(Lane& lane) const {
   }
   const SurfaceMaterial& material = scene_.surfaces.material(lane.point.triangle);
   const float cosine = std::max(0.05F, -dot(lane.direction, lane.point.normal));
-  // Seen at a slant, the spot is longer than wide: between blur and flicker.
+  // At a slant the spot is longer than wide; the mean of both is a compromise between blur and
+  // aliasing.
   const float spot_m = lane.place.footprint_m / (static_cast<float>(side_) * std::sqrt(cosine));
   const Rgb texture = scene_.surfaces.texture_colour(lane.point, spot_m);
   const Rgb colour = material.base_colour * texture;
@@ -242,7 +244,7 @@ void ViewSampler::add_direct(Lanes& lanes) const {
     rays[i] = draw_direct_ray(scene_, start, lane.point.normal, lane.region, choices.u[i],
                               places.at(i), 1.0F);
     if (rays[i].length_m <= 0.0F) continue;
-    // Smooth normals may look at a light that the flat triangle turns away from.
+    // A smooth normal may face a light that the flat triangle faces away from.
     if (dot(rays[i].direction, lane.point.face_normal) <= 0.0F) continue;
     packet.set(i, start, rays[i].direction, rays[i].length_m, lanes.indices[i]);
   }

@@ -18,7 +18,7 @@ constexpr double kCornerHz = 20.0;
 void add_room_noise(Waveform& sound, double level_db, RandomStream& random,
                     std::ptrdiff_t context) {
   const double level = std::pow(10.0, level_db / 20.0);
-  // One pole; a white input of this size leaves it with a root mean square of one.
+  // One pole; white noise of this size at its input gives a root mean square of `level`.
   const double pole = std::exp(-2.0 * kPi * kCornerHz / sound.sample_rate_hz());
   const double input = level * std::sqrt(1.0 - pole * pole);
   std::vector<double> first;
@@ -30,7 +30,7 @@ void add_room_noise(Waveform& sound, double level_db, RandomStream& random,
       if (std::ssize(first) == ear) first.push_back(noise);
     }
   }
-  // Such noise is the same process backwards in time.
+  // Reversed in time, such noise is the same process.
   for (int ear = 0; ear < sound.channels() && context > 0; ++ear) {
     double noise = first.at(ear);
     const auto before = sound.channel(ear).first(context);

@@ -50,8 +50,8 @@ TEST(RoomNoise, HasTheLevelThatIsAskedFor) {
     const Waveform sound = noise(60.0, level_db, 1);
     for (int ear = 0; ear < 2; ++ear) {
       const auto samples = sound.channel(ear);
-      // Noise of 20 Hz has some 40 independent values a second: 2400 tell its power to 3 %,
-      // and four times that is 0.5 dB.
+      // Noise of 20 Hz has some 40 independent values a second: the power of 2400 has a standard
+      // error of 3 %, and four times that is 0.5 dB.
       EXPECT_NEAR(10.0 * std::log10(mean_product(samples, samples)), level_db, 0.5);
     }
   }
@@ -71,11 +71,12 @@ TEST(RoomNoise, FallsBySixDecibelAnOctave) {
     for (std::size_t bin = first; bin < last; ++bin) sum += std::norm(spectrum[bin]);
     return 10.0 * std::log10(sum / static_cast<double>(last - first));
   };
-  // 6400 bins and more in a band: good to 1.3 %, 0.05 dB; and an octave of 1 / (20^2 + f^2) from
-  // 100 Hz on falls by 0.1 dB less than one far above 20 Hz.
+  // 6400 bins or more per band: a standard error of 1.3 %, 0.05 dB. The octave of 1 / (20^2 + f^2)
+  // from 100 Hz on falls by 0.1 dB less than one far above 20 Hz.
   EXPECT_NEAR(density_db(200.0, 400.0) - density_db(100.0, 200.0), -6.02, 0.25);
   EXPECT_NEAR(density_db(800.0, 1600.0) - density_db(400.0, 800.0), -6.02, 0.25);
-  // Flat below: half of the density at 20 Hz, so 0.3 dB from 0 to 10 Hz.
+  // Flat below 20 Hz: 0.5 dB less in the upper band, and 0.35 dB of standard error for the ratio of
+  // two bands with some 300 bins each.
   EXPECT_NEAR(density_db(5.0, 10.0) - density_db(0.5, 5.0), 0.0, 1.0);
 }
 
@@ -98,7 +99,8 @@ TEST(Ambient, IsAddedToBothSoundsIndependently) {
     at_source.push_back(noisy.source.channel(1)[i] - quiet.source.channel(1)[i]);
     at_target.push_back(noisy.target.channel(1)[i] - quiet.target.channel(1)[i]);
   }
-  // Some 40 independent values: 1 dB of level, 0.16 of correlation, each four times.
+  // Some 40 independent values: standard errors of 1 dB in level and 0.16 in correlation, each four
+  // times.
   EXPECT_NEAR(10.0 * std::log10(mean_product(at_source, at_source)), -30.0, 4.0);
   EXPECT_NEAR(10.0 * std::log10(mean_product(at_target, at_target)), -30.0, 4.0);
   EXPECT_NEAR(mean_product(at_source, at_target) / 1e-3, 0.0, 0.6);
@@ -123,7 +125,8 @@ TEST(Ambient, SeparationKeepsSpeechAndBothPartsAddUp) {
     EXPECT_NEAR(sample.source.planar()[i] + sample.ambient->planar()[i], heard.planar()[i], 1e-6F);
     left += std::pow(double{sample.source.planar()[i]} - quiet.source.planar()[i], 2);
   }
-  // Of 1 / (20^2 + f^2) a sixth lies above 80 Hz: -28 dB; the filter's edge leaves a little less.
+  // A sixth of the power of 1 / (20^2 + f^2) lies above 80 Hz: -28 dB, and a little less behind the
+  // filter's slope.
   const double left_db = 10.0 * std::log10(left / static_cast<double>(heard.planar().size()));
   EXPECT_NEAR(left_db, -28.5, 1.5);
 }

@@ -47,7 +47,8 @@ std::optional<fs::path> replay_root(const fs::path& folder) {
   return root && fs::exists(*root / options.folder / options.metadata_file) ? root : std::nullopt;
 }
 
-/// Of a data set that says itself where it lies: docs/formats.md, "Simulated data sets".
+/// Options of a data set whose dataset.json says where it lies: docs/formats.md, "Simulated data
+/// sets".
 SoundSpacesDataset::Options recorded_options(const fs::path& folder, const std::string& split) {
   SoundSpacesDataset::Options options{.root = folder, .split = split};
   const fs::path record = record_of(folder);
@@ -56,7 +57,7 @@ SoundSpacesDataset::Options recorded_options(const fs::path& folder, const std::
   const JsonField fields(json, record.string());
   options.folder = ".";
   options.speech_folder = fields.field("speech_folder").text();
-  // Paths in the metadata begin with the prefix: the root lies as far above the folder.
+  // Paths in the metadata begin with the prefix: the root is as many folders above.
   const fs::path prefix = fields.field("path_prefix").text();
   if (prefix.empty()) return options;
   const fs::path here = fs::weakly_canonical(folder);
@@ -69,7 +70,7 @@ SoundSpacesDataset::Options recorded_options(const fs::path& folder, const std::
                      "move it there");
   }
   options.folder = prefix;
-  // As the released loader has it, else where it was written.
+  // The published place if there is one, else where the simulation wrote it.
   const fs::path published = "data/LibriSpeech-wav";
   options.speech_folder =
       fs::is_directory(options.root / published) ? published : prefix / options.speech_folder;

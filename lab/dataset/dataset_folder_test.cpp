@@ -75,7 +75,7 @@ TEST_F(DatasetFolder, BothUnderOneRootMustBeToldApart) {
             std::string::npos);
   EXPECT_EQ(dataset_layout(root_, DatasetLayout::replay), DatasetLayout::replay);
   EXPECT_EQ(dataset_layout(root_, DatasetLayout::soundspaces), DatasetLayout::soundspaces);
-  // What names one of them asks for it.
+  // A folder that belongs to one of them selects that layout.
   EXPECT_EQ(dataset_layout(root_ / "data/synthetic_dataset/v16", {}), DatasetLayout::soundspaces);
   EXPECT_EQ(dataset_layout(root_ / "data/appen_dataset/v3", {}), DatasetLayout::replay);
 }

@@ -31,7 +31,7 @@ std::size_t largest(std::span<const float> response) {
   return static_cast<std::size_t>(at - response.begin());
 }
 
-/// A one-pole low-pass, in place: crude octaves are good enough for noise.
+/// A one-pole low-pass, in place: coarse octave bands are good enough for noise.
 void smooth(std::vector<float>& samples, double cutoff_hz) {
   const auto keep = static_cast<float>(std::exp(-2.0 * std::numbers::pi * cutoff_hz / kRateHz));
   float state = 0.0F;
@@ -69,7 +69,7 @@ std::optional<double> middle_t60_s(std::span<const float> response) {
 std::vector<float> noise_response(double t60_s, std::ptrdiff_t samples, RandomStream& random) {
   EARPOINT_CHECK(t60_s > 0.0 && samples > 0);
   const double dense_from_s = random.uniform(0.01, 0.08);
-  // Low notes mostly ring longer than high ones.
+  // Low frequencies mostly decay more slowly than high ones.
   const double slope = random.uniform(0.75, 1.1);
   constexpr std::array<double, 3> kCutoffsHz{500.0, 2000.0, 8000.0};
   std::vector<float> response(static_cast<std::size_t>(samples));

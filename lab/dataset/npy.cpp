@@ -15,7 +15,7 @@
 namespace earpoint {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "files are little-endian, as we are");
+static_assert(std::endian::native == std::endian::little, "this code reads little-endian files");
 
 template <typename T>
 std::vector<double> widen(const std::byte* data, std::size_t count) {
@@ -44,7 +44,7 @@ NumberTable read_npy(const std::filesystem::path& path) {
   std::uint32_t header_size = 0;
   std::memcpy(&header_size, bytes.data() + 8, short_header ? 2 : 4);
   if (bytes.size() - start < header_size) throw InputError(name, "its header is truncated");
-  // NumPy pads it to 64 or 128 bytes; matching costs stack in proportion.
+  // NumPy pads it to 64 or 128 bytes. The regex uses stack in proportion to the length.
   if (header_size > kLongestHeader) throw InputError(name, "its header is too long");
   const std::string header(reinterpret_cast<const char*>(bytes.data()) + start, header_size);
 

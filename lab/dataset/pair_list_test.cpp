@@ -42,7 +42,7 @@ TEST(PairList, EveryViewpointIsTheTargetOnceAndSpeakersHaveSpeech) {
     targets.emplace(pair.clip, pair.choice.target);
     EXPECT_NE(pair.choice.source, pair.choice.target);
     EXPECT_NE(pair.choice.speaker, 1);
-    // A window lies within its speech where that is long enough, and at its start where not.
+    // A window lies within its speech if that is long enough, otherwise at its start.
     EXPECT_LE(pair.choice.window_start, pair.choice.speaker == 0 ? 4000 : 0);
     late_window = late_window || pair.choice.window_start > 0;
     EXPECT_EQ(&clip_of(pair, clips, "list"), &clips[pair.clip]);

@@ -31,7 +31,7 @@ using SharedSound = std::shared_ptr<const Waveform>;
 using Response = SoundSpacesDataset::Response;
 using Spectrum = std::vector<std::complex<float>>;
 
-/// A transform of that size, of this thread: they hold work space.
+/// The transform of that size of this thread: transforms hold work space.
 RealFft<float>& transform(int size) {
   thread_local std::map<int, RealFft<float>> transforms;
   return transforms.try_emplace(size, size).first->second;
@@ -48,7 +48,7 @@ void copy_window(const Waveform& sound, int channel, std::ptrdiff_t start,
   std::ranges::copy(samples, window.begin() + (first - start));
 }
 
-/// What comes from sample `start` on.
+/// The sound from sample `start` on.
 Waveform after(const Waveform& sound, std::ptrdiff_t start) {
   if (start == 0) return sound;
   Waveform result(sound.channels(), sound.samples() - start, sound.sample_rate_hz());
@@ -77,15 +77,16 @@ std::ptrdiff_t arrival(const Waveform& response) {
   return first;
 }
 
-/// The way from the mouth to a microphone close before it, as late as the source's response.
+/// The response from the mouth to a microphone close to it, with the delay of the source's
+/// response.
 Waveform near_microphone_response(const Waveform& to_source) {
   Waveform response(kEars, arrival(to_source) + 1, kRateHz);
   for (int ear = 0; ear < kEars; ++ear) response.channel(ear).back() = 1.0F;
   return response;
 }
 
-/// b *= a. Written out over the floats, as std::complex's product checks for NaN and its values are
-/// no vectors to a compiler.
+/// b *= a. Written out in floats: the product of std::complex checks for NaN, and compilers do not
+/// vectorize it.
 EARPOINT_VECTOR_CLONES_OF_PAIRS void multiply(const Spectrum& a, Spectrum& b) {
   const auto* __restrict from = reinterpret_cast<const float*>(a.data());
   auto* __restrict to = reinterpret_cast<float*>(b.data());
@@ -98,8 +99,8 @@ EARPOINT_VECTOR_CLONES_OF_PAIRS void multiply(const Spectrum& a, Spectrum& b) {
   }
 }
 
-/// The end of the convolution of `dry` with several responses, by one transform of `dry`: the
-/// samples from `lead` on, which no response reaches round the transform's end to.
+/// Convolution of `dry` with several responses, by one transform of `dry`. Gives the samples from
+/// `lead` on, which circular wrap-around does not reach.
 class WindowConvolver {
  public:
   WindowConvolver(const Waveform& dry, std::ptrdiff_t lead)
@@ -135,7 +136,7 @@ class WindowConvolver {
   Spectrum spectrum_;
 };
 
-/// What a choice picks out of a clip.
+/// The viewpoints and the speaker that a choice selects in a clip.
 struct Chosen {
   const SoundSpacesViewpoint& source;
   const SoundSpacesViewpoint& target;

@@ -23,8 +23,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kPlenty = 100'000'000;
-// Both convolve in float32 by transforms of different sizes: 1e-6 of what is loudest in them, which
-// is at least the speech's level.
+// Both convolve in float32 by transforms of different sizes: 1e-6 of the largest sample in each,
+// which is at least the level of the speech.
 constexpr double kRounding = 2e-6;
 constexpr double kSpeechLevel = 0.2;
 
@@ -64,7 +64,7 @@ TEST_F(PairSamplerTest, SoundsAreThoseOfTheReleasedLoader) {
   const SoundSpacesClip& clip = data.clips()[1];
   const std::ptrdiff_t speech = sampler.speech_samples(clip.speakers[0]);
   EXPECT_EQ(speech, 24000);
-  // At the beginning, within, over the end, and where nothing but the tail is left.
+  // At the beginning, within, across the end, and where only the tail is left.
   for (const std::ptrdiff_t start :
        {std::ptrdiff_t{0}, std::ptrdiff_t{3210}, speech - 8000, speech + 100}) {
     const SoundSpacesChoice choice{.source = 2, .target = 1, .speaker = 0, .window_start = start};
@@ -79,7 +79,7 @@ TEST_F(PairSamplerTest, ContextIsTheSoundBeforeTheSameWindow) {
   const SoundSpacesDataset data = dataset();
   const PairSampler sampler(data, kPlenty);
   const SoundSpacesClip& clip = data.clips()[0];
-  // Within the speech, and reaching before it.
+  // Context within the speech, and from before its beginning.
   for (const std::ptrdiff_t start : {std::ptrdiff_t{7000}, std::ptrdiff_t{2000}}) {
     constexpr std::ptrdiff_t kContext = 4000;
     const SoundSpacesChoice choice{.source = 0, .target = 1, .speaker = 1, .window_start = start};
@@ -92,7 +92,7 @@ TEST_F(PairSamplerTest, ContextIsTheSoundBeforeTheSameWindow) {
     expect_same(without_context(more).source, alone.source);
     const auto before = more.source.channel(0).first(kContext);
     const auto silent = std::max(kContext - start, std::ptrdiff_t{0});
-    // The transform's rounding stands where nothing is.
+    // Before the speech there is only the transform's rounding.
     for (std::ptrdiff_t i = 0; i < silent; ++i) ASSERT_NEAR(before[i], 0.0F, kRounding);
     EXPECT_TRUE(
         std::ranges::any_of(before.subspan(silent), [](float x) { return std::abs(x) > 1e-3F; }));
@@ -180,7 +180,7 @@ TEST_F(PairSamplerTest, ANearMicrophoneHearsDrySpeechWhenTheSourceHearsItFirst) 
   Waveform both(2, kPairSamples, 16000);
   for (int ear = 0; ear < 2; ++ear) std::ranges::copy(dry.channel(0), both.channel(ear).begin());
   expect_same(sample.target, both);
-  // The pose tells nothing; what only oracles see does.
+  // The pose says nothing about the microphone; only the truth for oracles does.
   EXPECT_EQ(norm(sample.source_from_target.position_m), 0.0);
   EXPECT_EQ(euler_from_quaternion(sample.source_from_target.orientation).yaw_rad, 0.0);
   EXPECT_EQ(norm(sample.speaker_m - usual.speaker_m), 0.0);
@@ -190,7 +190,7 @@ TEST_F(PairSamplerTest, ANearMicrophoneHearsDrySpeechWhenTheSourceHearsItFirst) 
 }
 
 TEST_F(PairSamplerTest, ANearMicrophoneWaitsForASourceThatHearsLater) {
-  // 50 samples of a room's murmur 30 dB down before the direct sound.
+  // 50 samples 30 dB down before the direct sound.
   const SoundSpacesDataset data = dataset();
   const SoundSpacesClip& clip = data.clips()[0];
   Waveform response(2, 2000, 16000);
@@ -219,7 +219,7 @@ TEST_F(PairSamplerTest, AMirrorSwapsLeftAndRight) {
   const EulerAngles mirrored_turn = euler_from_quaternion(mirror.source_from_target.orientation);
   EXPECT_NEAR(mirrored_turn.yaw_rad, -turn.yaw_rad, 1e-12);
   EXPECT_EQ(mirror.speaker_m.y, -sample.speaker_m.y);
-  // The speaker, as the target sees it, lies as far to the other side.
+  // Seen from the target, the speaker is as far to the other side.
   const auto seen_by_target = [](const PairSample& pair) {
     return transform_point(inverse(pair.source_from_target), pair.speaker_m);
   };

@@ -21,8 +21,8 @@ namespace fs = std::filesystem;
 /// The miniature data sets and what the released loaders make of them.
 class ReleasedLoaderTest : public ::testing::Test {
  protected:
-  /// Does that with the first clips, which lie in the source tree, and with all where they are at
-  /// hand.
+  /// Runs the check on the first clips, which are in the source tree, and on all clips where they
+  /// are available.
   static void for_every_root(const std::function<void(const fs::path&)>& check) {
     for (const fs::path& root :
          reference_folders("lab/dataset/testdata/released_loader", "F_mini")) {
@@ -65,7 +65,7 @@ class ReleasedLoaderTest : public ::testing::Test {
       for (int y = 0; y < planes.height; y += 8) {
         for (int x = 0; x < planes.width; x += 8) {
           const auto at = (static_cast<std::size_t>(c) * planes.height + y) * planes.width + x;
-          // A float column number near 512 is good to 3e-5 of a pixel, and neighbours differ by
+          // A float column number near 512 is precise to 3e-5 of a pixel, and neighbours differ by
           // up to 1.
           ASSERT_NEAR(planes.values[at], values[i++], 3e-5) << name << " " << c << y << x;
         }
@@ -152,7 +152,7 @@ TEST_F(ReleasedLoaderTest, ReplaySamplesAreTheSame) {
     for (const std::string split : {"test", "val"}) {
       const std::size_t clips = load(root, "replay_" + split);
       if (clips == 0) continue;
-      // One clip of the whole lacks a view's sound, on purpose.
+      // In the whole set, one clip deliberately lacks the sound of a view.
       const ReplayDataset dataset({.root = root, .split = split, .blank_unreadable = true});
       NumpyRandom random(0);
       ASSERT_EQ(dataset.clips().size(), clips);

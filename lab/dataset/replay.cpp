@@ -41,7 +41,7 @@ std::string without_nan(std::string text) {
   return text;
 }
 
-/// Numbers in the file may be written as texts.
+/// Numbers in the file may be written as strings.
 double loose_number(const JsonField& json) {
   if (!json.is_text()) return json.number();
   const std::string text = json.text();
@@ -87,7 +87,7 @@ fs::path beside(fs::path image, const char* extension) {
   return image.replace_extension(extension);
 }
 
-/// The picture, or the first frame of the camera's movie where no picture was cut out of it.
+/// The picture, or the first frame of the camera's movie if there is no picture file.
 Image read_picture(const fs::path& path) {
   const fs::path movie = beside(path, ".mp4");
   if (fs::exists(path) || !fs::exists(movie)) return read_image(path);
@@ -109,7 +109,7 @@ Waveform read_recording(const fs::path& path) {
   return highpass(resample_sinc(sound, kRate_hz), kReplayCutoffHz);
 }
 
-/// The box of whoever is most often named in the table of x_min, y_min, x_max, y_max, id.
+/// The box of the id that is most frequent in the table of x_min, y_min, x_max, y_max, id.
 std::vector<double> read_box(const fs::path& path) {
   const NumberTable table = read_npy(path);
   if (table.columns != 5 || table.rows == 0) {
@@ -118,7 +118,7 @@ std::vector<double> read_box(const fs::path& path) {
   }
   std::map<double, int> counts;
   for (std::size_t row = 0; row < table.rows; ++row) ++counts[table.values[row * 5 + 4]];
-  // The map runs through the ids in ascending order: of equals the smallest id wins.
+  // The map is in ascending order of ids: if counts are equal, the smallest id wins.
   const auto frequent =
       std::max_element(counts.begin(), counts.end(),
                        [](const auto& a, const auto& b) { return a.second < b.second; });
@@ -143,7 +143,7 @@ ReplayCameras read_replay_cameras(const fs::path& path) {
   for (const auto& [scene, centres] : root.field("centers").fields()) {
     for (const auto& [camera, centre] : centres.fields()) {
       const JsonField rotation = rotations.field(scene).field(camera);
-      // A camera that could not be placed is an error only for who asks for it.
+      // A camera without a position is an error only when it is asked for.
       if (has_null(centre) || has_null(rotation)) continue;
       cameras[scene][camera] = {loose_vector3(centre), loose_vector3(rotation)};
     }
@@ -162,7 +162,7 @@ void ReplayDataset::read_clips() {
   const fs::path folder = options_.root / options_.folder;
   const std::set<std::string> scenes = scenes_of(folder / options_.splits_file, options_.split);
   const fs::path metadata = folder / options_.metadata_file;
-  // Items keep the order of the file, which only an ordered document remembers.
+  // Clips keep the order of the file, so the document must be an ordered one.
   const std::string text = without_nan(read_text_file(metadata));
   const nlohmann::ordered_json ordered = nlohmann::ordered_json::parse(text, nullptr, false);
   if (ordered.is_discarded()) throw InputError(metadata.string(), "is not valid JSON");

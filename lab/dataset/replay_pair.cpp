@@ -14,7 +14,7 @@ namespace earpoint {
 namespace {
 
 constexpr double kMetresPerCentimetre = 0.01;
-/// Sound travels 10 m in this time, at 16 kHz.
+/// Sound travels 10 m in this time. At 16 kHz.
 constexpr double kLongestWaySamples = 480.0;
 
 Image image_of(const ImagePlanes& planes) {

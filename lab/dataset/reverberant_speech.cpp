@@ -18,7 +18,8 @@ namespace {
 constexpr std::size_t kSecond = 16000;
 constexpr double kShortestS = 0.1;
 constexpr double kLongestS = 1.3;
-/// A decay is changed by at most this factor: beyond, early reflections and decay no longer fit.
+/// A decay is changed by at most this factor: beyond it early reflections and decay no longer
+/// match.
 constexpr double kMostChange = 2.5;
 
 struct EarResponse {
@@ -30,7 +31,7 @@ double rms(std::span<const float> samples) {
   return std::sqrt(energy(samples) / static_cast<double>(samples.size()));
 }
 
-/// Steady noise at a drawn level below the sound's.
+/// Adds steady noise, 20 to 60 dB below the sound.
 void add_noise(std::vector<float>& sound, RandomStream& random) {
   const double level = rms(sound) * std::pow(10.0, -random.uniform(20.0, 60.0) / 20.0);
   for (float& x : sound) x += static_cast<float>(level * random.normal());
@@ -66,7 +67,7 @@ std::vector<std::vector<float>> read_voices(const SoundSpacesDataset& dataset) {
 }  // namespace
 
 struct ReverberantSpeech::State {
-  /// A second that begins somewhere in the recording, with what still rings from before.
+  /// A second from anywhere in the recording, with the reverberation of the speech before it.
   [[nodiscard]] std::vector<float> second_of(std::span<const float> response,
                                              RandomStream& random) const {
     const std::vector<float>& voice = voices[random.index(voices.size())];

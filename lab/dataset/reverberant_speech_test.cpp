@@ -23,7 +23,8 @@ TEST(NoiseResponse, DecaysAsAsked) {
     RandomStream random(3);
     const std::optional<double> found = middle_t60_s(noise_response(t60_s, 32000, random));
     ASSERT_TRUE(found.has_value()) << t60_s;
-    // The middle octaves' own pace differs by up to 15 %, and one drawn noise's by some more.
+    // The decay of the middle octaves is varied by up to 15 %; a single noise response adds a few
+    // percent.
     EXPECT_NEAR(*found, t60_s, 0.25 * t60_s);
   }
 }
@@ -31,7 +32,7 @@ TEST(NoiseResponse, DecaysAsAsked) {
 TEST(ChangeDecay, GivesTheDecayAskedFor) {
   RandomStream random(4);
   std::vector<float> original = noise_response(0.6, 32000, random);
-  original[0] = 0.0F;  // without the direct sound, whose step is no decay
+  original[0] = 0.0F;  // without the direct sound, whose step is not part of the decay
   const double from_s = middle_t60_s(original).value();
   for (const double to_s : {0.3, 0.6, 1.0}) {
     std::vector<float> changed = original;
@@ -81,7 +82,7 @@ TEST_F(ReverberantSpeechTest, KnowsTheTimesOfItsResponses) {
           const ReverberantSecond second = speech.measured(index++, random);
           EXPECT_EQ(second.sound.size(), 16000U);
           EXPECT_EQ(second.t60_s, middle_t60_s(response.channel(ear)));
-          EXPECT_LT(second.t60_s, 0.13);  // tails decay in 0.1 s, the direct sound at once
+          EXPECT_LT(second.t60_s, 0.13);  // the tails decay in 0.1 s
         }
       }
     }
@@ -106,7 +107,7 @@ TEST_F(ReverberantSpeechTest, DrawsTheSameFromTheSameStreamAndCoversManyTimes) {
     longest_s = std::max(longest_s, second.t60_s);
   }
   EXPECT_LT(shortest_s, 0.15);
-  EXPECT_GT(longest_s, 0.2);  // what decays longer than the responses last is not measured
+  EXPECT_GT(longest_s, 0.2);  // longer decays are cut off by the length of the responses
 }
 
 TEST_F(ReverberantSpeechTest, RefusesResponsesThatDoNotDecay) {

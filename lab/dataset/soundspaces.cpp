@@ -27,7 +27,7 @@ constexpr std::ptrdiff_t kFewestSpeechSamples = 34;
 // Below this a response counts as silence and keeps its delay, as in the released loader.
 constexpr float kSilence = 1e-8F;
 
-/// Samples before the earlier ear's first that is not zero.
+/// Number of samples before the first non-zero one in either ear.
 std::ptrdiff_t delay_of(const Waveform& response, const std::string& where) {
   const auto samples = response.planar();
   if (std::all_of(samples.begin(), samples.end(),
@@ -130,7 +130,7 @@ Waveform SoundSpacesDataset::read_speech(const std::string& speech) const {
                                                 kFewestSpeechSamples, sound.samples()));
   }
   if (probe_sound(path).is_pcm16) {
-    // The released loader takes integers as they are stored.
+    // The released loader does not scale integers.
     for (float& sample : sound.planar()) sample *= 32768.0F;
   }
   return resample_sinc(highpass(sound, kCutoff_hz), kRate_hz);

@@ -79,7 +79,7 @@ TEST_F(AmbientEvaluationSetTest, EveryPairHasItsOwnNoiseAndACleanTarget) {
                       without.source.planar()[i]);
       energy += double{noise.back()} * noise.back();
     }
-    // Two ears have some 80 independent values in a second: good to 0.7 dB, four times.
+    // Two ears have some 80 independent values in a second: a standard error of 0.7 dB, four times.
     EXPECT_NEAR(10.0 * std::log10(energy / static_cast<double>(noise.size())), -30.0, 3.0);
     EXPECT_NE(noise, last);
     last = noise;
@@ -103,7 +103,7 @@ TEST_F(AmbientEvaluationSetTest, TheWindowsNoiseIsTheSameWithSoundBefore) {
   double before = 0.0;
   for (int ear = 0; ear < 2; ++ear) {
     for (std::ptrdiff_t i = 0; i < window.source.samples(); ++i) {
-      // Both convolve by transforms of different sizes.
+      // Both convolve in float32 by transforms of different sizes.
       ASSERT_NEAR(window.source.channel(ear)[i] + window.ambient->channel(ear)[i],
                   alone.source.channel(ear)[i] + alone.ambient->channel(ear)[i], 2e-6);
     }
@@ -113,7 +113,8 @@ TEST_F(AmbientEvaluationSetTest, TheWindowsNoiseIsTheSameWithSoundBefore) {
           2);
     }
   }
-  // Half a second of noise has 20 independent values for each ear: good to 1 dB, three times.
+  // Half a second of noise has 20 independent values for each ear: a standard error of 1 dB, three
+  // times.
   EXPECT_NEAR(10.0 * std::log10(before / (2 * kContext)), -30.0, 3.0);
 }
 
@@ -140,7 +141,7 @@ TEST_F(AmbientEvaluationSetTest, OnlyNetworksTrainedWithAmbientSoundHearIt) {
   };
   EXPECT_TRUE(equal(answer(true, sample), answer(true, primary)));
   EXPECT_FALSE(equal(answer(false, sample), answer(false, primary)));
-  // It hears all, and what is compared is its answer's primary sound.
+  // It gets the whole sound, and the primary sound of its output is compared.
   PairSample expected;
   expected.source = answer(false, whole);
   separate_source(expected);

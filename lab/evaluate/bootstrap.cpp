@@ -11,7 +11,7 @@
 
 namespace earpoint {
 
-/// A mean is the ratio of a sum to a count, so one form serves both.
+/// Numerator and denominator by cluster. A mean is the ratio of a sum to a count.
 struct ClusterBootstrap::Sums {
   explicit Sums(std::size_t clusters) : above(clusters), below(clusters) {}
   std::vector<double> above;
@@ -21,7 +21,7 @@ struct ClusterBootstrap::Sums {
 
 namespace {
 
-/// Linear between the order statistics. @param sorted  not empty
+/// Interpolated linearly between the order statistics. @param sorted  not empty
 double quantile(const std::vector<double>& sorted, double probability) {
   const double place = probability * static_cast<double>(sorted.size() - 1);
   const auto below = static_cast<std::size_t>(place);
@@ -122,7 +122,7 @@ std::optional<Estimate> ClusterBootstrap::estimate(const Sums& sums) const {
       drawn_above += draws_[start + c] * sums.above[c];
       drawn_below += draws_[start + c] * sums.below[c];
     }
-    // Only clusters without a value were drawn: this replicate says nothing.
+    // A replicate of clusters without values has no mean.
     if (drawn_below != 0.0) replicates.push_back(drawn_above / drawn_below);
   }
   result.range = percentile_range(std::move(replicates), options_.confidence);

@@ -26,7 +26,7 @@ TEST(ClusterBootstrap, IntervalOfAShareIsTheBinomials) {
   const Estimate share = bootstrap.mean(values).value();
   EXPECT_DOUBLE_EQ(share.value, 0.3);
   EXPECT_EQ(share.clips, 100U);
-  // One step of the discrete distribution: 20000 draws put a quantile no farther off.
+  // One step of the discrete distribution: with 20000 draws a quantile is off by no more.
   EXPECT_NEAR(share.range->low, 0.21, 0.0101);
   EXPECT_NEAR(share.range->high, 0.39, 0.0101);
 }
@@ -46,7 +46,7 @@ TEST(ClusterBootstrap, IntervalOfAMeanFollowsTheStandardError) {
   const double error = std::sqrt((squares / 400 - mean * mean) / 400);
   const ClusterBootstrap bootstrap(every_clip_for_itself(400), {.replicates = 20000});
   const ConfidenceRange range = bootstrap.mean(values)->range.value();
-  // The quantiles of 20000 replicates scatter by 2 % of the standard error.
+  // The quantiles of 20000 replicates vary by 2 % of the standard error; four times that.
   EXPECT_NEAR(range.low, mean - 1.96 * error, 0.08 * error);
   EXPECT_NEAR(range.high, mean + 1.96 * error, 0.08 * error);
 }
@@ -66,7 +66,7 @@ TEST(ClusterBootstrap, CopiesWithinAClusterAddNoCertainty) {
   const Estimate one = ClusterBootstrap(every_clip_for_itself(50)).mean(single).value();
   const Estimate twelve = ClusterBootstrap(clusters).mean(copies).value();
   EXPECT_EQ(ClusterBootstrap(clusters).clusters(), 50U);
-  // The same draws of the same clusters; only the order of summation differs.
+  // The same clusters are drawn; only the order of summation differs.
   EXPECT_NEAR(one.value, twelve.value, 1e-12);
   EXPECT_NEAR(one.range->low, twelve.range->low, 1e-12);
   EXPECT_NEAR(one.range->high, twelve.range->high, 1e-12);
@@ -75,7 +75,7 @@ TEST(ClusterBootstrap, CopiesWithinAClusterAddNoCertainty) {
 }
 
 TEST(ClusterBootstrap, RatioIsPaired) {
-  // Twice the baseline in every clip: however the clips scatter, the ratio does not.
+  // Twice the baseline in every clip: the ratio is the same however much the clips vary.
   RandomStream random(7);
   Values baseline;
   Values twice;
@@ -122,7 +122,7 @@ TEST(ClusterBootstrap, SameSeedSameInterval) {
   EXPECT_NE(low(3), low(4));
 }
 
-/// Answers of `participants` to `clips`, all to all, with effects of participant, clip and chance.
+/// Answers of every participant to every clip, with effects of participant, clip and noise.
 struct Answers {
   Values values;
   std::vector<int> participants;
@@ -146,8 +146,8 @@ Answers crossed_answers(int participants, int clips, double participant_scale, d
 }
 
 TEST(CrossedBootstrap, CoversTheTruthWhereParticipantsAndClipsDiffer) {
-  // In 95 % of experiments at best; percentile intervals of 20 by 20 groups fall a few percent
-  // short. Those that know of clips alone are narrower by a factor of 0.71: they cover it in 83 %.
+  // At best 95 % of experiments; percentile intervals of 20 by 20 groups cover a few percent less.
+  // Intervals by clip alone are narrower by a factor of 0.71 and cover 83 %.
   constexpr int kExperiments = 300;
   RandomStream random(11);
   int covered = 0;
@@ -161,13 +161,13 @@ TEST(CrossedBootstrap, CoversTheTruthWhereParticipantsAndClipsDiffer) {
     const ConfidenceRange narrow = one_way.mean(answers.values)->range.value();
     if (narrow.low < 0.0 && narrow.high > 0.0) ++covered_by_clips_alone;
   }
-  // A share of 0.95 of 300 scatters by 0.0126.
+  // A share of 0.95 of 300 has a standard error of 0.0126.
   EXPECT_GT(covered, static_cast<int>(0.90 * kExperiments));
   EXPECT_LT(covered_by_clips_alone, static_cast<int>(0.89 * kExperiments));
 }
 
 TEST(CrossedBootstrap, ParticipantsWhoAnswerAlikeAddNoCertaintyAboutClips) {
-  // 40 participants agree on every clip: only the clips tell, as if one had answered.
+  // 40 participants agree on every clip: the interval is that of the clips, as if one had answered.
   RandomStream random(12);
   const Answers answers = crossed_answers(40, 25, 0.0, 1.0, 0.0, random);
   const CrossedBootstrap crossed(answers.participants, answers.clips, {.replicates = 20000});
@@ -175,7 +175,7 @@ TEST(CrossedBootstrap, ParticipantsWhoAnswerAlikeAddNoCertaintyAboutClips) {
   const ConfidenceRange both = crossed.mean(answers.values)->range.value();
   const ConfidenceRange clips = by_clip.mean(answers.values)->range.value();
   const double width = clips.high - clips.low;
-  // Quantiles of 20000 replicates scatter by about 1 % of the width.
+  // Quantiles of 20000 replicates have a standard error of about 1 % of the width.
   EXPECT_NEAR(both.low, clips.low, 0.03 * width);
   EXPECT_NEAR(both.high, clips.high, 0.03 * width);
 }

@@ -19,10 +19,10 @@
 namespace earpoint {
 namespace {
 
-// Long enough for the first 10 dB of any room's decay and for C50 but for what is 25 dB down.
+// Long enough for the first 10 dB of decay in any room; C50 lacks only what is 25 dB down.
 constexpr double kResponse_s = 0.5;
-// A method may put the sound at one ear before its beginning at the other, where the true response
-// begins; a filter that could not would lose the direct sound. Ears are 0.7 ms apart.
+// A method may render an ear earlier than the true response begins. Without taps ahead of it the
+// fit would lose the direct sound. Ears are 0.7 ms apart.
 constexpr double kAhead_s = 0.004;
 
 constexpr std::array<Metric, kMetricCount> kMetrics = {Metric::mag,
@@ -53,7 +53,7 @@ constexpr std::array<MetricName, kMetricCount> kNames = {{
     {"estoi", "ESTOI", "", 3, "extended short-time objective intelligibility, at most 1", false},
 }};
 
-/// What half a second of the way from the dry speech to one ear tells.
+/// Measures of the first half second of the response from the dry speech to one ear.
 struct EarDecay {
   std::optional<double> early_decay_s;
   std::optional<double> clarity_db;
@@ -64,7 +64,7 @@ std::optional<double> defined(double (*measure)(std::span<const float>, double),
   try {
     return measure(response, sample_rate_hz);
   } catch (const InputError&) {
-    return std::nullopt;  // it does not decay that far
+    return std::nullopt;  // the decay is too short for this measure
   }
 }
 
@@ -111,7 +111,7 @@ struct ClipMeasurer::State {
     return decays;
   }
 
-  /// Keeps as much of the dry speech as the response that is looked for can reach.
+  /// Keeps as much of the dry speech as the fitted response can reach.
   void plan_fit(const PairTruth& truth, const Waveform& sound) {
     const auto taps = static_cast<std::ptrdiff_t>(kResponse_s * sound.sample_rate_hz());
     const auto ahead = static_cast<std::ptrdiff_t>(kAhead_s * sound.sample_rate_hz());
@@ -153,7 +153,7 @@ struct ClipMeasurer::State {
   std::ptrdiff_t planned_samples = 0;
 
   Waveform target;
-  std::vector<float> dry;  // empty where it is not known
+  std::vector<float> dry;  // empty if it is unknown
   std::optional<double> target_delay_s;
   std::vector<double> target_rt60_s;
   std::optional<EarDecays> target_decays;

@@ -44,7 +44,7 @@ Waveform room(double t60_s, std::uint64_t seed) {
   return response;
 }
 
-/// A second of `dry` heard through a response, from sample `lead` on.
+/// `dry` convolved with a response, from sample `lead` on.
 Waveform heard(const Waveform& dry, const Waveform& response, std::ptrdiff_t lead) {
   Waveform sound(2, dry.samples() - lead, kRate_hz);
   for (int ear = 0; ear < 2; ++ear) {
@@ -80,8 +80,8 @@ TEST(ClipMeasurer, JudgesSpeechWhereItIsAskedTo) {
   const ClipMetrics itself = measurer.measure(target);
   EXPECT_EQ(itself[Metric::si_sdr], kLargestSiSdrDb);
   EXPECT_NEAR(itself[Metric::estoi].value(), 1.0, 1e-6);  // a normalised correlation's rounding
-  // Each ear is judged by its own target: noise of another seed as strong as the left ear's adds
-  // an error of 0 dB there and none at the right.
+  // Each ear is compared with its own target: noise of the left ear's level gives 0 dB there and no
+  // error at the right.
   Waveform other = target;
   const Waveform more = noise(1, kRate_hz, 7);
   for (std::ptrdiff_t i = 0; i < other.samples(); ++i) {
@@ -104,7 +104,7 @@ TEST(ClipMeasurer, LevelErrorIsTheMeanOverTheEars) {
   EXPECT_NEAR(metrics[Metric::level].value(), 1.5 * half_db, 1e-9);
   EXPECT_NEAR(metrics[Metric::lre].value(), 3.0 * half_db, 1e-5);
   EXPECT_NEAR(metrics[Metric::interaural_delay].value(), 0.0, 1e-6);
-  // Nothing tells these.
+  // These need an estimator of RT60 or the dry speech.
   EXPECT_FALSE(metrics[Metric::rte].has_value());
   EXPECT_FALSE(metrics[Metric::early_decay].has_value());
   EXPECT_FALSE(metrics[Metric::clarity].has_value());
@@ -131,7 +131,7 @@ TEST(ClipMeasurer, DelayedRightEarIsTheInterauralError) {
   };
   ClipMeasurer measurer({});
   measurer.set_target(delayed(0, 4), nullptr);
-  // 4 samples later against 6 samples earlier, of 62.5 us each; to 0.02 sample.
+  // 4 samples later against 6 samples earlier, of 62.5 us each; the delay is found to 0.02 sample.
   EXPECT_NEAR(measurer.measure(delayed(6, 0))[Metric::interaural_delay].value(), 625.0, 1.25);
 }
 
@@ -155,13 +155,13 @@ TEST(ClipMeasurer, DecayErrorsAreThoseOfTheResponses) {
   }
   ASSERT_GT(decay_s, 0.1);
   ASSERT_GT(clarity_db, 2.0);
-  // Noise holds all frequencies, so that the responses come back but for the regularisation.
+  // Noise has all frequencies, so that the fit recovers the responses up to the regularisation.
   EXPECT_NEAR(metrics[Metric::early_decay].value(), decay_s, 0.05 * decay_s);
   EXPECT_NEAR(metrics[Metric::clarity].value(), clarity_db, 0.05 * clarity_db);
 }
 
 TEST(ClipMeasurer, AnEarThatHearsEarlyDecaysAsItDid) {
-  constexpr std::ptrdiff_t kEarly = 8;  // half a millisecond, a voice at the side
+  constexpr std::ptrdiff_t kEarly = 8;  // half a millisecond, as for a voice at the side
   const PairTruth truth{.dry = noise(1, kRate_hz + 6399, 2),
                         .lead = 6399,
                         .source_response = {},
@@ -173,7 +173,7 @@ TEST(ClipMeasurer, AnEarThatHearsEarlyDecaysAsItDid) {
   ClipMeasurer measurer({});
   measurer.set_target(target, &truth);
   const ClipMetrics metrics = measurer.measure(early);
-  // The last samples are still the target's: 8 of 16,000.
+  // The last 8 of 16,000 samples are not shifted.
   EXPECT_LT(metrics[Metric::early_decay].value(), 0.01);
   EXPECT_LT(metrics[Metric::clarity].value(), 0.1);
 }

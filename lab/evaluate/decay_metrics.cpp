@@ -11,7 +11,7 @@
 namespace earpoint {
 namespace {
 
-/// Runs one measure on a channel; its errors name the channel.
+/// Runs one measure on a channel and names the channel in its errors.
 double measure(const Waveform& wave, std::string_view name, int channel,
                double (*function)(std::span<const float>, double)) {
   try {

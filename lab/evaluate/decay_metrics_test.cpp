@@ -32,7 +32,8 @@ TEST(CompareDecays, ErrorsAreMeansOverTheEars) {
   const DecayComparison found = compare_decays(reference, "a.wav", estimate, "b.wav");
   EXPECT_EQ(found.range, DecayRange::t30);
   ASSERT_EQ(found.reference.size(), 2U);
-  // Straight decays: every range gives the same time, to the estimate of what was cut off.
+  // Straight decays: every range gives the same time, up to the error of the estimate of the
+  // missing tail.
   EXPECT_NEAR(found.reference[0].t60_s, 0.4, 1e-3);
   EXPECT_NEAR(found.reference[1].edt_s, 0.6, 1e-3);
   EXPECT_NEAR(found.estimate[1].c50_db, c50_of(0.5), 1e-2);
@@ -46,7 +47,8 @@ TEST(CompareDecays, ErrorsAreMeansOverTheEars) {
 TEST(CompareDecays, OneChannelAndOtherRatesAreFine) {
   const DecayComparison found =
       compare_decays(decays({0.5}, 0.8), "a.wav", decays({0.5}, 0.6, 48000), "b.wav");
-  // Responses of two lengths are cut off at two levels, whose estimates differ as above.
+  // The two lengths end at different levels, so that the estimates of the missing tails differ as
+  // above.
   EXPECT_NEAR(found.t60_error_s, 0.0, 1e-3);
   EXPECT_NEAR(found.c50_error_db, 0.0, 1e-2);
 }

@@ -62,7 +62,7 @@ TEST_F(EarpointClipTest, ReadsWhatIsKnown) {
   ASSERT_EQ(clip.earpoints.size(), 1U);
   EXPECT_EQ(clip.earpoints[0].truth, folder_ / "truth.wav");
   EXPECT_EQ(clip.earpoints[0].source_from_target.position_m, (Vector3{1.0, -0.5, 0.0}));
-  // Turned by 90 degrees one looks to the left: along y. Rounding of doubles.
+  // Turned by 90 degrees the head looks to the left, along y. Rounding of doubles.
   EXPECT_NEAR(rotate(clip.earpoints[0].source_from_target.orientation, {1, 0, 0}).y, 1.0, 1e-12);
 }
 
@@ -130,14 +130,14 @@ TEST_F(BundledClip, TruthsAreBinauralAndAsLongAsTheClip) {
   }
 }
 
-// Speech has most of its energy where a head casts little shadow: without a room its ears differ by
-// 5 to 6 dB with the speaker at the side.
+// Most energy of speech is at frequencies where the head shadows little: without a room the ears
+// differ by 5 to 6 dB with the speaker at the side.
 TEST_F(BundledClip, TheNearerEarHearsTheSpeakerLouder) {
   EXPECT_GT(left_less_right_db("speaker on the left"), 4.0);
   EXPECT_LT(left_less_right_db("speaker on the right"), -4.0);
 }
 
-// Steps that anyone hears: 6 dB is half the sound pressure.
+// 6 dB is half the sound pressure, which is clearly audible.
 TEST_F(BundledClip, FarAwayIsQuieterAndTheNextRoomStillMore) {
   const double near_db = loudness_db("speaker on the left");
   const double far_db = loudness_db("far away");

@@ -90,12 +90,12 @@ EarLevels levels_of(const Waveform& sound, const Waveform& source) {
           .left_right_db = db(left) - db(right)};
 }
 
-/// As it is measured.
+/// Reads a sound at the rate of the metrics.
 Waveform read_for_metrics(const fs::path& path) {
   return resample(read_sound(path), kMetricRateHz);
 }
 
-/// Cut, or filled with zeros, to a length.
+/// Cuts or zero-pads a sound to a length.
 Waveform with_length(const Waveform& sound, std::ptrdiff_t samples) {
   Waveform result(sound.channels(), samples, sound.sample_rate_hz());
   for (int c = 0; c < sound.channels(); ++c) {

@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 constexpr int kRate_hz = 16000;
 
-/// A second of noise, the same in both ears but for a gain each.
+/// Noise that is the same in both ears except for their gains.
 Waveform noise(float left, float right, double duration_s = 1.0) {
   RandomStream random(1);
   Waveform sound(2, std::lround(duration_s * kRate_hz), kRate_hz);
@@ -64,7 +64,7 @@ TEST_F(EarpointComparisonTest, TellsLevelsAndWhatACopyMisses) {
   const EarpointComparison comparison = compare(noise(1.0F, 0.25F));
   ASSERT_EQ(comparison.earpoints.size(), 1U);
   const EarpointResult& result = comparison.earpoints[0];
-  // Of closed forms: 10 log10 of (1 + 1/16) / (1/4 + 1/4), 20 log10 of 4. Files of 24 bits.
+  // Closed forms: 10 log10 of (1 + 1/16) / (1/4 + 1/4), and 20 log10 of 4, to three digits.
   EXPECT_NEAR(result.truth.level_db, 3.274, 0.001);
   EXPECT_NEAR(result.truth.left_right_db, 12.041, 0.001);
   const RenderedEarpoint& copy = result.renderings[0];

@@ -30,7 +30,7 @@ void draw_dot(Image& image, Point at, double radius, Color color) {
   draw_polyline(image, {&at, 1}, color, 2.0 * radius);
 }
 
-/// From metres in the source's frame, which looks up the page, to pixels.
+/// From metres in the source's frame, whose front is up the page, to pixels.
 class MapFrame {
  public:
   explicit MapFrame(const MapPicture& map) : map_(map) {}
@@ -44,7 +44,7 @@ class MapFrame {
   const MapPicture& map_;
 };
 
-/// So many pixels from a point, into a direction of the source's frame.
+/// A point some pixels away, in a direction of the source's frame.
 Point moved(Point from, double pixels, double yaw_rad) {
   return {from.x - pixels * std::sin(yaw_rad), from.y - pixels * std::cos(yaw_rad)};
 }
@@ -71,7 +71,7 @@ void draw_label(Image& image, Point at, std::string_view text) {
   draw_text(image, at, text, style);
 }
 
-/// Below the other, both at the left edge.
+/// Two pictures one below the other, aligned at the left.
 Image stacked(const Image& above, const Image& below) {
   Image canvas =
       filled_image(std::max(above.width(), below.width()), above.height() + below.height(), kWhite);
@@ -80,7 +80,7 @@ Image stacked(const Image& above, const Image& below) {
   return canvas;
 }
 
-/// Their upper edges level.
+/// Two pictures side by side, aligned at the top.
 Image side_by_side(const Image& left, const Image& right) {
   Image canvas =
       filled_image(left.width() + right.width(), std::max(left.height(), right.height()), kWhite);

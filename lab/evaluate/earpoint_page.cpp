@@ -33,7 +33,7 @@ std::string dot(std::string_view color) {
   return fmt::format("<span class=\"dot\" style=\"background:{}\"></span>", color);
 }
 
-/// What people call a method.
+/// The label of a method.
 std::string told(const std::string& method) {
   if (method == "input") return "input: the unchanged sound of the camera";
   if (method == "gtf") return "gtf: without the speaker's position";
@@ -41,7 +41,7 @@ std::string told(const std::string& method) {
   return method;
 }
 
-/// The method that comes nearest by a metric.
+/// The method with the smallest error by a metric.
 std::size_t best_of(const EarpointResult& result, Metric metric) {
   const auto best = std::ranges::min_element(
       result.renderings, {},
@@ -83,7 +83,7 @@ std::string table(const EarpointComparison& comparison) {
   return html + "</table>\n";
 }
 
-/// "+4.4 dB"; what rounds to zero has no minus.
+/// "+4.4 dB"; no "-0.0".
 std::string signed_db(double db) {
   return fmt::format("{:+.1f} dB", std::abs(db) < 0.05 ? 0.0 : db);
 }
@@ -97,7 +97,7 @@ std::string player_row(std::string_view color, const std::string& name, const fs
       signed_db(levels.left_right_db));
 }
 
-/// The truth first, then the methods, the last one foremost.
+/// The truth first, then the methods in reverse order.
 std::string players(const EarpointComparison& comparison, std::size_t earpoint,
                     const fs::path& truth) {
   const EarpointResult& result = comparison.earpoints[earpoint];

@@ -14,7 +14,7 @@
 namespace earpoint {
 namespace {
 
-/// What one thread works with.
+/// What each thread has of its own.
 struct Worker {
   std::vector<std::unique_ptr<Method>> methods;
   ClipMeasurer measurer;
@@ -32,7 +32,7 @@ std::optional<double> mean_si_sdr_db(const Waveform& clean, const Waveform& soun
   return sum / clean.channels();
 }
 
-/// What separation made of the source, in the window that is compared.
+/// SI-SDR of the source's separated and whole sound, in the window that is compared.
 void measure_separation(const PairSample& sample, ClipResult& result) {
   if (!sample.clean || !sample.ambient) return;
   const PairSample window = without_context(sample);
@@ -44,7 +44,7 @@ void measure_separation(const PairSample& sample, ClipResult& result) {
   result.primary_si_sdr_db = mean_si_sdr_db(*window.clean, window.source);
 }
 
-/// One pair of a batch, on its way through.
+/// One pair of a batch while it is evaluated.
 struct Clip {
   std::optional<std::string> problem;
   ClipResult result;
@@ -126,14 +126,14 @@ class Evaluation {
     }
   }
 
-  /// What methods may see, which are no oracles.
+  /// What methods other than oracles are given.
   static PairSample as_told(PairSample sample, const Worker& worker) {
     sample.target = Waveform();
     if (worker.tell) worker.tell(sample);
     return sample;
   }
 
-  /// Shows the method what it may see.
+  /// Runs a method on what it may be given.
   Waveform render(std::size_t method, Worker& worker, const PairSample& sample,
                   const PairSample& told, const Clip& clip) const {
     const MethodEntry& entry = methods_[method];
@@ -156,7 +156,7 @@ class Evaluation {
     std::erase_if(batch, [](const Clip& clip) { return clip.problem.has_value(); });
   }
 
-  /// The released evaluation's sign fix, over the batch; what it changed is measured again.
+  /// The released evaluation's sign fix, over the batch; changed renderings are measured again.
   void fix_signs(std::vector<Clip>& batch) {
     std::vector<Waveform> targets;
     targets.reserve(batch.size());

@@ -86,7 +86,7 @@ std::string text_of(const EvaluationTable& table, const std::string& title,
   return text;
 }
 
-/// Homes, conversations and voices.
+/// Counts homes, conversations and voices.
 void count_extent(const EvaluationResult& result, EvaluationTable& table) {
   std::set<std::string> homes;
   std::set<std::string> voices;
@@ -101,12 +101,12 @@ void count_extent(const EvaluationResult& result, EvaluationTable& table) {
   if (!voices.empty()) table.voices = voices.size();
 }
 
-/// A star where clips without a value are left out.
+/// "*" if clips without a value are left out.
 const char* star(const std::optional<Estimate>& estimate, const EvaluationTable& table) {
   return estimate && estimate->clips < table.clips ? "*" : "";
 }
 
-/// What the stars say: the fewest clips of a metric's means. Empty where there is none.
+/// The note on the stars: the fewest clips of each metric's means. Empty if there is no star.
 std::string stars_of(const EvaluationTable& table, std::span<const Metric> metrics) {
   std::string text;
   for (const Metric metric : metrics) {
@@ -126,7 +126,7 @@ std::string counted(std::size_t count, const std::string& noun) {
   return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
 }
 
-/// Those that any row has.
+/// The metrics that at least one row has.
 std::vector<Metric> present(const EvaluationTable& table, std::span<const Metric> told) {
   std::vector<Metric> metrics;
   for (const Metric metric : told) {

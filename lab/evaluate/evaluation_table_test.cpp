@@ -37,10 +37,10 @@ TEST(EvaluationTable, MeansAndRatiosAreOverClips) {
   EXPECT_DOUBLE_EQ(table.rows[1][Metric::mag].mean->value, 2.0);
   EXPECT_DOUBLE_EQ(table.rows[1][Metric::mag].ratio->value, 0.5);
   EXPECT_DOUBLE_EQ(table.rows[1][Metric::mag].released->value, 1.0);
-  // Two conversations: a replicate is one of them twice, or both.
+  // Two conversations: a replicate has one of them twice, or both.
   EXPECT_DOUBLE_EQ(table.rows[1][Metric::mag].mean->range->low, 1.5);
   EXPECT_DOUBLE_EQ(table.rows[1][Metric::mag].mean->range->high, 3.0);
-  // Over the two clips that have both: (2 + 3) / (1 + 2).
+  // Over the two clips that have both values: (2 + 3) / (1 + 2).
   EXPECT_DOUBLE_EQ(table.rows[1][Metric::lre].ratio->value, 5.0 / 3.0);
   EXPECT_EQ(table.rows[1][Metric::lre].mean->clips, 2U);
   EXPECT_FALSE(table.rows[1][Metric::rte].mean.has_value());
@@ -77,7 +77,7 @@ TEST(EvaluationTable, JsonIsTheContract) {
   EXPECT_EQ(row.at("mag").at("ratio").at("value"), 0.5);
   EXPECT_EQ(row.at("released").at("mag").at("mean"), 1.0);
   EXPECT_EQ(row.at("released").at("sign_fixes"), 1);
-  // What is not measured has no key.
+  // A metric that was not measured has no key.
   EXPECT_FALSE(row.contains("rte_s"));
 }
 
@@ -90,7 +90,7 @@ TEST(EvaluationTable, TextShowsWhatThereIs) {
 }
 
 TEST(EvaluationTable, IntervalsAreDrawnByHomeWhereThereAreSeveral) {
-  // Two homes with four conversations each; what a home does to Mag all of its conversations share.
+  // Two homes with four conversations each; all conversations of a home share its effect on Mag.
   EvaluationResult result;
   result.methods = {{"input", "as it is", false, 0}};
   for (int i = 0; i < 8; ++i) {
@@ -108,7 +108,7 @@ TEST(EvaluationTable, IntervalsAreDrawnByHomeWhereThereAreSeveral) {
   EXPECT_EQ(table.homes, 2U);
   EXPECT_EQ(table.conversations, 8U);
   EXPECT_EQ(table.voices, 2U);
-  // A replicate is one of the homes twice in half of all draws: all the interval there is.
+  // Half of all replicates have one of the homes twice, which gives both ends of the interval.
   EXPECT_DOUBLE_EQ(table.rows[0][Metric::mag].mean->range->low, 1.0);
   EXPECT_DOUBLE_EQ(table.rows[0][Metric::mag].mean->range->high, 3.0);
   const std::string text = text_of(table);

@@ -19,7 +19,7 @@ class EvaluationTest : public ::testing::Test {
   static void SetUpTestSuite() {
     folder_ = fs::path(testing::TempDir()) / ("evaluation." + std::to_string(::getpid()));
     fs::remove_all(folder_);
-    // More pairs than a batch of the released evaluation: 12 clips of 3 viewpoints.
+    // 12 clips of 3 viewpoints: more pairs than a batch of the released evaluation has.
     write_tiny_dataset(folder_, {.clips = 12});
   }
   static void TearDownTestSuite() { fs::remove_all(folder_); }
@@ -40,7 +40,7 @@ class EvaluationTest : public ::testing::Test {
   inline static fs::path folder_;
 };
 
-/// Answers by a function.
+/// A method that is a function.
 class FunctionMethod : public Method {
  public:
   using Function = std::function<Waveform(const Question&)>;
@@ -83,7 +83,7 @@ TEST_F(EvaluationTest, OnlyMethodsThatHearContextAreShownItAndTheSameWindowIsCom
     const std::vector<ClipMetrics>& found = result.clips[i].honest;
     EXPECT_EQ(found[1][Metric::mag], found[0][Metric::mag]);
     EXPECT_EQ(found[2][Metric::mag], found[0][Metric::mag]);
-    // Source and target are convolved by transforms of another size.
+    // Source and target are convolved in float32 by transforms of another size.
     EXPECT_NEAR(found[0][Metric::mag].value(), alone.clips[i].honest[0][Metric::mag].value(), 1e-5);
   }
 }
@@ -97,8 +97,8 @@ TEST_F(EvaluationTest, TheShippedDspAnswersAWindowTheSameWithSoundBefore) {
   const Waveform alone = ask(*method, dsp, test_set(1)->sample(0), "", nullptr);
   const Waveform more = ask(*method, dsp, longer->sample(0), "", nullptr);
   ASSERT_EQ(more.samples(), alone.samples());
-  // Still filters are linear and their windows overlap, so that cross-fades leave no trace: once
-  // the filters' memory (some 20 ms) is over, what differs is the rounding of floats up to 0.3.
+  // Fixed filters are linear and the fades of windows add up to one: after the filters' memory of
+  // some 20 ms only rounding differs, of floats up to 0.3.
   for (int ear = 0; ear < 2; ++ear) {
     for (std::ptrdiff_t i = 1600; i < alone.samples(); ++i) {
       ASSERT_NEAR(more.channel(ear)[i], alone.channel(ear)[i], 1e-5) << i;
@@ -192,7 +192,7 @@ TEST_F(EvaluationTest, SignFixChangesOnlyTheReleasedColumn) {
   EXPECT_EQ(result.methods[0].sign_fixes, 0U);
   EXPECT_EQ(result.methods[1].sign_fixes, 2U);  // batches of 32 and 4
   for (const ClipResult& clip : result.clips) {
-    // What is told by magnitudes does not see the sign.
+    // Metrics of magnitudes ignore the sign.
     EXPECT_EQ(clip.honest[1][Metric::mag], clip.honest[0][Metric::mag]);
     EXPECT_EQ(clip.honest[1][Metric::lre], clip.honest[0][Metric::lre]);
     EXPECT_NE(clip.honest[1][Metric::l2], clip.honest[0][Metric::l2]);
@@ -203,7 +203,7 @@ TEST_F(EvaluationTest, SignFixChangesOnlyTheReleasedColumn) {
   }
 }
 
-/// A set whose released evaluation gives methods the target for a source.
+/// A set whose released evaluation gives methods the target as source.
 class CheatingSet : public EvaluationSet {
  public:
   explicit CheatingSet(const EvaluationSet& set) : set_(set) {}
@@ -306,7 +306,7 @@ TEST_F(EvaluationTest, FailingMethodIsNamed) {
 }
 
 TEST_F(EvaluationTest, NetworkGetsTheWholeWindow) {
-  // The synthesizer that copies works in windows of a second, as the networks do.
+  // The copying synthesizer works in windows of a second, like the networks.
   const auto set = test_set(2);
   const EvaluationResult result =
       evaluate_all(*set, {input_method(), network_method("copy", "input")});
@@ -328,7 +328,7 @@ TEST_F(EvaluationTest, PairsAreDrawnWhereTheDataHaveNoList) {
   const auto drawn = soundspaces_evaluation_set(bare, "test", {}, {}, 10 << 20);
   EXPECT_EQ(with_list->pairs(), (folder_ / "pairs-test.json").string());
   EXPECT_NE(drawn->pairs().find("drawn, every viewpoint"), std::string::npos) << drawn->pairs();
-  // The same draw that simulate made, with the same seed.
+  // The same draw as that of `simulate`, with the same seed.
   ASSERT_EQ(drawn->size(), with_list->size());
   for (std::size_t pair = 0; pair < drawn->size(); ++pair) {
     EXPECT_EQ(drawn->name(pair), with_list->name(pair));

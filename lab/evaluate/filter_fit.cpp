@@ -23,7 +23,7 @@ void add(std::vector<float>& a, double factor, std::span<const float> b) {
   for (std::size_t i = 0; i < a.size(); ++i) a[i] += static_cast<float>(factor * b[i]);
 }
 
-/// Room for everything that a tap can reach, so that the circle's wrap reads zeros.
+/// Long enough for everything that a tap can reach, so that circular wrap-around reads zeros.
 int circle_size(const FilterShape& shape, std::ptrdiff_t lead, std::ptrdiff_t samples) {
   EARPOINT_CHECK(shape.before >= 0 && shape.after > 0 && lead >= 0 && samples > 0);
   const std::ptrdiff_t past = std::max<std::ptrdiff_t>(0, shape.after - 1 - lead);

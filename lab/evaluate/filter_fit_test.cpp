@@ -44,8 +44,8 @@ void expect_found(std::ptrdiff_t lead) {
 }
 
 TEST(FilterFit, FindsTheFilterThatMadeTheOutput) {
-  expect_found(100);  // what came before the output's begin is known
-  expect_found(0);    // it was silent: taps reach beyond the input
+  expect_found(100);  // the input before the output's begin is known
+  expect_found(0);    // it was silent: taps reach beyond the input's beginning
 }
 
 TEST(FilterFit, OfOneTapIsTheRegularisedQuotient) {

@@ -12,8 +12,8 @@ namespace {
 constexpr double kLongest_s = 1e-3;
 constexpr int kFiner = 4;
 constexpr float kFloor = 1e-6F;  // -60 dB of power
-// Where the sound is cut, both ears have an edge at the same time, which would be heard as a delay
-// of zero in all bins that hold little else.
+// A cut of the sound is an edge at the same time in both ears, which would count as a delay of zero
+// in all bins with little other energy.
 constexpr double kFade_s = 0.01;
 
 bool is_silent(std::span<const float> ear) {
@@ -82,7 +82,7 @@ std::optional<double> InterauralDelay::measure_s(const Waveform& binaural) {
     if (at(lag) > at(best)) best = lag;
   }
   double place = best;
-  // A maximum at the edge of the search has no summit to fit.
+  // A maximum at the edge of the search range has no peak to interpolate.
   if (best > -reach && best < reach) {
     const double curvature = at(best - 1) - 2.0 * at(best) + at(best + 1);
     if (curvature < 0.0) place += 0.5 * (at(best - 1) - at(best + 1)) / curvature;

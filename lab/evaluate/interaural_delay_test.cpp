@@ -33,7 +33,7 @@ Waveform noise(double delay_s) {
 TEST(InterauralDelay, FractionalDelayIsFound) {
   InterauralDelay delay;
   for (const double expected_s : {-613e-6, -31.25e-6, 0.0, 40e-6, 250e-6, 881e-6}) {
-    // 0.02 sample is 1.25 us: a parabola is not quite the summit's form, and the fades differ.
+    // 0.02 sample is 1.25 us: the peak is not quite a parabola, and the fades differ.
     EXPECT_NEAR(delay.measure_s(noise(expected_s)).value(), expected_s, 1.25e-6);
   }
 }

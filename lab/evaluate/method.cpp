@@ -27,7 +27,7 @@ Waveform sum(Waveform a, const Waveform& b) {
   return a;
 }
 
-/// What ships, over memory.
+/// A shipped renderer, in memory.
 class ShippedMethod : public Method {
  public:
   ShippedMethod(std::unique_ptr<AcousticSynthesizer> synthesizer, bool is_told_speaker)
@@ -50,7 +50,7 @@ class ShippedMethod : public Method {
                          .world_from_source = sample.world_from_source};
     if (is_told_speaker_) source.speaker_m = sample.speaker_m;
     ClipRenderOptions options;
-    options.ambient_cutoff_hz = 0.0;  // all that is heard is primary, or wanted whole
+    options.ambient_cutoff_hz = 0.0;  // the sound is all primary, or is wanted whole
     options.limit = false;
     return render_in_memory(source, *synthesizer_, EarpointPath(sample.source_from_target),
                             options);
@@ -85,7 +85,7 @@ MethodEntry input_method() {
 }
 
 MethodEntry dsp_method() {
-  (void)make_synthesizer("dsp", {});  // a missing set of head filters is found here
+  (void)make_synthesizer("dsp", {});  // refuses a missing set of head filters now
   return {.name = "dsp",
           .what = "inverse and forward head filters, true speaker position",
           .is_oracle = false,

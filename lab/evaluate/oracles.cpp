@@ -24,7 +24,7 @@ constexpr double kDirect_s = 4e-3;
 constexpr double kFade_s = 0.5e-3;
 constexpr std::uint64_t kTailSeed = 20230618;
 
-/// What makes `from` as strong as `to`; 0 where there is nothing to amplify.
+/// The gain that gives energy `from` the energy `to`; 0 if `from` is silent.
 double gain(double from, double to) { return from > 0.0 ? std::sqrt(to / from) : 0.0; }
 
 class GainOracle : public Method {
@@ -75,7 +75,7 @@ const PairTruth& truth_of(const Question& question) {
   return *question.truth;
 }
 
-/// The window that `response` makes of the dry speech.
+/// The dry speech convolved with `response`, in the window.
 Waveform heard(const PairTruth& truth, const Waveform& response) {
   const std::ptrdiff_t samples = truth.dry.samples() - truth.lead;
   Waveform result(kEars, samples, truth.dry.sample_rate_hz());
@@ -94,10 +94,10 @@ class AllOracle : public Method {
   }
 };
 
-/// Responses whose direct path is true and whose tail is noise.
+/// Responses with the true direct path and a tail of noise.
 class NoiseTail {
  public:
-  /// What is heard by one of the many responses that share direct path and decay with the true one.
+  /// The sound through one of the many responses with the true direct path and decay.
   [[nodiscard]] Waveform heard(const PairTruth& truth, int draw) {
     Waveform response = truth.target_response;
     for (int ear = 0; ear < kEars; ++ear) {
@@ -107,7 +107,7 @@ class NoiseTail {
   }
 
  private:
-  /// Leaves the direct path and puts noise of the same energy per band and moment behind it.
+  /// Keeps the direct path and replaces the rest by noise of the same energy per band and frame.
   void replace_tail(std::span<float> response, int sample_rate_hz, int number) {
     const auto direct = static_cast<std::size_t>(kDirect_s * sample_rate_hz);
     const auto fade = static_cast<std::size_t>(kFade_s * sample_rate_hz);
@@ -121,11 +121,11 @@ class NoiseTail {
       response[n] *= static_cast<float>(1.0 - share);
     }
     const std::vector<float> noise = like(tail, sample_rate_hz, number);
-    // Nothing of the noise comes before the direct sound has passed.
+    // No noise before the end of the direct sound.
     for (std::size_t n = direct; n < response.size(); ++n) response[n] += noise[n];
   }
 
-  /// Noise with the energy that `sound` has in every octave band of every frame.
+  /// Noise with the energy of `sound` in every octave band of every frame.
   std::vector<float> like(const std::vector<float>& sound, int sample_rate_hz, int number) {
     RandomStream random(kTailSeed, {static_cast<std::uint64_t>(number)});
     std::vector<float> noise(sound.size());
@@ -135,7 +135,7 @@ class NoiseTail {
     const double hz_per_bin = static_cast<double>(sample_rate_hz) / stft_.shape().fft_size;
     for (int frame = 0; frame < shaped.frames; ++frame) {
       for (int first = 0; first < shaped.bins;) {
-        // Bands meet half an octave above their centres, that is at powers of two of the lowest.
+        // The band edges are the lowest edge times powers of two.
         const int last =
             std::min(shaped.bins, first == 0 ? static_cast<int>(90.0 / hz_per_bin) + 1 : 2 * first);
         double has = 0.0;
@@ -181,10 +181,10 @@ class ExpectedOracle : public Method {
   }
 
  private:
-  /// A sound whose magnitudes are near the medians of all draws'.
+  /// A sound whose magnitudes are close to the medians over all draws.
   std::vector<float> sound_of(const std::vector<Spectrogram>& draws, std::ptrdiff_t samples) {
     const std::vector<float> medians = median_magnitudes(draws);
-    Spectrogram result = sum_of(draws);  // its phase is that of what all draws share
+    Spectrogram result = sum_of(draws);  // the phase of what all draws share
     for (int pass = 0;; ++pass) {
       for (std::size_t i = 0; i < medians.size(); ++i) {
         result.values[i] = std::polar(medians[i], std::arg(result.values[i]));
@@ -216,8 +216,8 @@ class ExpectedOracle : public Method {
   }
 
   static constexpr int kDraws = 17;
-  // Of Griffin and Lim: medians of frame after frame are no spectrum that a sound has. Eight bring
-  // Mag from 0.68 of input's to 0.65 on validation pairs.
+  // Of the Griffin-Lim algorithm: no sound has exactly the medians as its spectrogram. Eight passes
+  // reduce Mag from 0.68 to 0.65 of that of input, on validation pairs.
   static constexpr int kPasses = 8;
   NoiseTail tail_;
   Stft stft_;

@@ -30,11 +30,12 @@ TEST(Oracles, EveryRungIsNearerThanTheOneBelow) {
               table.rows[rung - 1][Metric::mag].mean->value)
         << table.rows[rung].method;
   }
-  // True energies leave no error of level or between the ears, but for the constant in LRE.
+  // True energies leave no error of the level or the level difference, except for the constant in
+  // LRE.
   for (const Metric metric : {Metric::level, Metric::lre}) {
     EXPECT_LT(table.rows[1][metric].mean->value, 1e-4);
   }
-  // Convolution in float, against the sampler's own.
+  // Two float convolutions, this one and that of the sampler.
   EXPECT_LT(table.rows[5][Metric::mag].mean->value, 1e-5);
   fs::remove_all(folder);
 }

@@ -104,7 +104,7 @@ TEST_F(ReplayEvaluationSetTest, NetworksAreToldThePoseThatTheReleasedLoaderTells
     float greatest = 0.0F;
     for (const float x : expected) greatest = std::max(greatest, std::abs(x));
     for (std::size_t i = 0; i < expected.size(); ++i) {
-      // Centimetres pass through metres and back: float rounding, nothing more.
+      // Centimetres are converted to metres and back: float rounding.
       ASSERT_NEAR(answer.planar()[i], expected[i], 1e-4 * greatest) << pair << ", " << i;
     }
   }

@@ -35,7 +35,7 @@ bool is_shown(const EvaluationTable& table, Metric metric) {
                              [&](const TableRow& row) { return row[metric].mean.has_value(); });
 }
 
-/// The method that a metric likes best; oracles do not count.
+/// The best method by a metric, oracles left out.
 std::optional<std::size_t> best_of(const EvaluationTable& table, Metric metric) {
   std::optional<std::size_t> best;
   for (std::size_t m = 0; m < table.rows.size(); ++m) {
@@ -46,7 +46,7 @@ std::optional<std::size_t> best_of(const EvaluationTable& table, Metric metric) 
   return best;
 }
 
-/// @param clips  of the table: a mean over fewer says over how many
+/// @param clips  of the table; a mean over fewer clips states their number
 std::string cell(const TableRow::Column& column, int decimals, bool is_best, std::size_t clips) {
   if (!column.mean) return "<td>&ndash;</td>";
   std::string text = fmt::format("<td{}><b>{:.{}f}</b>", is_best ? " class=\"best\"" : "",
@@ -146,10 +146,10 @@ std::vector<ChosenClip> choose(const EvaluationResult& result, const ReportOptio
   return chosen;
 }
 
-/// What stands beside a sound of a clip: of what a method made, or of the truth.
+/// The colour and metrics beside a sound of a clip: a method's, or the truth.
 struct SoundRow {
   std::string dot;
-  const ClipMetrics* metrics = nullptr;  ///< none of the truth
+  const ClipMetrics* metrics = nullptr;  ///< null for the truth
 };
 
 /// @param rows  one for each sound

@@ -75,7 +75,7 @@ constexpr double kTop = 26.0;
 constexpr double kBottom = 40.0;
 constexpr std::size_t kBins = 5;
 
-/// Clips in order of the axis, cut into bins of equally many.
+/// Clips sorted along the axis, in bins of equal size.
 std::vector<std::vector<std::size_t>> bins_of(const EvaluationResult& result,
                                               const CurveAxis& axis) {
   std::vector<std::size_t> order(result.clips.size());
@@ -127,7 +127,7 @@ double tick_step(double most) {
   return 10.0 * power;
 }
 
-/// The plot's frame, and where numbers lie in it; both axes start at zero.
+/// The plot's frame, and the positions of values in it; both axes start at zero.
 struct CurveScale {
   double x_most = 1.0;
   double y_most = 1.0;
@@ -239,7 +239,7 @@ std::string curve_svg(const EvaluationResult& result, Metric metric, const Curve
           std::max(scale.y_most, 1.04 * (point.y.range ? point.y.range->high : point.y.value));
     }
   }
-  // All in one place, or nothing but zeros: any scale will do.
+  // All clips at one place, or all errors zero: any scale will do.
   if (scale.x_most <= 0.0) scale.x_most = 1.0;
   if (scale.y_most <= 0.0) scale.y_most = 1.0;
   std::string svg = fmt::format(

@@ -61,7 +61,7 @@ TEST(ReportHtml, WavIsReadBack) {
   ASSERT_EQ(found.samples(), 5);
   EXPECT_EQ(found.sample_rate_hz(), 16000);
   for (int i = 0; i < 5; ++i) {
-    // Half a step of 16 bits; and what is too loud is clamped.
+    // Half a step of 16 bits. Values above full scale are clamped.
     EXPECT_NEAR(found.channel(0)[i], 0.2 * i, 1.6e-5);
     EXPECT_NEAR(found.channel(1)[i], std::max(-1.0, -0.4 * i), 1.6e-5);
   }
@@ -70,7 +70,7 @@ TEST(ReportHtml, WavIsReadBack) {
 TEST(ReportFigures, MapPutsLeftLeftAndAheadUp) {
   // The target stands 2 m ahead and 1 m to the left, the speaker 1 m to the right of the source.
   const std::string svg = map_svg({{2.0, 1.0, 0.0}, {}}, Vector3{0.0, -1.0, 0.0});
-  // Two metres across and two up fill 256 less margins of 34: 94 pixels a metre.
+  // Two metres across and two up fill 256 pixels less margins of 34: 94 pixels per metre.
   EXPECT_NE(svg.find("translate(34.0 34.0)"), std::string::npos) << svg;               // target
   EXPECT_NE(svg.find("translate(128.0 222.0)"), std::string::npos) << svg;             // source
   EXPECT_NE(svg.find("cx=\"222.0\" cy=\"222.0\" r=\"7\""), std::string::npos) << svg;  // speaker
@@ -105,7 +105,7 @@ class ReportTest : public ::testing::Test {
 TEST_F(ReportTest, PageHoldsAllThatItShows) {
   const std::string html = report("some & data");
   EXPECT_NE(html.find("some &amp; data"), std::string::npos);
-  // Five clips; three sounds each: input, the copy, the truth; no oracle.
+  // Five clips with three sounds each: input, the copy, the truth; no oracle.
   EXPECT_EQ(count(html, "<audio "), 15U);
   EXPECT_EQ(count(html, "aria-label=\"map from above\""), 5U);
   // The source's picture, waveforms, and spectrograms of both ears.
@@ -113,7 +113,7 @@ TEST_F(ReportTest, PageHoldsAllThatItShows) {
   EXPECT_EQ(count(html, "best Mag of co&lt;py"), 1U);
   EXPECT_EQ(count(html, "drawn at random"), 2U);
   EXPECT_NE(html.find("oracle-gain"), std::string::npos);
-  // Nothing comes from elsewhere, and no name became markup.
+  // The page loads nothing from outside, and no name became markup.
   EXPECT_EQ(html.find("http"), std::string::npos);
   EXPECT_EQ(html.find("co<py"), std::string::npos);
   EXPECT_EQ(count(html, "src=\""), count(html, "src=\"data:"));

@@ -1,4 +1,4 @@
-// The network that ships on the clip of the demo.
+// The shipped network on the demo's clip.
 #include <filesystem>
 #include <vector>
 
@@ -12,7 +12,7 @@ namespace {
 namespace fs = std::filesystem;
 
 TEST(ShippedGtfDemo, ToldNothingItBeatsACopyAtEachEarpoint) {
-  // A copy whose ears are this near to the truth leaves nothing to win.
+  // If the copy's level difference is this close to the truth, there is nothing to improve.
   constexpr double kWrongSide_db = 2.0;
   const fs::path folder = fs::path(testing::TempDir()) / "shipped_gtf_demo";
   fs::create_directories(folder);

@@ -1,5 +1,5 @@
-// What a person would try, on the network that ships. Built only where models/gtf.safetensors is in
-// the tree; then it must pass.
+// What a user would try, with the shipped network. Built only if models/gtf.safetensors is in the
+// tree.
 #include "filter_fit.h"
 
 #include <algorithm>
@@ -81,7 +81,7 @@ double left_over_right_db(const Waveform& sound) {
   return level_db(sound.channel(0)) - level_db(sound.channel(1));
 }
 
-/// C50 of the responses that a Wiener filter finds between voice and ears, their mean.
+/// Mean C50 of the responses from voice to ears, fitted as Wiener filters.
 double clarity_db(const SanityClip& clip, const Waveform& sound) {
   FilterFit fit({.before = 64, .after = kRate_hz / 2}, 0, kSamples, {});
   double sum_db = 0.0;
@@ -92,8 +92,7 @@ double clarity_db(const SanityClip& clip, const Waveform& sound) {
   return sum_db / 2;
 }
 
-/// On the level of the camera, `distance_m` from the speaker in the camera's direction, facing
-/// them.
+/// At the camera's height, `distance_m` from the speaker towards the camera, facing the speaker.
 Pose towards_camera(const SanityClip& clip, double distance_m) {
   const Vector3 flat{clip.speaker_m.x, clip.speaker_m.y, 0.0};
   const Vector3 at = flat * (1.0 - distance_m / norm(flat));
@@ -102,7 +101,7 @@ Pose towards_camera(const SanityClip& clip, double distance_m) {
 
 class ShippedGtf : public testing::Test {
  protected:
-  /// Tries a claim on every clip, told where the speaker is seen; prints how many it holds for.
+  /// Tests a claim on every clip, with the speaker's box given; prints for how many it holds.
   void expect_mostly(const char* claim, const std::function<bool(const SanityClip&)>& holds) {
     const std::vector<SanityClip> clips = read_clips();
     ASSERT_GE(clips.size(), 50U);
@@ -124,7 +123,7 @@ class ShippedGtf : public testing::Test {
 
 TEST_F(ShippedGtf, TurningByHalfATurnSwapsTheLouderEar) {
   expect_mostly("half a turn swaps the louder ear", [&](const SanityClip& clip) {
-    // The speaker 70 degrees to the left of the nose, then as far to the right of the back.
+    // The speaker is 70 degrees to the left of the front, then 70 degrees to the right of the back.
     const double azimuth_rad = std::atan2(clip.speaker_m.y, clip.speaker_m.x);
     const auto turned = [&](double yaw_rad) {
       return left_over_right_db(
@@ -144,8 +143,8 @@ TEST_F(ShippedGtf, WalkingAwayLowersTheLevel) {
 }
 
 TEST_F(ShippedGtf, WalkingAwayRaisesTheReverberation) {
-  // Stands for the next room, of which the network is shown nothing: what reaches a listener there
-  // is what reverberates, as it is far from the speaker.
+  // Stands for the next room, which the network does not see: there, as far from the speaker,
+  // mostly reverberation reaches the listener.
   expect_mostly("C50 at 4 m is lower than at 1 m", [&](const SanityClip& clip) {
     const Waveform near = synthesizer_.synthesize(towards_camera(clip, 1.0));
     const Waveform far = synthesizer_.synthesize(towards_camera(clip, 4.0));
@@ -228,7 +227,7 @@ TEST_F(ShippedGtf, HurtsNobodyAtAnyPlace) {
         level_db(synthesizer_.synthesize(pose).planar()) - level_db(sound.planar());
     ASSERT_TRUE(std::isfinite(change_db)) << i;
     const bool is_nearer = told && norm(pose.position_m - *told) < norm(*told);
-    // 0.01 dB for the floor under the level of a silent part.
+    // 12 dB is allowed, and 0.01 dB more for the floor that is added to the level of silent parts.
     if (!is_nearer) {
       ASSERT_LT(change_db, 12.01) << i;
     }
@@ -236,8 +235,8 @@ TEST_F(ShippedGtf, HurtsNobodyAtAnyPlace) {
 }
 
 TEST_F(ShippedGtf, LeavesFarPlacesToPhysics) {
-  // Behind the range of the training data the direct sound falls with distance and the diffuse
-  // field stays: level as geometry expects it, and no jump on the way.
+  // Beyond the range of the training data the direct sound falls with distance and the diffuse
+  // field stays: the level follows geometry, without jumps.
   const std::vector<SanityClip> clips = read_clips();
   for (std::size_t i = 0; i < clips.size(); i += 8) {
     synthesizer_.observe({.sound = clips[i].sound,
@@ -249,8 +248,8 @@ TEST_F(ShippedGtf, LeavesFarPlacesToPhysics) {
       const double distance_m = 4.0 * std::pow(10.0, step / 30.0);
       const double level =
           level_db(synthesizer_.synthesize({{-distance_m, 0.3 * distance_m, 0}, {}}).planar());
-      // A step is 8 % farther: 0.7 dB of direct sound, and a twelfth of the way on which the
-      // tolerance of the level goes over into that beyond the range.
+      // A step is 8 % farther: 0.7 dB of direct sound, and a twelfth of the transition to the
+      // tolerance of the level beyond the range.
       if (step > 0) {
         EXPECT_NEAR(level, before_db, 1.5) << i << " at " << distance_m << " m";
       }

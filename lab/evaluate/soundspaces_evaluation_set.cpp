@@ -16,10 +16,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Of pairs that are drawn because the data set has no list.
+// Seed of pairs that are drawn because the data set has no list.
 constexpr std::uint64_t kDrawSeed = 1;
 
-/// `limit` of the pairs, spread evenly over the list, whose neighbours are of one conversation.
+/// `limit` pairs, spread evenly over the list, as neighbours in it are of the same conversation.
 std::vector<ViewPair> spread(std::vector<ViewPair> pairs, std::optional<std::size_t> limit) {
   if (!limit || *limit >= pairs.size()) return pairs;
   std::vector<ViewPair> chosen;
@@ -27,7 +27,7 @@ std::vector<ViewPair> spread(std::vector<ViewPair> pairs, std::optional<std::siz
   return chosen;
 }
 
-/// Pairs, and where they come from.
+/// A list of pairs and its origin.
 struct Origin {
   PairList list;
   std::string where;

@@ -44,10 +44,10 @@ std::vector<std::size_t> frame_starts(std::size_t samples) {
   return starts;
 }
 
-/// Powers of third-octave bands become a [bands][frames] matrix of their roots.
+/// Square roots of the powers of third-octave bands, [bands][frames].
 using Bands = std::vector<std::vector<double>>;
 
-/// Removes the mean and divides by the norm; what is constant becomes zero.
+/// Removes the mean and divides by the norm; constants become zero.
 template <typename Values>
 void normalise(const Values& at, int count) {
   double mean = 0.0;
@@ -57,7 +57,7 @@ void normalise(const Values& at, int count) {
     at(i) -= mean;
     energy += at(i) * at(i);
   }
-  // Of a constant only rounding is left.
+  // What a constant leaves is rounding.
   const bool is_constant = energy <= 1e-24 * (mean * mean) * count;
   const double scale = is_constant || energy == 0.0 ? 0.0 : 1.0 / std::sqrt(energy);
   for (int i = 0; i < count; ++i) at(i) *= scale;
@@ -135,7 +135,7 @@ struct Estoi::State {
     return kept;
   }
 
-  /// Those frames of a sound, windowed and joined with their overlap as if nothing were between.
+  /// The given frames of a sound, windowed and overlap-added as if they were adjacent.
   [[nodiscard]] std::vector<double> joined(const std::vector<float>& sound,
                                            const std::vector<std::size_t>& frames) const {
     if (frames.empty()) return {};

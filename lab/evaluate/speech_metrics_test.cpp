@@ -63,8 +63,8 @@ double estoi(const Sound& clean, const Sound& other, int rate_hz) {
 }
 
 TEST(Estoi, GivesTheNumbersOfAnotherImplementation) {
-  // 10 kHz need no resampling: what differs is float against double and the rounding of a band's
-  // edge. testdata/estoi_reference.py prints the numbers.
+  // 10 kHz needs no resampling: only float against double and the rounding of a band's edge differ.
+  // testdata/estoi_reference.py prints the numbers.
   const Sound clean = syllables(10000);
   EXPECT_NEAR(estoi(clean, with_noise(clean, 0.02F), 10000), 0.92870, 1e-3);
   EXPECT_NEAR(estoi(clean, with_noise(clean, 0.1F), 10000), 0.48334, 1e-3);
@@ -92,7 +92,7 @@ TEST(Estoi, LeavesOutPausesOfTheReference) {
   Sound other = clean;
   const Sound hiss = noise(clean.size());
   for (std::size_t i = 0; i < other.size(); ++i) {
-    // Where the reference has been silent for two frames' length around.
+    // Only where the reference is silent for two frame lengths on either side.
     const std::size_t first = i > 820 ? i - 820 : 0;
     const std::size_t last = std::min(i + 820, clean.size());
     const bool silent = std::all_of(clean.begin() + static_cast<std::ptrdiff_t>(first),
@@ -101,14 +101,14 @@ TEST(Estoi, LeavesOutPausesOfTheReference) {
     if (silent) other[i] = 0.1F * hiss[i];
   }
   ASSERT_NE(other, clean);
-  // The filter of resampling to 10 kHz spreads some of the hiss into the speech's first and last
-  // frames.
+  // The resampling filter for 10 kHz spreads some of the noise into the first and last frames of
+  // the speech.
   EXPECT_NEAR(estoi(clean, other, 16000), 1.0, 1e-3);
 }
 
 TEST(Estoi, IsNotThereForLessThanThirtyFramesOfSpeech) {
   const Sound clean = syllables(16000);
-  // 30 frames of 256 with a hop of 128 at 10 kHz are 3968 samples: 6349 at 16 kHz.
+  // 30 frames of 256 with a hop of 128 at 10 kHz are 3968 samples: 6349 samples at 16 kHz.
   EXPECT_FALSE(Estoi().measure(std::span(clean).first(6000), std::span(clean).first(6000), 16000));
   const Sound silence(16000);
   EXPECT_FALSE(Estoi().measure(silence, silence, 16000).has_value());
@@ -134,8 +134,8 @@ TEST(SiSdr, DoesNotDependOnLevelOrSign) {
   const Sound noisy = with_noise(clean, 0.05F);
   Sound other = noisy;
   for (float& x : other) x *= -7.0F;
-  // Seven times a float is rounded anew, by 6e-8 of a sample: less than 1e-5 dB where the noise is
-  // a tenth.
+  // Seven times a float is rounded again, by 6e-8 of a sample: less than 1e-5 dB for noise of a
+  // tenth.
   EXPECT_NEAR(si_sdr_db(clean, noisy).value(), si_sdr_db(clean, other).value(), 1e-4);
 }
 

@@ -26,15 +26,16 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kCacheBytes = std::size_t{256} << 20U;
 constexpr std::uint64_t kWindowSeed = 1;
-// The response's delays are dropped, so a target may lead its source only by what is between ears.
+// Delays of responses are removed, so that a target leads its source by the delay between the ears
+// at most.
 constexpr FilterShape kShape{.before = 64, .after = 4000};
-// Recordings keep them: a target that is 6 m nearer leads by 280 samples.
+// Recordings keep their delays: a target that is 6 m nearer leads by 280 samples.
 constexpr FilterShape kRecordedShape{.before = 320, .after = 4000};
 
-/// A place in the space in which the nearest is looked for: three points and three directions.
+/// Coordinates for the nearest-neighbour search: three points and three directions.
 using Features = std::array<double, 18>;
 
-/// Where everyone is; all in one frame.
+/// Positions of source, target and speaker, all in one frame.
 struct Places {
   Pose source;
   Pose target;
@@ -44,7 +45,7 @@ struct Places {
 
 Features features_of(const Places& places) {
   const Vector3 front{1.0, 0.0, 0.0};
-  Vector3 speaker_front;  // nothing is known: then it decides nothing
+  Vector3 speaker_front;  // zero if unknown, so that it has no effect
   if (places.speaker_yaw_rad) {
     speaker_front = {std::cos(*places.speaker_yaw_rad), std::sin(*places.speaker_yaw_rad), 0.0};
   }
@@ -168,7 +169,7 @@ class SimulatedTrainingPairs : public TrainingPairs {
             transform_point(source_from_world, places.speaker_m), places.speaker_yaw_rad};
   }
 
-  /// A second of speech, drawn once and for all.
+  /// A second of speech, the same in every run.
   [[nodiscard]] PairSample sample_of(const Entry& entry) const {
     SoundSpacesChoice choice = entry.choice;
     const std::ptrdiff_t spare =
@@ -196,7 +197,7 @@ ReplayDataset training_recordings(const fs::path& folder) {
   }
 }
 
-/// Of recordings whose speakers' places are known.
+/// Pairs of recordings in which the speakers' positions are known.
 class RecordedTrainingPairs : public TrainingPairs {
  public:
   RecordedTrainingPairs(const fs::path& folder, TransferIndex index)

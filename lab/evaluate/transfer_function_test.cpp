@@ -34,7 +34,7 @@ class TransferFunctionTest : public ::testing::Test {
     return make_table(evaluate(*set, methods, options, silent)).rows[1][Metric::mag].ratio->value;
   }
 
-  /// Makes the training split the test split, said by other voices.
+  /// Replaces the training split by the test split with other voices.
   void train_where_it_is_tested() const {
     fs::remove_all(folder_ / "train");
     fs::copy(folder_ / "test", folder_ / "train", fs::copy_options::recursive);
@@ -50,8 +50,9 @@ class TransferFunctionTest : public ::testing::Test {
 };
 
 TEST_F(TransferFunctionTest, WhereItWasTrainedTheFilterCarriesOver) {
-  // Elsewhere the nearest of a few pairs is of no use; at the very same places the filter is right
-  // for another voice. The tiny rooms hardly ring, so that a filter can undo the source's.
+  // In another room the nearest of a few pairs is of no use; at the same positions the filter is
+  // right for another voice too. The tiny rooms reverberate little, so that a filter can invert the
+  // source's response.
   const double elsewhere = ratio(TransferIndex::locations);
   train_where_it_is_tested();
   EXPECT_LT(ratio(TransferIndex::locations), 0.35);

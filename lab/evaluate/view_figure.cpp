@@ -45,7 +45,8 @@ std::string text(double x, double y, std::string_view what, std::string_view att
                      attributes.empty() ? "" : " ", attributes, escaped(what));
 }
 
-/// Half the height over the columns of a plot: the extremes and the root mean square of an ear.
+/// One ear over the columns of a plot, in units of half its height: minimum, maximum, root mean
+/// square.
 struct Envelope {
   std::vector<double> low, high, rms;
 };
@@ -72,7 +73,7 @@ Envelope envelope_of(const WaveformOutline& sound, int ear, std::size_t columns)
   return envelope;
 }
 
-/// The band between two courses, as a closed path one pixel per column.
+/// The area between two curves, as a closed path with one point per column.
 std::string band(const std::vector<double>& upper, const std::vector<double>& lower, double x,
                  double middle_y, double pixels_per_unit) {
   std::string path = "M";
@@ -115,7 +116,7 @@ std::string ear_svg(const WaveformOutline& sound, int ear, const EarPlot& plot, 
               "text-anchor=\"end\" font-size=\"9.5\" fill=\"#667085\"");
 }
 
-/// WaveformOutline is of two ears: one channel is shown as the left one.
+/// WaveformOutline has two ears: a single channel is shown as the left one.
 WaveformOutline outline_of(const Waveform& sound) {
   if (sound.channels() == 2) return WaveformOutline(sound);
   Waveform both(2, sound.samples(), sound.sample_rate_hz());

@@ -63,14 +63,15 @@ TEST(ViewFigure, DrawsBoxesWherePeopleAreAndWaveformsByTheRowsPeak) {
             std::string::npos)
       << svg.substr(svg.find("stroke=\"#ffc400\"") - 100, 120);
   EXPECT_NE(svg.find("a &lt; b"), std::string::npos);
-  // The target stands on a map, as nothing is seen there.
+  // The target has a map instead of a picture.
   EXPECT_NE(svg.find("aria-label=\"map from above\""), std::string::npos);
-  // 20 log10 of the amplitudes; nothing at all in the target's right ear.
+  // 20 log10 of the amplitudes; the target's right ear is silent.
   EXPECT_NE(svg.find(">-6 dB<"), std::string::npos);
   EXPECT_NE(svg.find(">-12 dB<"), std::string::npos);
   EXPECT_NE(svg.find(">0 dB<"), std::string::npos);
   EXPECT_NE(svg.find(">silent<"), std::string::npos);
-  // Plots are 50 high with margins of 2; half the row's peak is 11.5 above the middle.
+  // Plots are 50 high with margins of 2; half the row's peak is 11.5 above the middle. Numbers have
+  // one decimal: two roundings of 0.05.
   const std::size_t plot = svg.find("<path d=\"M14.0 ");
   ASSERT_NE(plot, std::string::npos);
   const double top = std::stod(svg.substr(plot + 15, 6));
@@ -99,7 +100,7 @@ TEST_F(ViewedClips, ShowOneSourceAndTheOtherViewpoints) {
   const FigureRow row = figure_row(clips[0], {&input, 1}, &input);
   ASSERT_EQ(row.views.size(), 4U);
   EXPECT_EQ(row.views[1].sounds.size(), 2U);
-  // The copy at the target is what the source hears; the truth is the target's own.
+  // The copy at the target is the source's sound; the truth is the target's own.
   const Waveform& source = row.views[0].sounds[0].sound;
   const Waveform& truth = clips[0].targets[0].sample.target;
   EXPECT_GT(energy(source.planar()), 0.0);
@@ -123,7 +124,7 @@ TEST_F(ViewedClips, OfRecordingsAreFoundByNameAndCamera) {
   ASSERT_EQ(clips[0].targets.size(), 1U);
   EXPECT_EQ(clips[0].targets[0].name, "1");
   EXPECT_EQ(clips[1].targets[0].name, "2");
-  // As the data set reads it, high-passed as the views are.
+  // As the data set reads it, high-passed like the views.
   const ReplayDataset dataset(replay_options(folder_, "test"));
   const auto clip = std::ranges::find(dataset.clips(), std::string("SC-1044"), &ReplayClip::scene);
   ASSERT_NE(clip, dataset.clips().end());

@@ -41,7 +41,7 @@ std::optional<int> number_in(const std::string& word) {
   return number;
 }
 
-/// Both channels are alike: one is enough.
+/// One of two equal channels.
 Waveform one_channel(const Waveform& sound) {
   Waveform mono(1, sound.samples(), sound.sample_rate_hz());
   std::ranges::copy(sound.channel(0), mono.channel(0).begin());
@@ -196,7 +196,7 @@ class ReplayViews {
     return choices_[static_cast<std::size_t>(&clip - dataset_.clips().data())].source;
   }
 
-  /// A view as the source of a pair: the layout tells pictures and boxes of sources.
+  /// A view, read as the source of a pair: only sources have a picture and boxes.
   [[nodiscard]] SeenView seen(const ReplayClip& clip, int view, int other) const {
     const PairSample sample = replay_pair(dataset_, clip, {view, other}, false);
     SeenView result{sample.picture, {}};
@@ -271,7 +271,7 @@ FigureRow figure_row(const ViewedClip& clip, std::span<const MethodEntry> method
     row.views.push_back(std::move(view));
   }
   if (enhancer == nullptr) return row;
-  // As in training: nothing is told of where the microphone is.
+  // As in training, the microphone's position is not given.
   PairSample sample = clip.targets.front().sample;
   sample.source_from_target = {};
   FigureView voice;

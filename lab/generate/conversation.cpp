@@ -13,7 +13,7 @@
 namespace earpoint {
 namespace {
 
-// Fewer pixels of a person do not make a box: 8 x 8 of 256 x 256.
+// A person with fewer visible pixels gets no box: 8 x 8 of 256 x 256.
 constexpr int kLeastPixels = 64;
 constexpr double kBeforeArrival_s = 0.002;
 
@@ -27,7 +27,7 @@ std::array<Source, 2> mouths(const std::array<Person, 2>& people) {
   return sources;
 }
 
-/// As trace(), on this thread alone; errors name the scene.
+/// trace() on this thread alone; errors name the scene.
 TraceResult trace_scene(const std::string& name, const AcousticScene& scene,
                         std::span<const Source> sources, std::span<const Vector3> listeners,
                         const TraceOptions& options) {

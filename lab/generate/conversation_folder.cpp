@@ -123,7 +123,7 @@ std::optional<StoredConversation> stored_conversation(const fs::path& root, cons
     if (!has_its_files(folder, stored.clip, heard)) return std::nullopt;
     return stored;
   } catch (const InputError&) {
-    return std::nullopt;  // made anew, like what is missing
+    return std::nullopt;  // simulated again, as if it were missing
   }
 }
 

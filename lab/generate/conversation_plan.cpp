@@ -17,11 +17,11 @@ constexpr int kHiddenDraws = 200;
 constexpr int kOtherRoomDraws = 100;
 constexpr double kListenerRadius_m = 0.25;
 constexpr double kBetweenViewpoints_m = 0.6;
-// Nobody stands with the nose to a wall.
+// Nobody faces a wall closer than this.
 constexpr double kLeastView_m = 1.0;
 constexpr double kPersonMargin_m = 0.05;
 constexpr double kLongestWalk = 1.8;
-// Most people look at whom they talk to, few past them.
+// Most people look at the person they talk to, a few past them.
 constexpr double kGaze_rad = radians_from_degrees(20.0);
 
 double radius_of(const FigureModel& figure) {
@@ -32,7 +32,7 @@ double radius_of(const FigureModel& figure) {
   return radius_m;
 }
 
-/// One attempt after the other: everything is drawn anew each time, so that no place is favoured.
+/// Makes attempts until one succeeds. Each draws everything again, so that no place is favoured.
 class Planner {
  public:
   Planner(const FloorMap& floor, const RayCaster& caster, const FigureLibrary& figures,
@@ -87,7 +87,7 @@ class Planner {
     const std::vector<FloorPoint> near =
         floor_.within_walk(plan.people[0].at, kLongestWalk * options_.viewpoint_reach_m);
     if (near.empty()) return false;
-    // Which of them is to have a speaker out of sight: none, or any.
+    // Index of the viewpoint with a speaker out of sight; -1: none.
     std::ptrdiff_t hidden = -1;
     if (random_.uniform() < options_.hidden_share) {
       hidden = static_cast<std::ptrdiff_t>(
@@ -95,13 +95,13 @@ class Planner {
     }
     int draws = 0;
     while (std::ssize(plan.viewpoints) < options_.viewpoints) {
-      // Without such viewpoints nothing is drawn: plans are what they were before.
+      // Draws nothing if the share is 0, so that plans without other rooms stay the same.
       const bool goes_away = options_.other_room_share > 0.0 && !plan.viewpoints.empty() &&
                              random_.uniform() < options_.other_room_share;
       if (goes_away && place_in_other_room(plan, middle)) continue;
       do {
         if (++draws > kViewpointDraws) return false;
-        if (draws > kHiddenDraws) hidden = -1;  // nothing here hides them
+        if (draws > kHiddenDraws) hidden = -1;  // nothing here can hide a speaker
       } while (!place_near(plan, near, middle, std::ssize(plan.viewpoints) == hidden));
     }
     return true;

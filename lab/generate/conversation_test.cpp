@@ -59,13 +59,13 @@ class ConversationTest : public ::testing::Test {
                 person.world_from_head.position_m);
   }
 
-  /// Where the mouth is, seen from the listener.
+  /// Direction and distance of the mouth from the listener.
   static Spherical direction_of(const SimulatedViewpoint& viewpoint, const Person& person) {
     return spherical_from_cartesian(
         transform_point(inverse(viewpoint.world_from_listener), person.world_from_head.position_m));
   }
 
-  /// Neither scene nor bodies in the way: the picture shows the person.
+  /// The picture shows the person, and neither scene nor bodies are in the way.
   static bool is_in_plain_sight(const SimulatedViewpoint& viewpoint, const Person& person,
                                 std::size_t i) {
     return viewpoint.boxes[i] && is_seen(viewpoint, person);
@@ -124,7 +124,7 @@ TEST_F(ConversationTest, SomeSpeakersAreHiddenByTheWallAndHaveNoBox) {
   for_all_pairs([&](const auto& viewpoint, const Person& person, std::size_t, std::size_t i) {
     if (is_seen(viewpoint, person)) return;
     ++behind_wall;
-    // What shows of a person whose mouth is hidden is an arm or a leg.
+    // Of a person whose mouth is hidden, only an arm or a leg is visible.
     if (!viewpoint.boxes[i]) return;
     EXPECT_LT(viewpoint.boxes[i]->x_max - viewpoint.boxes[i]->x_min, 0.3);
   });
@@ -150,7 +150,7 @@ TEST_F(ConversationTest, DirectSoundArrivesAfterDistanceOverSpeedOfSound) {
         peak = std::max(peak, std::abs(samples[t]));
       }
     }
-    // What rings ahead of the arrival is 12 dB down at least; nothing else may come earlier.
+    // Filters ring ahead of the arrival, at least 12 dB down; nothing else may come earlier.
     EXPECT_GT(around, 4.0F * before);
     EXPECT_GT(around, 0.0F);
     ++checked;
@@ -175,7 +175,7 @@ TEST_F(ConversationTest, SoundComesFirstToTheEarOnTheSpeakersSide) {
   int checked = 0;
   for_all_pairs([&](const auto& viewpoint, const Person& person, std::size_t, std::size_t i) {
     const Spherical direction = direction_of(viewpoint, person);
-    // Nearly ahead the sides do not differ.
+    // Close to straight ahead the ears do not differ.
     if (!is_in_plain_sight(viewpoint, person, i)) return;
     if (std::abs(std::sin(direction.azimuth_rad)) < 0.2) return;
     // The direct sound alone: a millisecond and a half from its arrival.
@@ -206,8 +206,8 @@ TEST_F(ConversationTest, TheBoxIsWhereTheHeadIsSeen) {
     const Box& box = *viewpoint.boxes[i];
     const double x = mouth->x / camera.width;
     const double y = mouth->y / camera.height;
-    if (x < 0.0 || x > 1.0) return;  // an arm reaches into the picture, the head does not
-    // The mouth is 2 cm before the lips: from the side just outside of the body.
+    if (x < 0.0 || x > 1.0) return;  // an arm is in the picture, the head is not
+    // The mouth is 2 cm in front of the lips: seen from the side, just outside the body.
     const double margin = 0.05 / direction_of(viewpoint, person).distance_m;
     EXPECT_GE(x, box.x_min - margin);
     EXPECT_LE(x, box.x_max + margin);
@@ -219,8 +219,8 @@ TEST_F(ConversationTest, TheBoxIsWhereTheHeadIsSeen) {
 }
 
 TEST_F(ConversationTest, ASpeakersOwnBodyIsNotInTheWay) {
-  // In front of the speaker, in plain sight, the direct sound has at least the level of speech at
-  // that distance less what the directivity takes at 90 degrees: the body takes nothing.
+  // In front of a visible speaker the direct sound has at least the level of speech at that
+  // distance less the directivity at 90 degrees: the body takes nothing away.
   int checked = 0;
   for_all_pairs([&](const auto& viewpoint, const Person& person, std::size_t, std::size_t i) {
     if (!is_in_plain_sight(viewpoint, person, i)) return;
@@ -267,7 +267,7 @@ TEST(ConversationPlan, SomeViewpointsStandInOtherRoomsAndAtOtherHeights) {
       EXPECT_NE(&viewpoint, plan.viewpoints.data()) << "the first stays with the people";
     }
   }
-  // Of 120 that may go away 60 +- 5.5, but for plans whose other room is out of reach.
+  // 60 +- 5.5 of the 120 that may be in another room, less those whose other room is out of reach.
   EXPECT_GT(away, 35);
   EXPECT_LT(away, 80);
   EXPECT_GE(lowest_m, 1.3);
@@ -289,7 +289,7 @@ TEST(PreparedScene, AScanIsMovedOntoItsFloor) {
   Scene scene = two_rooms();
   for (auto& position : scene.mesh.positions) position[2] -= 1.25F;
   const auto prepared = prepare_scan("scan", std::move(scene));
-  // Two roundings of floats of up to 2.5 m; the floor is the mean of many.
+  // Two roundings of floats of up to 2.5 m; the floor is the mean of many points.
   EXPECT_NEAR(bounds(prepared->scene.mesh).low.z, 0.0, 1e-5);
   EXPECT_NEAR(prepared->floor.floor_m(), 0.0, 1e-5);
 }

@@ -23,7 +23,7 @@ void DatasetLock::take(const std::vector<WorkItem>& items) {
     numbers.push_back(kFirstItem + item.scene * conversations_ + item.conversation);
   }
   std::ranges::sort(numbers);
-  // Neighbours in one request.
+  // Consecutive numbers are locked by one call.
   for (std::size_t i = 0; i < numbers.size();) {
     std::size_t end = i + 1;
     while (end < numbers.size() && numbers[end] == numbers[end - 1] + 1) ++end;

@@ -37,7 +37,7 @@ Json record_of(const GenerationOptions& options, const SceneMaker& scenes,
   json["conversations"] = options.order.conversations;
   json["split"] = options.order.split ? Json(*options.order.split) : Json();
   json["viewpoints"] = options.conversation.viewpoints;
-  // Left out where they are as in the first data sets, which can be gone on with.
+  // Left out if 0, so that older data sets without these keys can be continued.
   if (options.conversation.other_room_share > 0.0) {
     json["other_rooms"] = options.conversation.other_room_share;
     json["other_rooms_reach_m"] = options.conversation.other_room_reach_m;
@@ -70,7 +70,7 @@ std::string difference(const Json& found, const Json& wanted) {
 
 using SceneKey = std::pair<std::string, std::string>;  // split, scene
 
-/// The clips that are there, by scene.
+/// The stored clips, by scene.
 std::map<SceneKey, std::vector<StoredConversation>> stored_conversations(
     const fs::path& root, const SceneMaker& scenes, const std::vector<WorkItem>& items,
     bool heard) {
@@ -98,7 +98,7 @@ void write_metadata(const fs::path& root,
   }
 }
 
-/// The pair lists of what is held out, once a split is whole.
+/// Writes the pair lists of the held-out splits that are complete.
 void write_pair_lists(const fs::path& root, const std::vector<WorkItem>& items, std::uint64_t seed,
                       const std::map<SceneKey, std::vector<StoredConversation>>& stored) {
   std::map<std::string, std::size_t> missing;
@@ -126,7 +126,7 @@ void write_pair_lists(const fs::path& root, const std::vector<WorkItem>& items, 
   }
 }
 
-/// Removes what was being written aside: ".name.partial.ext" and, for folders, ".name.partial".
+/// Removes unfinished files and folders: ".name.partial.ext" and, for folders, ".name.partial".
 template <typename Iterator>
 void remove_partial(Iterator entries) {
   std::vector<fs::path> left;
@@ -146,7 +146,8 @@ void begin_dataset(const GenerationOptions& options, const SceneMaker& scenes,
                    const SpeechCorpus& corpus, bool others_work) {
   const fs::path path = options.folder / kRecord;
   const Json wanted = record_of(options, scenes, corpus);
-  // A run that failed before it made anything, by a wrong unit say, binds nobody.
+  // If a run failed before it made anything, its options do not matter (a wrong unit, for
+  // instance).
   const bool holds_more =
       others_work || std::any_of(fs::directory_iterator(options.folder), fs::directory_iterator(),
                                  [&](const fs::directory_entry& entry) {

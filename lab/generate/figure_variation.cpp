@@ -42,7 +42,7 @@ std::array<double, 3> to_rgb(const HueColour& colour) {
   return rgb;
 }
 
-/// How the colours of one person's clothes change.
+/// Change of the colours of one person's clothes.
 struct Recolouring {
   double hue_turn = 0.0;
   double saturation = 0.0;  ///< is added
@@ -50,7 +50,7 @@ struct Recolouring {
 
   [[nodiscard]] std::array<double, 3> operator()(const std::array<double, 3>& rgb) const {
     HueColour colour = to_hue(rgb);
-    // Skin and most hair: from red to yellow, neither grey nor vivid.
+    // Skin and most hair: hues from red to yellow, moderate saturation.
     const bool is_skin = (colour.hue < 1.1 || colour.hue > 5.7) && colour.saturation > 0.12 &&
                          colour.saturation < 0.85;
     if (is_skin) return rgb;

@@ -16,14 +16,14 @@ namespace {
 constexpr double kCell_m = 0.05;
 constexpr double kMostCells = 1e6;
 constexpr double kHeadroom_m = 1.95;
-// Rugs and sills are stepped over.
+// Lower things can be stepped over: rugs, sills.
 constexpr double kStep_m = 0.06;
 constexpr double kSmallestPocketSquareMetres = 2.5;
-// How far on a ray goes after a face.
+// After a face, a ray continues this far behind it.
 constexpr double kSkip_m = 1e-3;
-// Thin upright things (door leaves, the walls of scans) are looked for at these heights.
+// Thin upright surfaces (door leaves, walls of scans) are searched for at these heights.
 constexpr std::array<double, 3> kLooks_m = {0.6, 1.1, 1.5};
-// Clearance is measured up to so many cells.
+// Clearance is measured up to this number of cells.
 constexpr int kReach = 40;
 
 /// The heights of all faces below a point, highest first.
@@ -38,7 +38,7 @@ std::vector<double> faces_below(const RayCaster& caster, const Vector3& from) {
   return heights_m;
 }
 
-/// The faces with enough air above them, and something over that.
+/// The faces with enough air above them and another face over that.
 std::vector<double> floors_below(const std::vector<double>& faces_m) {
   std::vector<double> floors_m;
   for (std::size_t i = 1; i < faces_m.size(); ++i) {
@@ -47,7 +47,7 @@ std::vector<double> floors_below(const std::vector<double>& faces_m) {
   return floors_m;
 }
 
-/// The height that most of the floors have, to within the height of a step.
+/// The most frequent floor height, to within the height of a step.
 double commonest_floor(const std::vector<std::vector<double>>& floors_m) {
   std::map<long, std::size_t> counts;
   for (const auto& column : floors_m) {
@@ -61,7 +61,7 @@ double commonest_floor(const std::vector<std::vector<double>>& floors_m) {
   const auto best =
       std::max_element(counts.begin(), counts.end(),
                        [&](const auto& a, const auto& b) { return with_next(a) < with_next(b); });
-  // The mean of the two steps that hold it.
+  // The mean of the floors in these two steps.
   double sum_m = 0.0;
   std::size_t count = 0;
   for (const auto& column : floors_m) {
@@ -189,7 +189,7 @@ void FloorMap::drop_pockets() {
 }
 
 std::vector<unsigned char> FloorMap::open_cells() const {
-  // A cell beside a thin wall is as good as in it.
+  // Cells beside a thin wall count as occupied.
   std::vector<unsigned char> open = free_;
   const auto close = [&](std::size_t cell, std::size_t next) {
     open[cell] = 0;
@@ -204,7 +204,7 @@ std::vector<unsigned char> FloorMap::open_cells() const {
 
 void FloorMap::measure_clearance() {
   const std::vector<unsigned char> open = open_cells();
-  // How far the nearest obstacle is within the row, from the left and from the right.
+  // Distance to the nearest obstacle within the row, from the left and from the right.
   std::vector<int> along(cells(), 0);
   for (int row = 0; row < rows_; ++row) {
     int* const line = &along[static_cast<std::size_t>(row) * columns_];
@@ -227,7 +227,7 @@ void FloorMap::measure_clearance() {
       const int side = inside ? along[cell + static_cast<std::ptrdiff_t>(step) * columns_] : 0;
       nearest = std::min(nearest, side * side + step * step);
     }
-    // The obstacle may reach into its cell, and the point be off the middle of its own.
+    // The obstacle may begin anywhere in its cell, and the point may lie anywhere in its own.
     clearance_cells_[cell] = std::max(0.0F, std::sqrt(static_cast<float>(nearest)) - 1.21F);
   }
 }

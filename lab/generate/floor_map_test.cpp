@@ -33,7 +33,7 @@ TEST(FloorMap, TablesAndWallsAreNoPlaceToStand) {
 
 TEST(FloorMap, AWalkGoesThroughTheDoorway) {
   const FloorMap map = map_of(two_rooms());
-  // From one side of the wall to the other it is 0.5 m through it, and over 5 m by the door.
+  // The two sides are 0.5 m apart through the wall, and over 5 m by the door.
   const FloorPoint from{5.8, 0.5};
   const auto reaches = [&](double longest_m) {
     const auto places = map.within_walk(from, longest_m);
@@ -49,7 +49,7 @@ TEST(FloorMap, AFloorAtAnyHeightIsFound) {
   Scene scene = two_rooms();
   for (auto& position : scene.mesh.positions) position[2] += 3.4F;
   const FloorMap map = map_of(scene);
-  // Floats of 6 m are good to 5e-7 m; rays start and end a little off faces.
+  // Floats of 6 m are precise to 5e-7 m; rays go on 1 mm behind a face.
   EXPECT_NEAR(map.floor_m(), 3.4, 1e-3);
   EXPECT_GT(map.clearance_m({3.0, 2.5}), 0.5);
 }
@@ -64,7 +64,8 @@ TEST(FloorMap, DrawnPlacesInHomesAreFree) {
     for (int i = 0; i < 200; ++i) {
       const auto place = map.draw(0.3, random);
       ASSERT_TRUE(place);
-      // The home's own record has rectangles around furniture, and no place in doorways.
+      // The home's own list has only bounding rectangles of furniture, and no free space in
+      // doorways.
       doubtful += is_free(home, place->x, place->y, 0.2) ? 0 : 1;
     }
     EXPECT_LE(doubtful, 10) << "home " << seed;

@@ -23,10 +23,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What the random streams of a conversation are for, so that one does not shift the other.
+/// Keys of the random streams of a conversation: a draw from one does not shift the others.
 enum StreamKey : std::uint64_t { kPlanKey = 1, kVoiceKey, kTraceKey };
 
-/// Scenes in use: made when the first of their conversations is begun, dropped after the last.
+/// Scenes in use: made for the first of their conversations, released after the last.
 class SceneShelf {
  public:
   SceneShelf(const SceneMaker& source, const std::vector<WorkItem>& items) : source_(source) {
@@ -35,7 +35,7 @@ class SceneShelf {
 
   std::shared_ptr<const PreparedScene> take(int scene) {
     Slot& slot = slots_.at(scene);
-    // Whoever comes second waits until the scene is made.
+    // A second thread waits until the scene is made.
     const std::lock_guard lock(slot.mutex);
     if (!slot.scene) slot.scene = source_.make(scene);
     return slot.scene;
@@ -139,7 +139,7 @@ class Generator {
   SpeechWriter speech_;
 };
 
-/// Makes what is not there yet.
+/// Makes the conversations that are not stored yet.
 /// @return the processor time by stage
 StageClock make_conversations(const GenerationOptions& options, const SceneMaker& scenes,
                               const FigureLibrary& figures, const SpeechCorpus& corpus,

@@ -32,7 +32,7 @@ class GenerationTest : public ::testing::Test {
     return options;
   }
 
-  /// What generate() has to say against it.
+  /// The message with which generate() refuses.
   [[nodiscard]] std::string refusal_of(const GenerationOptions& options) const {
     try {
       static_cast<void>(generate(options));
@@ -94,7 +94,7 @@ TEST_F(GenerationTest, ADataSetTellsWhatSetsItsViewpointsApartFromTheUsualOnes) 
   GenerationOptions usual = three_conversations("usual");
   usual.order.conversations = 1;
   static_cast<void>(generate(usual));
-  // The first data sets do not have these keys and can be gone on with.
+  // Older data sets do not have these keys and can be continued.
   EXPECT_EQ(read_text_file(usual.folder / "dataset.json").find("other_rooms"), std::string::npos);
   GenerationOptions varied = usual;
   varied.conversation.other_room_share = 0.5;
@@ -108,8 +108,8 @@ TEST_F(GenerationTest, WhatWasInterruptedGoesOnToTheSameBytes) {
   const GenerationOptions options = three_conversations("set");
   static_cast<void>(generate(options));
   const auto expected = contents_of(options.folder);
-  // As a kill may leave it: one conversation half-written aside, another not begun, a recording and
-  // a scene's metadata missing.
+  // As a killed process may leave it: one conversation half-written, another not begun, a recording
+  // and a scene's metadata missing.
   fs::rename(options.folder / "val/rooms-0/0", options.folder / "val/rooms-0/.0.partial");
   fs::remove(options.folder / "val/rooms-0/.0.partial/report.json");
   fs::remove_all(options.folder / "test");
@@ -150,11 +150,11 @@ TEST_F(GenerationTest, TwoProcessesDoNotMakeTheSameConversations) {
   EXPECT_NE(refusal_of(options).find("another process is simulating the same part"),
             std::string::npos)
       << refusal_of(options);
-  // Nor with another seed, although nothing is there yet.
+  // Another seed is refused too, although nothing is stored yet.
   GenerationOptions other_seed = options;
   other_seed.seed = 2;
   EXPECT_NE(refusal_of(other_seed).find("seed is 1 there, 2 here"), std::string::npos);
-  // The shard that does not make that one goes on.
+  // A shard without this conversation continues.
   options.shard = {.index = 0, .count = 2};
   EXPECT_EQ(generate(options).simulated, 1);
 }

@@ -30,7 +30,7 @@ constexpr double kGroupRadius_m = 3.0;
 constexpr double kCameraReach_m = 6.5;
 constexpr double kNearestCamera_m = 0.6;
 constexpr int kTries = 60;
-// A person of whom less is seen is not one to be found.
+// A person with a smaller visible share is no target for detection.
 constexpr double kLeastVisible = 0.15;
 constexpr double kLeastPixelShare = 0.001;  // of the picture
 constexpr std::size_t kValFigures = 6;      // every sixth
@@ -42,7 +42,7 @@ struct PlacedPerson {
   std::unique_ptr<RayCaster> caster;  // of `alone`
 };
 
-/// Those who may be in pictures of a split.
+/// The figures that may appear in pictures of a split.
 std::vector<const FigureModel*> figures_of(const FigureLibrary& library, std::string_view split) {
   std::vector<const FigureModel*> found;
   std::size_t others = 0;
@@ -64,7 +64,7 @@ const FigureModel& draw_figure(const FigureLibrary& library,
                       random);
 }
 
-/// Puts people on the free floor, the first anywhere and the others around.
+/// Puts people on the free floor, the first anywhere and the others around the first.
 std::vector<PlacedPerson> place_people(const PreparedScene& home, const FigureLibrary& library,
                                        const std::vector<const FigureModel*>& figures,
                                        RandomStream& random, Scene& scene) {
@@ -128,7 +128,7 @@ std::optional<Camera> draw_camera(const PreparedScene& home,
   return std::nullopt;
 }
 
-/// How many pixels of the picture would show the person if nothing else were there.
+/// Number of pixels that would show the person in an empty scene.
 int pixels_alone(const PlacedPerson& person, const Camera& camera) {
   int pixels = 0;
   for (int y = 0; y < camera.height; ++y) {

@@ -45,7 +45,7 @@ TEST(PeoplePictures, AreTheSameForAnyNumberOfJobsAndAfterAKill) {
   EXPECT_GE(files.size(), 3U);
   draw(folder.path() / "two", 2);
   EXPECT_EQ(files_of(folder.path() / "two"), files);
-  // A home without its list is made again.
+  // A home whose list is missing is made again.
   fs::remove(folder.path() / "two/val/home-0001/people.json");
   draw(folder.path() / "two", 1);
   EXPECT_EQ(files_of(folder.path() / "two"), files);

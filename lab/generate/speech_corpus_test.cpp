@@ -126,7 +126,7 @@ TEST(PrepareSpeech, SilenceIsCutAndTheLevelSet) {
     EXPECT_NEAR(speech.duration_s(), 1.2, 0.04);
     double energy = 0.0;
     for (const float sample : speech.channel(0)) energy += static_cast<double>(sample) * sample;
-    // -26 dB over the second that sounds; frames that it begins or ends in count in part: 0.2 dB.
+    // -26 dB over the second of sound; the frames at its ends count only in part: 0.2 dB.
     EXPECT_NEAR(10.0 * std::log10(energy / 16000.0), -26.0, 0.2);
   }
 }

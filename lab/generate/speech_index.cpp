@@ -60,7 +60,7 @@ std::vector<std::string> csv_cells(std::string_view line, char separator) {
   return cells;
 }
 
-/// Names of files and metadata may hold letters and digits; '-' separates the parts of an id.
+/// Parts of ids have only letters, digits and '_'; '-' separates them.
 std::string id_part(std::string_view name) {
   std::string part;
   for (const char c : name) {
@@ -208,7 +208,7 @@ SpeechIndex read_librispeech(const fs::path& folder) {
       rest.remove_prefix(end + 1);
     }
     const fs::path reader = folder / cells[2] / cells[0];
-    if (!fs::is_directory(reader)) continue;  // a subset that is not here
+    if (!fs::is_directory(reader)) continue;  // a subset that is not installed
     const std::optional<Gender> gender = gender_of(cells[1]);
     if (!gender) throw InputError(table.where(line), "expected F or M, found '" + cells[1] + "'");
     const DataSplit split = cells[2].starts_with("train") ? DataSplit::train

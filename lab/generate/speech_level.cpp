@@ -14,9 +14,9 @@ namespace {
 
 constexpr int kRate_hz = 16000;
 constexpr std::ptrdiff_t kFrame = 320;    // 20 ms
-constexpr std::ptrdiff_t kMargin = 1600;  // left of the silence at both ends
+constexpr std::ptrdiff_t kMargin = 1600;  // silence that is kept at both ends
 constexpr double kShortest_s = 0.5;
-// Frames that far below the loudest are silence.
+// Frames this far below the loudest are silent.
 constexpr double kSilence_db = -40.0;
 constexpr double kActivityMargin_db = 15.9;
 constexpr double kLevel_db = -26.0;
@@ -45,8 +45,7 @@ std::vector<double> frame_powers(std::span<const float> samples) {
   return powers;
 }
 
-/// The mean power of the frames that hold speech: those above a threshold that lies 15.9 dB below
-/// the mean that it gives.
+/// The mean power of the frames with speech: those above a threshold 15.9 dB below that mean.
 double active_power(const std::vector<double>& powers) {
   double mean = 0.0;
   for (const double power : powers) mean += power / static_cast<double>(powers.size());

@@ -25,7 +25,7 @@ void write_speech(const fs::path& path, const Waveform& speech, SpeechForm form)
   write_sound(aside, speech, SampleFormat::float32);
   std::error_code error;
   fs::rename(aside, path, error);
-  // Another process that writes the same may have been a moment earlier.
+  // Another process may have written the same file a moment earlier.
   if (error && !fs::exists(path))
     throw InputError(path.string(), "cannot be renamed into place: " + error.message());
 }
@@ -41,7 +41,7 @@ Waveform SpeechWriter::write(std::string_view split, const SpeechRecording& reco
   Waveform speech = read_speech(recording.path);
   {
     const std::lock_guard lock(mutex_);
-    // Whoever began it writes the same.
+    // Another thread writes the same file.
     if (!begun_.insert(path).second || fs::exists(path)) return speech;
   }
   write_speech(path, speech, form_);

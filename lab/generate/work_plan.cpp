@@ -18,7 +18,7 @@ constexpr int kVal = 10;
 constexpr int kTest = 20;
 constexpr int kAll = 120;
 
-/// How many of `count` things are val and test; the rest is train.
+/// Numbers of val and test items out of `count`; the rest is train.
 std::array<int, 2> held_out(int count) {
   if (count < 2) return {0, 0};
   const auto part = [&](int share) {

@@ -22,7 +22,7 @@ TraceRequest request() {
 }
 
 TEST(TraceScene, DirectSoundArrivesAfterDistanceOverSpeedOfSoundAtItsLevel) {
-  // Faces that swallow all leave the direct sound.
+  // With fully absorbing walls only the direct sound is left.
   const TraceScene room = TraceScene::box({6, 4, 3}, 1.0);
   const Waveform response = room.response(request());
   ASSERT_EQ(response.channels(), 1);
@@ -31,7 +31,7 @@ TEST(TraceScene, DirectSoundArrivesAfterDistanceOverSpeedOfSoundAtItsLevel) {
       std::ranges::max_element(samples, {}, [](float sample) { return std::abs(sample); });
   // 3 m at 343 to 344 m/s; a sample is 21 mm.
   EXPECT_NEAR(static_cast<double>(peak - samples.begin()) / 16000.0, 3.0 / 343.5, 1.0 / 16000.0);
-  // A third of the amplitude at 1 m; air and the place between two samples take less than a
+  // A third of the amplitude at 1 m; air and the position between two samples take away less than a
   // quarter.
   EXPECT_NEAR(*peak, 1.0 / 3.0, 1.0 / 12.0);
 }
@@ -42,7 +42,8 @@ TEST(TraceScene, ABoxReverberatesAsSabineSays) {
   wanted.microphone = TraceMicrophone::ears;
   const Waveform response = room.response(wanted);
   ASSERT_EQ(response.channels(), 2);
-  // Eyring: 0.161 V / (-S ln(1 - a)) = 0.30 s; a box that is no cube, and air, within a quarter.
+  // Eyring: 0.161 V / (-S ln(1 - a)) = 0.30 s; a box that is no cube, and air, change it by less
+  // than a quarter.
   for (int ear = 0; ear < 2; ++ear) {
     EXPECT_NEAR(measure_reverberation(response, ear).t60_s, 0.30, 0.075) << ear;
   }

@@ -24,7 +24,7 @@ constexpr int kRateHz = 16000;
 constexpr int kPictureSize = 64;
 constexpr double kSpeedOfSoundMps = 343.0;
 
-/// Pulses of noise like syllables.
+/// Noise in bursts, like syllables.
 Waveform speech(double duration_s, RandomStream& random) {
   Waveform sound(1, std::lround(duration_s * kRateHz), kRateHz);
   const double syllables_hz = random.uniform(3.0, 6.0);
@@ -148,7 +148,7 @@ void write_published_dataset(const fs::path& folder, const TinyDataset& options,
   fs::remove_all(folder / "data/LibriSpeech-wav");
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(plain / "speech")) {
     if (!entry.is_regular_file()) continue;
-    // libsndfile goes by the contents; only writing looks at the name.
+    // libsndfile reads by the contents; only the writer uses the extension.
     const fs::path wave = entry.path().string() + ".wav";
     write_sound(wave, read_sound(entry.path()),
                 pcm16 ? SampleFormat::pcm16 : SampleFormat::float32);
@@ -157,7 +157,7 @@ void write_published_dataset(const fs::path& folder, const TinyDataset& options,
   fs::rename(plain / "speech", folder / "data/LibriSpeech-wav");
   for (const char* split : {"train", "val", "test"}) {
     fs::remove(plain / fmt::format("pairs-{}.json", split));
-    // Paths begin at the root.
+    // Published metadata has paths relative to the root.
     const fs::path metadata = plain / split / "room" / kSoundSpacesMetadata;
     std::vector<SoundSpacesClip> clips =
         parse_soundspaces_metadata(read_text_file(metadata), metadata.string(), "room");
