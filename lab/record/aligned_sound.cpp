@@ -22,7 +22,7 @@ constexpr std::ptrdiff_t kBlock = 16384;
 
 using Taps = std::array<float, kTaps>;
 
-/// Taps for every fraction of a sample, the one past the last included.
+/// Taps for every fraction of a sample from 0 to 1, both included.
 const std::vector<Taps>& sinc_table() {
   static const std::vector<Taps> table = [] {
     std::vector<Taps> rows(kPhases + 1);
@@ -70,13 +70,13 @@ struct AlignedSound::State {
         rate_hz(rate),
         held(static_cast<std::size_t>(channel_count)) {}
 
-  /// Reads on until the sound up to `end` is held, or there is none any more.
+  /// Reads until the sound up to `end` is held, or to the end of the file.
   void hold_until(std::ptrdiff_t end) {
     while (!ended && first + std::ssize(held.front()) < end) {
       Waveform both;
       try {
         both = reader.read(kBlock);
-      } catch (const InputError&) {  // who read the device's sound for its clock has said so
+      } catch (const InputError&) {  // already reported when the sound was read for its clock
         both = Waveform(2, 0, reader.sample_rate_hz());
       }
       ended = both.samples() < kBlock;

@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Turns the axis of that name to z.
+/// The rotation that turns the named axis to z.
 Quaternion up_turned_to_z(const JsonField& up) {
   const std::string axis = up.text();
   const double half = std::sqrt(0.5);
@@ -45,7 +45,7 @@ double metres_per_unit(const JsonField& units) {
   units.fail("m, cm, mm, or the metres of one unit");
 }
 
-/// The orientation whose x, y and z axes are these, in the world.
+/// The orientation with these x, y and z axes in the world.
 Quaternion quaternion_from_axes(const Vector3& x, const Vector3& y, const Vector3& z) {
   // The largest of the four is found from the trace, the others from it.
   const double trace = x.x + y.y + z.z;
@@ -61,7 +61,7 @@ Quaternion quaternion_from_axes(const Vector3& x, const Vector3& y, const Vector
   return normalized({x.y - y.x, z.x + x.z, z.y + y.z, 1.0 - x.x - y.y + z.z});
 }
 
-/// A camera's pose from OpenCV's x_camera = R x_world + t, in the world that t is of.
+/// A camera's pose from OpenCV's x_camera = R x_world + t, in the units and frame of t.
 Pose pose_from_opencv(const std::array<Vector3, 3>& rows, const Vector3& translation) {
   // The rows are the camera's right, down and front in the world.
   const Vector3 centre =
@@ -75,7 +75,7 @@ Pose in_our_world(const Pose& pose, const CalibrationFrame& frame) {
 }
 
 std::array<Vector3, 3> rotation_rows(const JsonField& field) {
-  constexpr double kLoose = 1e-3;  // files with four digits are near enough
+  constexpr double kLoose = 1e-3;  // accepts files with four digits
   const std::vector<JsonField> items = field.items();
   if (items.size() != 3) field.fail("three rows of a rotation");
   const std::array<Vector3, 3> rows{items[0].vector3(), items[1].vector3(), items[2].vector3()};
@@ -121,7 +121,7 @@ double number_of(const std::string& word, const std::string& where) {
   return value;
 }
 
-/// Where the numbers of a COLMAP camera model stand; -1: the model has none of that kind.
+/// Indices of the parameters of a COLMAP camera model; -1 if it has none of that kind.
 struct ColmapModel {
   std::size_t parameters;
   int fy;  ///< fx is always the first

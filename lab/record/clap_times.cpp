@@ -16,8 +16,8 @@ constexpr double kLength_s = 0.08;
 /// A rise begins where this share of the loudest step is reached first.
 constexpr std::array<float, 5> kShares{0.8F, 0.5F, 0.35F, 0.25F, 0.15F};
 constexpr double kTolerance_s = 0.12e-3;  ///< of the time between the ears
-constexpr float kLeastRise = 1.3F;        ///< over what is loudest in the time before
-constexpr double kQuiet_s = 1.5e-3;       ///< that time
+constexpr float kLeastRise = 1.3F;        ///< over the loudest step in the time before
+constexpr double kQuiet_s = 1.5e-3;       ///< length of the time before
 
 struct Rise {
   double time_s = 0.0;

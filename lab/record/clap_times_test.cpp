@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kRate_hz = 16000;
 
-/// A burst of noise that dies away within milliseconds, from that sample on.
+/// A burst of noise from sample `at` on that decays within milliseconds.
 void add_burst(Waveform& sound, int ear, std::ptrdiff_t at, float level) {
   RandomStream random(5);  // the same burst everywhere
   for (std::ptrdiff_t i = 0; i < 800; ++i) {
@@ -40,7 +40,7 @@ TEST(ClapTimes, AreThoseOfTheDirectSoundAtBothEarsThoughAReflectionIsLouder) {
   add_burst(sound, 1, 8100, 0.4F);
   const auto found = clap_at_ears(sound, 0.502, 5.0 / kRate_hz);
   ASSERT_TRUE(found.has_value());
-  // To the sample: the burst begins with its largest step.
+  // Exact to a sample, as the burst begins with its largest step.
   EXPECT_NEAR((*found)[0], 8005.0 / kRate_hz, 1.0 / kRate_hz);
   EXPECT_NEAR((*found)[1], 8000.0 / kRate_hz, 1.0 / kRate_hz);
 }
@@ -60,13 +60,13 @@ TEST(ClapTimes, OfAClapperAtTheLeftAreFirstAtTheLeftEar) {
   const auto sample_of = [&](int ear) {
     return std::lround((kEmitted_s + travel_time_s(clap_m, head, ear)) * kRate_hz);
   };
-  // A head's width is 0.7 ms, 11 samples.
+  // The delay between the ears is up to 0.7 ms, 11 samples.
   ASSERT_GT(sample_of(1), sample_of(0) + 5);
   Waveform sound = quiet_room();
   for (const int ear : {0, 1}) add_burst(sound, ear, sample_of(ear), 0.3F);
   const auto found = clap_emitted_s(sound, kEmitted_s + 2.0 / 343.0, clap_m, head);
   ASSERT_TRUE(found.has_value());
-  // Each ear's burst begins at a whole sample.
+  // To a sample, as each ear's burst begins at a whole one.
   EXPECT_NEAR(*found, kEmitted_s, 1.0 / kRate_hz);
   Waveform exchanged = quiet_room();
   for (const int ear : {0, 1}) add_burst(exchanged, ear, sample_of(1 - ear), 0.3F);

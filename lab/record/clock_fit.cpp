@@ -17,18 +17,18 @@ namespace {
 
 constexpr double kTypicalError_s = 0.15e-3;
 constexpr double kClapError_s = 0.05e-3;    ///< of one camera
-constexpr double kClapWidth_s = 0.2e-3;     ///< the least of Cauchy's weights
-constexpr double kFits_s = 0.6e-3;          ///< a residual beyond this is another sound
-constexpr double kHeightDeviation_m = 0.3;  ///< of mouths, who sit or stand
-/// Of clocks to begin with, the reference's too: else what it mishears would move all others.
+constexpr double kClapWidth_s = 0.2e-3;     ///< smallest width of the Cauchy weights
+constexpr double kFits_s = 0.6e-3;          ///< larger residuals are of another sound
+constexpr double kHeightDeviation_m = 0.3;  ///< of mouths, as people sit or stand
+/// Of initial clocks, the reference's too: otherwise errors in its times would move all others.
 constexpr double kClockDeviation_s = 0.01;
-/// Drift is a parameter as the offset that it makes in 100 s, so that both are of one size.
+/// The parameter for drift is the offset after 100 s, so that both are of one size.
 constexpr double kDriftTime_s = 100.0;
-constexpr double kDriftDeviation_s = 50e-6 * kDriftTime_s;  ///< from none, as clocks are made
+constexpr double kDriftDeviation_s = 50e-6 * kDriftTime_s;  ///< from zero, as of usual clocks
 
 /// How tolerant the fit is, from the first round to the last.
 struct Round {
-  double width_s;            ///< of Cauchy's weights
+  double width_s;            ///< of the Cauchy weights
   double place_deviation_m;  ///< of the prior on places, horizontally
 };
 constexpr std::array<Round, 8> kRounds{{{2e-3, 3.0},
@@ -39,10 +39,10 @@ constexpr std::array<Round, 8> kRounds{{{2e-3, 3.0},
                                         {0.2e-3, 4.0},
                                         {0.1e-3, 4.0},
                                         {0.06e-3, 4.0}}};
-/// Seats are found again as clocks get better.
+/// Seats are estimated again as clocks improve.
 struct SeatRound {
-  double reach_m;        ///< a voice within so far of where it was stayed there
-  double widest_s;       ///< of Round: where clocks are good, wider ones see reflections
+  double reach_m;        ///< a voice within this distance of its last place has not moved
+  double widest_s;       ///< of Round: with good clocks, larger widths include reflections
   double support_bin_s;  ///< of OffsetSupport
 };
 constexpr std::array<SeatRound, 3> kSeatRounds{
@@ -50,7 +50,7 @@ constexpr std::array<SeatRound, 3> kSeatRounds{
 constexpr int kMostPasses = 3;
 constexpr int kStepsPerRound = 4;
 
-/// A clock as the fit has it: session = offset + (1 + slope / kDriftTime_s) (device - middle).
+/// A clock in the fit: session = offset + (1 + slope / kDriftTime_s) (device - middle).
 struct ClockState {
   double offset_s = 0.0;
   double slope_s = 0.0;
@@ -65,8 +65,8 @@ struct Observation {
 };
 
 constexpr double kMostDriftError = 100e-6;
-constexpr double kUsualDrift = 150e-6;  ///< less support is enough for less
-constexpr double kClearly = 1.2;        ///< more support than another drift has
+constexpr double kUsualDrift = 150e-6;  ///< smaller drift needs less support
+constexpr double kClearly = 1.2;        ///< times the support of another drift
 
 class Fit {
  public:
@@ -94,7 +94,7 @@ class Fit {
       for (int pass = 0; pass < kMostPasses && recentre(round.support_bin_s); ++pass) {
         refine(round.widest_s);
       }
-      // Who moved about a little all the time is told once clocks are good.
+      // People who keep moving a little are recognised only with good clocks.
       part_seats();
       clocks_held_ = true;
       places_ = gathered_places(events_, places_, centre_m_.z);
@@ -119,14 +119,14 @@ class Fit {
     return travel_time_s(place, *anchor.world_from_head, *event.anchor_ear);
   }
 
-  /// How much later than the anchor that ear should hear a source at that place.
+  /// How much later than the anchor the ear should hear a source at that place.
   [[nodiscard]] double lateness_s(const SoundEvent& event, const HeardEvent& heard,
                                   const Vector3& place) const {
     return travel_time_s(place, *devices_[heard.device].world_from_head, heard.ear) -
            anchor_travel_s(event, place);
   }
 
-  /// The time that fits best, by height and residual; its residual and weight.
+  /// The arrival that fits best by height and residual, with its residual and weight.
   [[nodiscard]] std::optional<Observation> choose(std::size_t e, const HeardEvent& heard,
                                                   double width_s) const {
     const SoundEvent& event = events_[e];
@@ -195,7 +195,7 @@ class Fit {
     }
   }
 
-  /// Every event has a place of its own.
+  /// Gives every event a place of its own.
   void part_seats() {
     std::iota(seat_of_.begin(), seat_of_.end(), std::size_t{0});
     seats_ = events_.size();
@@ -208,7 +208,7 @@ class Fit {
     seats_ = found.seats;
   }
 
-  /// Of all times of a device, chosen or not.
+  /// Errors of all arrival times of a device, chosen or not.
   [[nodiscard]] std::vector<ArrivalError> arrival_errors(std::size_t device) const {
     std::vector<ArrivalError> errors;
     for (std::size_t e = 0; e < events_.size(); ++e) {
@@ -226,8 +226,8 @@ class Fit {
     return errors;
   }
 
-  /// Moves each camera to the offset and the drift that most of its times support: the fit itself
-  /// cannot leave those at which reflections agree.
+  /// Moves each camera to the offset and drift that most of its times support. The fit alone cannot
+  /// leave a local optimum at which reflections agree.
   /// @return whether any was moved
   bool recentre(double bin_s) {
     bool moved = false;
@@ -262,7 +262,7 @@ class Fit {
     return moved;
   }
 
-  /// Session time over the device's own.
+  /// Rate of session time against device time.
   [[nodiscard]] double rate_of(std::size_t device) const {
     return 1.0 + clocks_[device].slope_s / kDriftTime_s;
   }
@@ -274,7 +274,7 @@ class Fit {
     }
   }
 
-  /// All cameras have the clap at one time, which is not known: so has every pair of them.
+  /// All cameras have the clap at one unknown time, so that every pair of them must agree.
   void add_claps(double width_s, NormalEquations& equations) const {
     const auto count = static_cast<double>(claps_.size());
     for (std::size_t i = 0; i < claps_.size(); ++i) {
@@ -319,7 +319,7 @@ class Fit {
   [[nodiscard]] ClockFit result() const {
     ClockFit fit;
     fit.positions = places_;
-    // Session time is the reference's, which cannot deviate from itself.
+    // Session time is that of the reference, whose own deviation is zero.
     NormalEquations against_reference = normal_;
     against_reference.fix(0);
     against_reference.fix(1);

@@ -13,14 +13,14 @@ namespace {
 
 constexpr double kBlock_s = 20.0;
 constexpr double kBlockSearch_s = 0.12;
-/// Longer sessions are first matched by so much of their beginning, lest drift smear the peak.
+/// Longer sessions are first matched by this much of their beginning, as drift smears the peak.
 constexpr double kGlobal_s = 600.0;
 constexpr double kBlockSignificance = 5.0;
 constexpr double kMostDriftPpm = 500.0;
 
 std::ptrdiff_t hops(double seconds) { return std::lround(seconds / kOnsetHop_s); }
 
-/// Power of the differences of samples, all channels together, in steps of `hop` samples.
+/// Power of differences between samples, all channels together, in steps of `hop` samples.
 std::vector<double> step_power(const Waveform& sound, std::ptrdiff_t begin, std::ptrdiff_t end,
                                std::ptrdiff_t hop) {
   constexpr float kPreEmphasis = 0.95F;
@@ -61,7 +61,7 @@ CorrelationPeak correlate(std::span<const float> device, std::span<const float> 
   for (std::size_t k = 0; k < a.size(); ++k) a[k] *= std::conj(b[k]);
   fft.inverse(a, signal);
 
-  // Ten milliseconds together, as drift and different ways spread the peak.
+  // Sums ten milliseconds, as drift and different distances spread the peak.
   const auto value = [&](std::ptrdiff_t lag) {
     float sum = 0.0F;
     for (std::ptrdiff_t d = -2; d <= 2; ++d) {
@@ -89,7 +89,7 @@ CorrelationPeak correlate(std::span<const float> device, std::span<const float> 
   return peak;
 }
 
-/// A block of the reference and how much later the device has it.
+/// A block of the reference and its delay in the device.
 struct BlockLag {
   double reference_s = 0.0;
   double lag_s = 0.0;
@@ -112,8 +112,7 @@ DeviceClock line_through(const std::vector<BlockLag>& blocks, double lag_s) {
                        (blocks[j].reference_s - blocks[i].reference_s));
     }
   }
-  // Few blocks tell no drift: a few milliseconds over a short time are as likely a person who
-  // walks.
+  // No drift from few blocks: a few milliseconds over a short time may also be a walking person.
   constexpr std::size_t kFewest = 15;
   const double slope = slopes.size() < kFewest ? 0.0 : median(slopes);
   if (std::abs(slope) < kMostDriftPpm * 1e-6) clock.drift_ppm = slope * 1e6;
@@ -191,7 +190,7 @@ CoarseClock coarse_clock(std::span<const float> device, std::span<const float> r
 std::optional<Clap> find_clap(const Waveform& sound, double from_s, double to_s) {
   constexpr double kStep_s = 0.0005;
   constexpr std::ptrdiff_t kBefore = 60;
-  constexpr std::ptrdiff_t kRise = 6;  // the loudest step comes up to 3 ms after the first
+  constexpr std::ptrdiff_t kRise = 6;  // the loudest step is up to 3 ms after the first
   constexpr double kOfTop = 0.1;
   constexpr double kNothing = 1e-12;
   const double rate = sound.sample_rate_hz();
@@ -207,7 +206,7 @@ std::optional<Clap> find_clap(const Waveform& sound, double from_s, double to_s)
   for (std::ptrdiff_t i = kBefore; i < std::ssize(power); ++i) {
     const double before =
         *std::max_element(power.begin() + i - kBefore, power.begin() + i - kRise) + kNothing;
-    // Loud and steep: speech rises slowly, clicks of a connector are weak.
+    // Loud and steep, as speech rises slowly and connector clicks are weak.
     const double score = std::sqrt(power[i]) * std::log10(1.0 + power[i] / before);
     if (score <= best) continue;
     best = score;

@@ -18,7 +18,7 @@ namespace {
 constexpr std::ptrdiff_t kBlockSamples = 48000;
 constexpr float kSilence = 1e-5F;  // -100 dB: below the noise of any microphone and of 16 bits
 
-/// Grows by blocks; every channel is one piece in the end.
+/// Collects blocks and joins them, channel by channel.
 class Recorder {
  public:
   explicit Recorder(int channels) : channels_(static_cast<std::size_t>(channels)) {}
@@ -48,7 +48,7 @@ void replace_what_is_not_finite(Waveform& block) {
   }
 }
 
-/// Reads to the end, or as far as the file is whole; then a note tells how far.
+/// Reads to the end, or to where the file is damaged, which a note reports.
 Waveform read_at_sync_rate(AudioReader& reader, int channels, const std::string& who,
                            std::vector<std::string>& notes) {
   StreamResampler resampler(channels, reader.sample_rate_hz(), kSyncRateHz);
@@ -89,11 +89,11 @@ bool is_silent(const Waveform& sound) {
   return std::ranges::all_of(sound.planar(), [](float x) { return std::abs(x) < kSilence; });
 }
 
-/// Adds the device, or a note that says why it cannot be used.
+/// Adds the device, or a note with the reason why it cannot be used.
 void add_device(DeviceSound device, const std::filesystem::path& path, DeviceSounds& sounds) {
   const std::string who = (device.is_camera ? "camera " : "near microphone of ") + device.name;
   try {
-    // A near microphone's first channel counts, whatever else the file holds.
+    // A near microphone is the first channel of its file.
     AudioReader reader(path,
                        device.is_camera ? std::nullopt : std::optional(std::array<int, 2>{0, 0}));
     device.sound = read_at_sync_rate(reader, device.is_camera ? 2 : 1, who, sounds.notes);

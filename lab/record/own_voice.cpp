@@ -11,14 +11,15 @@ namespace {
 
 constexpr double kQuiet = 0.05;
 constexpr double kLoud = 0.95;
-constexpr double kVoice = 0.8;            ///< of somebody's moments
-constexpr float kSpeechRange_db = 20.0F;  ///< of one voice; what is below are its pauses
+constexpr double kVoice = 0.8;            ///< quantile of a wearer's moments
+constexpr float kSpeechRange_db = 20.0F;  ///< of one voice; lower levels are pauses
 constexpr float kClearly_db = 5.0F;
-constexpr float kMostSpan_db = 45.0F;  ///< from quiet to loud: a noise gate has no quiet moments
-constexpr std::size_t kFewest = 4;     ///< moments that tell how loud somebody is
+constexpr float kMostSpan_db = 45.0F;  ///< from quiet to loud; a noise gate would make it larger
+constexpr std::size_t kFewest = 4;     ///< moments needed to estimate a level
 constexpr int kRounds = 4;
 
-/// The moments in which one microphone is clearly the loudest re the given levels: its levels then.
+/// For each microphone, its levels in the moments when it is clearly the loudest re the given
+/// levels.
 std::vector<std::vector<float>> own_moments(std::span<const std::vector<float>> levels,
                                             const std::vector<float>& reference_db) {
   std::vector<std::vector<float>> own(levels.size());

@@ -5,7 +5,7 @@
 namespace earpoint {
 namespace {
 
-/// A hundred moments of noise at a level, a little uneven.
+/// A hundred moments of noise around a level.
 std::vector<float> quiet_microphone(float level_db) {
   std::vector<float> levels(100);
   for (std::size_t i = 0; i < levels.size(); ++i) {
@@ -25,7 +25,7 @@ TEST(OwnVoiceLevels, AreThoseOfWhoWearsTheMicrophone) {
   hear(levels[1], 50, 80, -35.0F);  // turned down by 15 dB
   hear(levels[0], 50, 80, -36.0F);
   const std::vector<float> voices = own_voice_levels(levels);
-  // The fifth loudest of each voice's levels, which span 2 dB.
+  // The 80 % quantile of each voice's levels, which span 2 dB.
   EXPECT_NEAR(voices[0], -18.0F, 1.0F);
   EXPECT_NEAR(voices[1], -33.0F, 1.0F);
 }

@@ -42,10 +42,10 @@ constexpr int kMostWidth_px = 1280;
 constexpr int kMostHeight_px = 720;
 constexpr int kBoxesPerWindow = 5;
 
-/// A camera that clips are made of.
+/// A camera that is used for clips.
 struct UsedCamera {
   std::size_t index = 0;  ///< in the session
-  int number = 0;         ///< that its files are called by
+  int number = 0;         ///< number in its file names
   DeviceClock clock;
   double begin_s = 0.0;  ///< of its recording, in session time
   double end_s = 0.0;
@@ -58,7 +58,7 @@ struct UsedMicrophone {
   double end_s = 0.0;
 };
 
-/// Names that are numbers stay; otherwise cameras are counted from 1.
+/// The names, if all are numbers; otherwise cameras are counted from 1.
 std::vector<int> camera_numbers(const Session& session) {
   std::vector<int> numbers;
   for (const SessionCamera& camera : session.cameras) {
@@ -88,7 +88,7 @@ std::string split_of(const Session& session, const PrepareOptions& options) {
   return "train";
 }
 
-/// No larger than the published pictures.
+/// The picture, scaled down to at most the size of the published ones.
 Image shrunk(const Image& image) {
   const double scale = std::min({1.0, static_cast<double>(kMostWidth_px) / image.width(),
                                  static_cast<double>(kMostHeight_px) / image.height()});
@@ -109,7 +109,7 @@ Image shrunk(const Image& image) {
   return result;
 }
 
-/// Whether a stretch was filled in because the recording has a gap there.
+/// Whether the sound has a stretch of zeros that fills a gap of the recording.
 bool has_gap(const Waveform& sound) {
   constexpr float kNothing = 1e-6F;
   constexpr int kShortest = kClipRate_hz / 20;
@@ -165,7 +165,7 @@ class Preparation {
   }
 
  private:
-  /// A scene's folder belongs to one session description and one hop.
+  /// Reserves the scene's folder for one session description and one hop.
   void claim_folder() {
     create_folder(folder_ / "aligned");
     const std::string text =
@@ -195,7 +195,7 @@ class Preparation {
     for (std::size_t c = 0; c < session_.cameras.size(); ++c) {
       const SessionCamera& camera = session_.cameras[c];
       const SyncedDevice* device = sync_.find(camera.name);
-      if (device == nullptr) continue;  // its note says why
+      if (device == nullptr) continue;  // its note has the reason
       if (!camera.world_from_camera) {
         summary_.notes.push_back(fmt::format(
             "camera {} is left out: it is not calibrated; give its extrinsics", camera.name));
@@ -233,7 +233,7 @@ class Preparation {
     return folder_ / "aligned" / (device + ".flac");
   }
 
-  /// Every device on session time at 48 kHz, from begin_s_ on.
+  /// Writes every device on session time at 48 kHz, from begin_s_ on.
   void align_sounds() {
     progress_.begin("aligning sounds", static_cast<double>(cameras_.size() + microphones_.size()),
                     "devices");
@@ -351,7 +351,7 @@ class Preparation {
     return clip;
   }
 
-  /// @return nothing where the camera's movie is damaged; a note says so once
+  /// @return nothing where the camera's movie is damaged, with one note
   std::optional<Image> picture_at(FrameReader& reader, const UsedCamera& camera, double time_s) {
     try {
       return shrunk(reader.frame_nearest(device_time_s(camera.clock, time_s)));
@@ -361,7 +361,7 @@ class Preparation {
     }
   }
 
-  /// Rows of x_min, y_min, x_max, y_max, id of who speaks, five a second; zeros out of sight.
+  /// Rows of x_min, y_min, x_max, y_max, id of the speaker, five a second; zeros if out of sight.
   [[nodiscard]] NumberTable boxes(std::size_t microphone, std::size_t camera, double begin_s,
                                   std::size_t speaker) const {
     NumberTable table{.rows = kBoxesPerWindow, .columns = 5, .values = {}};

@@ -118,7 +118,7 @@ TEST_F(Prepare, OurReaderReadsClipsAndTheirTruePoses) {
   ASSERT_EQ(clip.images.size(), 4U);
   const PairSample sample = replay_pair(dataset, clip, {0, 2}, false);
   EXPECT_EQ(sample.source.samples(), 16000);
-  // Cameras look at one point and stand upright: of their turns the camera file keeps all.
+  // Cameras look at one point and are level: the camera file keeps their orientation completely.
   const Pose expected = inverse(*made().session.cameras[0].world_from_camera) *
                         *made().session.cameras[2].world_from_camera;
   EXPECT_LT(norm(sample.source_from_target.position_m - expected.position_m), 1e-6);
@@ -127,7 +127,7 @@ TEST_F(Prepare, OurReaderReadsClipsAndTheirTruePoses) {
                  rotate(expected.orientation, front)),
             1e-6);
   ASSERT_TRUE(sample.speaker_box);
-  // Four cameras tell heights badly; horizontally a voice is found to a step.
+  // Four cameras locate heights badly; horizontally a voice is found to within a step.
   const Vector3 mouth = *clip.mouth_m;
   double nearest_m = 10.0;
   for (const PersonTruth& person : made().truth.people) {
@@ -141,7 +141,7 @@ TEST_F(Prepare, OurReaderReadsClipsAndTheirTruePoses) {
 
 TEST_F(Prepare, AClipHearsTheSameMomentInAllCamerasAndTheNearMicrophone) {
   const ReplayDataset dataset(replay_options(root() / "out", "test"));
-  // The offsets of the devices are seconds apart; what is left is less than 20 ms of travel.
+  // Offsets between devices are seconds; after alignment up to 20 ms of travel time are left.
   // Envelopes of 20 ms agree then, and hardly by chance.
   int agree = 0;
   for (const ReplayClip& clip : dataset.clips()) {
@@ -214,7 +214,7 @@ TEST_F(Prepare, WhatIsWrongWithADeviceIsALineAndTheOthersAreKept) {
                              .video = root() / "in" / "nowhere.mp4",
                              .lens = {},
                              .world_from_camera = session.cameras[3].world_from_camera});
-  // Half of a movie: what there is of it is used.
+  // Half of a movie: what can be read is used.
   const std::vector<std::byte> whole = read_file(session.cameras[3].video);
   std::ofstream(root() / "in" / "cut.mp4", std::ios::binary)
       .write(reinterpret_cast<const char*>(whole.data()),

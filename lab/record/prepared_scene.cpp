@@ -78,7 +78,7 @@ std::optional<PreparedClip> stored_clip(const fs::path& folder) {
     if (!has_file(folder / "near.wav")) return std::nullopt;
     return clip;
   } catch (const InputError&) {
-    return std::nullopt;  // made anew, like what is missing
+    return std::nullopt;  // prepared again, as if it were missing
   }
 }
 

@@ -7,7 +7,7 @@
 namespace earpoint {
 namespace {
 
-constexpr double kAbsent_s = 60.0;  ///< who is silent for longer may sit elsewhere
+constexpr double kAbsent_s = 60.0;  ///< after a longer silence they may sit elsewhere
 constexpr std::size_t kFewestInSeat = 8;
 
 struct Seat {
@@ -19,7 +19,7 @@ struct Seat {
   [[nodiscard]] Vector3 place_m() const { return sum / static_cast<double>(events.size()); }
 };
 
-/// The seat of that voice that is nearest to the place, within reach; null if there is none.
+/// The nearest seat of the event's voice within reach of the place; null if there is none.
 Seat* nearest_seat(std::vector<Seat>& seats, const SoundEvent& event, const Vector3& place_m,
                    double reach_m) {
   Seat* nearest = nullptr;

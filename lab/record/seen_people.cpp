@@ -15,12 +15,13 @@ namespace {
 constexpr double kBoxAge_s = 0.3;  ///< or half of the time between pictures, if longer
 constexpr double kVoiceAge_s = 1.0;
 constexpr double kLeastVisible = 0.1;
-// A body round a mouth, metres: seated people are cut off by the picture or by what they sit at.
+// A body around a mouth, in metres; of seated people the picture's edge or a table hides the rest.
 constexpr double kAboveMouth_m = 0.22;
 constexpr double kBelowMouth_m = 1.1;
 constexpr double kHalfWidth_m = 0.28;
 
-/// Between pictures in which the same person is seen, whose boxes are sorted by time; 0: none are.
+/// Shortest time between two boxes of the same person; 0 if there are none. Boxes are sorted by
+/// time.
 double shortest_gap_s(const std::vector<std::vector<PersonBox>>& boxes) {
   double shortest_s = 0.0;
   for (const std::vector<PersonBox>& person : boxes) {
@@ -113,7 +114,7 @@ const PersonBox* SeenPeople::seen_box(std::size_t person, std::size_t camera, do
 }
 
 std::optional<Vector3> SeenPeople::mouth(std::size_t microphone, double time_s) const {
-  // The median of each coordinate over what was found around that time.
+  // Median of each coordinate over the positions found around that time.
   std::array<std::vector<double>, 3> around;
   for (const Voice& voice : voices_[microphone]) {
     if (std::abs(voice.time_s - time_s) > kVoiceAge_s) continue;
@@ -151,7 +152,7 @@ std::optional<Box> SeenPeople::box(std::size_t microphone, std::size_t camera,
   if (!mouth_m || !from.lens || !from.world_from_camera) return std::nullopt;
   const auto seen = project(*mouth_m, *from.lens, *from.world_from_camera);
   if (!seen) return std::nullopt;
-  // Sizes by the distance ahead; the lens's distortion counts at the mouth alone.
+  // Sizes follow from the distance ahead; lens distortion is applied only to the mouth.
   const double ahead_m = transform_point(inverse(*from.world_from_camera), *mouth_m).x;
   const double width = from.lens->fx_px / ahead_m / from.lens->width_px;
   const double height = from.lens->fy_px / ahead_m / from.lens->height_px;

@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kFormat = "earpoint-session-1";
 
-/// Names appear in file names and tables.
+/// The name of a camera or person, which appears in file names and tables.
 std::string name_of(const JsonField& object, std::set<std::string>& taken) {
   const JsonField field = object.field("name");
   std::string name = field.text();
@@ -48,7 +48,7 @@ SessionCamera camera_of(const JsonField& json, const Session& session,
   return camera;
 }
 
-/// @param microphone  of nobody known, if the session lists them apart
+/// @param microphone  of unknown wearer, if the session lists microphones separately
 SessionPerson person_of(const JsonField& json, const Session& session,
                         const std::optional<fs::path>& microphone, std::set<std::string>& names) {
   json.expect_only({"name", "near", "near_distance_m"});
@@ -93,7 +93,7 @@ void read_clap(const JsonField& root, const CalibrationFrame& frame, Session& se
   if (root.has("clap_position")) session.clap_m = position_of(root.field("clap_position"), frame);
 }
 
-/// The path as the session file writes it.
+/// The path as written in the session file.
 std::string written_path(const fs::path& media, const fs::path& folder) {
   const fs::path relative = fs::absolute(media).lexically_normal().lexically_relative(
       fs::absolute(folder).lexically_normal());

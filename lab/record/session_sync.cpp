@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kMoment_s = 1.0;
 constexpr float kSilence_db = -20.0F;  ///< re a wearer's voice
-constexpr double kSure = 0.8;          ///< of swapped microphones, and of wearers without a warning
+constexpr double kSure = 0.8;          ///< needed to report a swap, and to omit the advice
 
 /// A second of a device's sound.
 float level_db(const DeviceSound& device, const DeviceClock& clock, double time_s) {
@@ -31,7 +31,7 @@ float level_db(const DeviceSound& device, const DeviceClock& clock, double time_
   return static_cast<float>(10.0 * std::log10(sum / static_cast<double>(length)));
 }
 
-/// The moments of a session, and what match_microphones() needs to know of them.
+/// The moments of a session with the input of match_microphones().
 class Moments {
  public:
   Moments(const Session& session, const DeviceSounds& sounds, const SyncResult& sync)
@@ -73,7 +73,7 @@ class Moments {
     DeviceClock clock;
   };
 
-  /// One moment for each camera; where the voice comes from is told by the first alone.
+  /// Adds one moment for each camera; only the first has the direction of the voice.
   void add(double time_s, const std::vector<double>& re_voice_db) {
     const auto speaker = loudest_microphone(re_voice_db, kSilence_db);
     if (!speaker) return;
@@ -131,16 +131,17 @@ class Moments {
       by += ny * along;
     }
     const double determinant = xx * yy - xy * xy;
-    constexpr double kLeast = 0.05;  // lines of sight that are nearly one cross anywhere
+    constexpr double kLeast = 0.05;  // nearly parallel lines of sight have no useful intersection
     if (determinant < kLeast) return std::nullopt;
     return Vector3{(yy * bx - xy * by) / determinant, (xx * by - xy * bx) / determinant, 0.0};
   }
 
-  /// Of everybody, that the voice in a microphone is theirs; empty where it was not located.
+  /// For each person, the log likelihood that the voice in a microphone is theirs; empty if it was
+  /// not located.
   [[nodiscard]] std::vector<double> likelihoods(
       std::size_t microphone, double time_s,
       const std::vector<std::optional<Vector3>>& places) const {
-    constexpr double kDeviation_m = 0.4;  // of bodies' middles from mouths
+    constexpr double kDeviation_m = 0.4;  // between mouths and the middles of bodies
     constexpr double kLeastLog = -8.0;    // a voice may be located wrongly
     const LocatedVoice* voice = nullptr;
     for (const LocatedVoice& located : sync_.voices) {
@@ -179,7 +180,7 @@ std::string note_of(const Session& session, const MicrophoneWearer& wearer) {
   const std::string file = person_called(session, wearer.microphone).near.filename().string();
   if (session.wearers_known) {
     return fmt::format(
-        "near microphones are swapped: the voice in {} comes from where {} is seen, and counts as "
+        "near microphones are swapped: the voice in {} comes from where {} is seen and is taken as "
         "theirs",
         file, wearer.person);
   }
@@ -201,7 +202,7 @@ void find_wearers(const Session& session, const DeviceSounds& sounds, SyncResult
     const bool as_told = found.back().microphone == found.back().person;
     sure = sure && (as_told || map.certainty[m] >= kSure);
   }
-  // What the session says is believed unless boxes clearly say otherwise.
+  // The session's wearers are kept unless boxes clearly contradict.
   if (session.wearers_known && !sure) return;
   for (const MicrophoneWearer& wearer : found) {
     if (session.wearers_known && wearer.microphone == wearer.person) continue;

@@ -24,7 +24,7 @@ Session read_text(const std::string& text) {
   return read_session(path);
 }
 
-/// A session whose JSON has `more` among its fields and `camera` among those of its first camera.
+/// A session's JSON with the fields `more`, and `camera` in its first camera.
 std::string session_with(const std::string& more, const std::string& camera = "") {
   return R"({"format": "earpoint-session-1", )" + more +
          R"("cameras": [{"name": "1", "video": "a.mp4")" + camera +
@@ -32,7 +32,7 @@ std::string session_with(const std::string& more, const std::string& camera = ""
 }
 
 void expect_near(const Vector3& a, const Vector3& b) {
-  // Rotations of a few products of doubles near 1.
+  // Rounding of a few products of doubles near 1.
   EXPECT_LT(norm(a - b), 1e-12) << a.x << " " << a.y << " " << a.z;
 }
 
@@ -101,8 +101,8 @@ TEST(Session, TakesPosesAndLensesFromColmap) {
   fs::create_directories(folder);
   write_file(folder / "cameras.txt",
              std::string_view("# Camera list\n3 RADIAL 640 480 500 320 240 0.1 0.01\n"));
-  // The camera of the test before, in a world whose y axis points down: (x, y, z) is there
-  // (x, -z, y), so that it looks along z with x to the right and y down: no rotation.
+  // The camera of the test before, in a world whose y axis points down: (x, y, z) becomes (x, -z,
+  // y), so that it looks along z with x to the right and y down: no rotation.
   write_file(folder / "images.txt",
              std::string_view("# Image list\n7 1 0 0 0 -1 1.5 -2 3 shots/1.jpg\n\n"));
   const Session session =

@@ -13,12 +13,13 @@ namespace {
 constexpr double kQuiet = 0.10;
 constexpr double kUsualPeak = 0.99;
 constexpr float kKnock_db = 6.0F;
-constexpr float kSpeechBelow_db = 12.0F;  ///< one's voice, of somebody who never stops
-/// A second voice is heard beside the first's crosstalk where a microphone is above half of it.
+constexpr float kSpeechBelow_db = 12.0F;  ///< the own voice, for people who never pause
+/// A second voice is heard if its microphone is less below the first's than this share of the usual
+/// crosstalk, in dB.
 constexpr float kOfCrosstalk = 0.5F;
-constexpr double kUsualCrosstalk = 0.25;  ///< what is more may be a voice
+constexpr double kUsualCrosstalk = 0.25;  ///< quantile; higher levels may be a voice
 constexpr float kLeastSpan_db =
-    6.0F;  ///< between quiet and loud, of a microphone that heard speech
+    6.0F;  ///< between quiet and loud, of a microphone that picked up speech
 
 struct Thresholds {
   float voice_db = 0.0F;
@@ -42,7 +43,7 @@ std::vector<Thresholds> thresholds_of(std::span<const std::vector<NearLevel>> le
   const std::vector<float> voices_db = own_voice_levels(levels_db);
   for (std::size_t m = 0; m < levels.size(); ++m) {
     const float quiet_db = quantile(levels_db[m], kQuiet);
-    // Somebody who never stops has no quiet windows.
+    // People who never pause have no quiet windows.
     const bool pauses = voices_db[m] - quiet_db >= kLeastSpan_db;
     thresholds[m].voice_db = voices_db[m];
     thresholds[m].speech_db =
@@ -55,7 +56,7 @@ float re_voice_db(const NearLevel& window, const Thresholds& thresholds) {
   return window.level_db - thresholds.voice_db;
 }
 
-/// [speaker][other]: how far the other's microphone usually is below the speaker's, each re its own
+/// [speaker][other]: usual level of the other's microphone below the speaker's, each re its own
 /// wearer's voice.
 std::vector<std::vector<float>> crosstalk_db(std::span<const std::vector<NearLevel>> levels,
                                              const std::vector<Thresholds>& thresholds,

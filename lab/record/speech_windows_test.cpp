@@ -5,7 +5,7 @@
 namespace earpoint {
 namespace {
 
-/// A hundred windows of noise at -70 dB with crests of 12 dB.
+/// A hundred windows of noise at -70 dB with a crest factor of 12 dB.
 std::vector<NearLevel> quiet_microphone() {
   std::vector<NearLevel> levels(100);
   for (std::size_t w = 0; w < levels.size(); ++w) {
@@ -45,7 +45,8 @@ TEST(SpeechWindows, TwoVoicesAtOnceOverlap) {
 }
 
 TEST(SpeechWindows, SomebodyElsesMicrophoneHearsTheSpeakerAndNobodyOverlaps) {
-  // The third one never speaks; all hear each other 9 dB below themselves, as in a small room.
+  // The third person never speaks; all microphones pick up others 9 dB below their own wearer, as
+  // in a small room.
   std::vector<std::vector<NearLevel>> levels{quiet_microphone(), quiet_microphone(),
                                              quiet_microphone()};
   for (int speaker = 0; speaker < 2; ++speaker) {

@@ -21,11 +21,11 @@ namespace {
 constexpr double kClapSearch_s = 60.0;  ///< a clapper is used at the beginning
 constexpr double kClapAround_s = 0.06;
 constexpr double kClapRise_db = 15.0;
-constexpr int kLeastCameras = 3;  ///< that a place is found by
-constexpr int kLeastEars = 4;     ///< of an event, so that its place tells something
+constexpr int kLeastCameras = 3;  ///< needed to locate a place
+constexpr int kLeastEars = 4;     ///< needed of an event, so that its place constrains the clocks
 
-/// Clocks are wrong by less than `search_s` and, once they were fitted, by about `error_s`. Drift
-/// that is not known yet adds up: long sessions are begun with their first minutes.
+/// Clocks are wrong by less than `search_s`, and after the fit by about `error_s`. Unknown drift
+/// adds up, so that long sessions begin with their first minutes.
 struct Pass {
   double search_s;
   double error_s;
@@ -42,7 +42,7 @@ constexpr std::array<Pass, 5> kPasses{{{0.06, 0.06, 300, 0.0, kFirstMinutes_s},
                                        {0.016, 1.5e-3, 600, 0.0, kEver_s},
                                        {0.016, 0.5e-3, 600, 0.0, kEver_s}}};
 
-/// The point nearest to where all cameras look.
+/// The point nearest to the lines of sight of all cameras.
 Vector3 centre_of_attention(const std::vector<DeviceSound>& devices) {
   Vector3 middle{};
   int cameras = 0;
@@ -52,7 +52,7 @@ Vector3 centre_of_attention(const std::vector<DeviceSound>& devices) {
     ++cameras;
   }
   middle = middle / std::max(cameras, 1);
-  // Steps to the mean of the nearest points of all lines of sight converge on it.
+  // Repeated steps to the mean of the nearest points on all lines of sight converge to it.
   Vector3 centre = middle;
   constexpr int kSteps = 50;
   for (int step = 0; step < kSteps; ++step) {
@@ -128,7 +128,7 @@ class Synchronizer {
     }
   }
 
-  /// The clap in the reference, and in the others where it must be by their onsets.
+  /// Finds the clap in the reference, and in the others at the time that their onsets give.
   void match_claps() {
     const double about_s = options_.clap_s.value_or(0.5 * kClapSearch_s);
     const double around_s = options_.clap_s ? 1.0 : 0.5 * kClapSearch_s;
@@ -149,8 +149,8 @@ class Synchronizer {
     if (options_.clap_m && matched_.front().world_from_head) start_from_clap(*options_.clap_m);
   }
 
-  /// Where the clapper's place is known, clocks begin by when it was heard, less its way; near
-  /// microphones are taken to be as far from it as people sit.
+  /// If the clapper's position is known, clocks start from the time of the clap less its travel
+  /// time. Near microphones are assumed at the usual distance of people.
   void start_from_clap(const Vector3& clap_m) {
     constexpr double kToMicrophone_m = 1.5;
     if (!result_.devices.front().clap_s) return;
@@ -171,7 +171,7 @@ class Synchronizer {
     }
   }
 
-  /// The time at which a camera's ears heard the clap, less the way, where that can be told.
+  /// Finds when a camera's ears heard the clap, less the travel time, if its position is known.
   void find_direct_clap(std::size_t d, const Vector3& clap_m) {
     SyncedDevice& device = result_.devices[d];
     const DeviceSound& camera = matched_[d];
@@ -194,7 +194,7 @@ class Synchronizer {
     if (cameras < kLeastCameras) {
       result_.notes.push_back(
           fmt::format("{} cameras are calibrated: at least {} are needed to correct for the travel "
-                      "sound travels",
+                      "time of sound",
                       cameras, kLeastCameras));
       return;
     }
@@ -237,8 +237,8 @@ class Synchronizer {
     store(usable, events, found);
   }
 
-  /// Onsets were matched as if sound took no time; most of it came from around there. Clocks that
-  /// begin by the clap have their ways removed.
+  /// Onsets were matched without travel time; most sound came from around the centre. Clocks from
+  /// the clap already have their travel time removed.
   void remove_ways_from(const Vector3& centre_m, std::vector<FitDevice>& devices) const {
     const auto way_s = [&](const FitDevice& device) {
       return device.world_from_head
@@ -293,7 +293,7 @@ class Synchronizer {
   ProgressSink& progress_;
   std::vector<DeviceSound> matched_;
   std::vector<ClapTime> claps_;    ///< by index in matched_
-  std::set<std::string> by_clap_;  ///< devices whose clocks begin by the clap
+  std::set<std::string> by_clap_;  ///< devices whose clocks start from the clap
   SyncResult result_;
 };
 

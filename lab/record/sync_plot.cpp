@@ -36,7 +36,7 @@ class SyncPlot {
 
   Image draw() {
     draw_text(image_, {10.0, 24.0},
-              fmt::format("Clocks against camera {}: what is left of times of arrival, +-{:.1f} ms",
+              fmt::format("Clocks against camera {}: residuals of arrival times, +-{:.1f} ms",
                           result_.devices.front().clock.name, kSpanMs),
               {.size = 16.0, .is_bold = true});
     for (std::size_t d = 0; d < result_.devices.size(); ++d) strip(d);

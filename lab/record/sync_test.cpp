@@ -20,17 +20,16 @@ SyncErrors errors_of(const TestSessionOptions& options) {
 
 TEST(Sync, FindsClocksOfPeopleWhoWalkToHalfAMillisecond) {
   const SyncErrors errors = errors_of({.cameras = 4, .people = 2, .duration_s = 40.0});
-  // What is asked for at 10 dB SNR.
+  // The requirement at 10 dB SNR.
   EXPECT_LE(errors.offset_error_ms_p95, 0.5);
-  // One part in a million is asked for over 5 minutes; the same error of times makes 7.5 times as
-  // much over 40 s.
+  // The requirement is 1 ppm over 5 minutes; over 40 s the same error of times gives 7.5 ppm.
   EXPECT_LE(errors.drift_error_ppm_p95, 7.5);
 }
 
 TEST(Sync, FindsDriftToAPartInAMillionOverFiveMinutes) {
   // Four cameras: eight ears, three coordinates.
   const SyncErrors errors = errors_of({.cameras = 4, .people = 3, .duration_s = 300.0, .seed = 11});
-  // Both are what is asked for at 10 dB SNR.
+  // Both are the requirements at 10 dB SNR.
   EXPECT_LE(errors.offset_error_ms_p95, 0.5);
   EXPECT_LE(errors.drift_error_ppm_p95, 1.0);
 }
@@ -38,7 +37,7 @@ TEST(Sync, FindsDriftToAPartInAMillionOverFiveMinutes) {
 TEST(Sync, TellsWhenEachCameraHeardAClapOfAKnownPlaceDirectly) {
   const TestSession made = make_test_session({.cameras = 4, .people = 2, .duration_s = 40.0});
   SilentProgress silent;
-  // The session says when about it is on the first camera's clock.
+  // The session states the approximate time on the first camera's clock.
   const double about_s = device_time_s(made.truth.cameras.front(), kTestClap_s);
   const SyncResult result =
       synchronize(made.sounds, {.clap_s = about_s, .clap_m = kTestClapPlace_m}, silent);
@@ -53,8 +52,8 @@ TEST(Sync, TellsWhenEachCameraHeardAClapOfAKnownPlaceDirectly) {
     ASSERT_NE(truth, made.truth.cameras.end());
     const double way_m = norm(camera->world_from_camera->position_m - kTestClapPlace_m);
     const double wanted_s = device_time_s(*truth, kTestClap_s + way_m / 343.0);
-    // The ways round the head to both ears are 0.1 ms longer on average, and a sample is 0.06 ms;
-    // an onset alone can be 10 ms off.
+    // The paths around the head to both ears are 0.1 ms longer on average, and a sample is 0.06 ms.
+    // An onset alone may be 10 ms off.
     EXPECT_NEAR(*device.clap_s, wanted_s, 0.2e-3) << device.clock.name;
     ++told;
   }

@@ -17,12 +17,12 @@ namespace {
 constexpr double kMargin_m = 0.8;  ///< of the grid around the cameras
 constexpr double kStep_m = 0.1;
 constexpr double kMostPoints = 6000.0;
-constexpr double kInteraural_s = 80e-6;      ///< how well a time between ears fits
-constexpr double kLeastInteraural_s = 1e-3;  ///< no head is larger
-constexpr double kTogether_s = 1.5;          ///< a voice hardly moves for so long
+constexpr double kInteraural_s = 80e-6;      ///< tolerance of interaural delays
+constexpr double kLeastInteraural_s = 1e-3;  ///< more than any head has
+constexpr double kTogether_s = 1.5;          ///< a voice hardly moves in this time
 constexpr double kPerMillion = 1e-6;
 
-/// How tolerant a round is, of times for places and of times and drifts for clocks.
+/// Tolerances of a round: of times for places, and of times and drifts for clocks.
 struct Round {
   double place_s;
   double clock_s;
@@ -37,13 +37,13 @@ constexpr std::array<Round, 6> kRounds{{{4e-3, 4e-3, 30e-3, 20.0},
                                         {0.6e-3, 0.8e-3, 10e-3, 6.0},
                                         {0.4e-3, 0.6e-3, 10e-3, 6.0}}};
 
-/// 1 at 0, 0 from 1 on, without a corner.
+/// 1 at 0, 0 from 1 on, smooth.
 double bump(double x) {
   const double rest = std::max(0.0, 1.0 - x * x);
   return rest * rest;
 }
 
-/// A sum of bumps over times, of which the highest counts, read where a place needs it.
+/// A score over time: the highest of the bumps that were added around arrivals.
 class TimeScore {
  public:
   TimeScore(double first_s, double last_s, double deviation_s)
@@ -75,14 +75,14 @@ class TimeScore {
   std::vector<float> score_;
 };
 
-/// One time of arrival against a pair of clocks.
+/// One time of arrival, compared with a pair of clocks.
 struct Arrival {
   double since_s = 0.0;  ///< of session time, from the middle
-  double late_s = 0.0;   ///< than both clocks and the place have it
+  double late_s = 0.0;   ///< than both clocks and the place predict
   double height = 0.0;
 };
 
-/// A pair's clocks against each other: late = offset + slope since.
+/// Error of one clock of a pair against the other: late = offset + slope since.
 struct Line {
   double offset_s = 0.0;
   double slope = 0.0;
@@ -90,8 +90,8 @@ struct Line {
 };
 
 /// The line that most arrivals support. In a short session nearly all slopes have the same support:
-/// the one that makes for the least drift then counts.
-/// @param drift  of these clocks against each other so far; the slope is taken off it
+/// then the one with the least total drift is taken.
+/// @param drift  of these clocks against each other so far; the slope is subtracted from it
 Line best_line(std::span<const Arrival> arrivals, const Round& round, double drift) {
   constexpr double kUsualDrift = 150e-6;
   constexpr int kSlopes = 38;  // to either side
@@ -145,7 +145,7 @@ class Alignment {
   }
 
   VoiceAlignment run(double error_s) {
-    // Places are the centre to begin with, the grid's first point.
+    // All places start at the centre, the grid's first point.
     if (error_s > kFirst.clock_s) move_clocks(kFirst);
     for (const Round& round : kRounds) {
       if (round.place_s > error_s) continue;
@@ -182,24 +182,24 @@ class Alignment {
     return session_time_s(clocks_[event.anchor], event.anchor_s);
   }
 
-  /// From the mouth to where the moment is known.
+  /// Travel time from the mouth to the anchor, at which the time of the event is known.
   [[nodiscard]] double anchor_way_s(const SoundEvent& event, std::size_t point) const {
     if (event.anchor_ear) return ways_[event.anchor][*event.anchor_ear][point];
     return devices_[event.anchor].near_distance_m / kSoundMetresPerSecond;
   }
 
-  /// Session time over the device's own.
+  /// Rate of session time against device time.
   [[nodiscard]] double rate_of(std::size_t device) const {
     return 1.0 / (1.0 + kPerMillion * clocks_[device].drift_ppm);
   }
 
-  /// How much later than the anchor the ear may have heard the sound.
+  /// How much later than the anchor the ear heard the sound, if this time is right.
   [[nodiscard]] double lateness_s(const SoundEvent& event, const HeardEvent& heard,
                                   const HeardTime& time) const {
     return session_time_s(clocks_[heard.device], time.device_s) - moment_s(event);
   }
 
-  /// How well each point of the grid agrees with what was heard of an event.
+  /// Agreement of each point of the grid with the arrivals of an event.
   [[nodiscard]] std::vector<float> map_of(const SoundEvent& event, double deviation_s) const {
     std::vector<float> map(grid_.size());
     std::vector<double> anchor_s(grid_.size());
@@ -225,7 +225,8 @@ class Alignment {
     return map;
   }
 
-  /// Doubles what agrees with the time between a camera's ears, which no clock changes.
+  /// Doubles points that agree with the interaural delay of a camera, which does not depend on
+  /// clocks.
   void weigh_by_interaural_times(std::span<const HeardEvent> ears, std::vector<float>& map) const {
     TimeScore score(-kLeastInteraural_s, kLeastInteraural_s, kInteraural_s);
     for (const HeardTime& left : ears[0].times) {
@@ -239,7 +240,8 @@ class Alignment {
     for (std::size_t g = 0; g < map.size(); ++g) map[g] *= 1.0F + score.at(left[g] - right[g]);
   }
 
-  /// Takes for each event the point that it and the same voice's events around it agree in.
+  /// Takes for each event the point on which it and neighbouring events of the same voice agree
+  /// best.
   void find_places(double deviation_s) {
     std::vector<std::vector<float>> maps;
     maps.reserve(events_.size());
@@ -257,7 +259,7 @@ class Alignment {
     }
   }
 
-  /// Moves clocks such that pairs of them agree with the lines that most arrivals support.
+  /// Moves clocks so that pairs of them agree with the lines that most arrivals support.
   void move_clocks(const Round& round) {
     std::map<std::pair<std::size_t, std::size_t>, std::vector<Arrival>> arrivals;
     for (std::size_t e = 0; e < events_.size(); ++e) {
@@ -282,13 +284,13 @@ class Alignment {
     for (std::size_t d = 0; d < devices_.size(); ++d) move_clock(d, offsets_s[d], slopes[d]);
   }
 
-  /// The value of each device, 0 of the first, such that the differences of pairs are as their
-  /// lines have them; pairs that contradict most others count little.
+  /// A value for each device, 0 for the first, so that differences of pairs match their lines.
+  /// Pairs that contradict most others have little weight.
   [[nodiscard]] std::vector<double> agreed(
       const std::map<std::pair<std::size_t, std::size_t>, Line>& lines, double Line::*value,
       double scale) const {
     constexpr int kSteps = 20;
-    constexpr double kSmallest = 1e-2;  // of the scale: below, all count alike
+    constexpr double kSmallest = 1e-2;  // of the scale: below it all weights are equal
     std::vector<double> values(devices_.size());
     for (int step = 0; step < kSteps; ++step) {
       NormalEquations equations(devices_.size());
@@ -313,7 +315,7 @@ class Alignment {
     return values;
   }
 
-  /// Lets a device have everything earlier by offset + slope (session time - middle).
+  /// Moves a device's times earlier by offset + slope (session time - middle).
   void move_clock(std::size_t device, double offset_s, double slope) {
     DeviceClock& clock = clocks_[device];
     const double rate = (1.0 - slope) * rate_of(device);

@@ -13,12 +13,12 @@ namespace earpoint {
 namespace {
 
 constexpr double kNear_m = 0.15;
-constexpr double kWall_m = 2.8;  ///< of the walls from the middle
+constexpr double kWall_m = 2.8;  ///< from the middle to the walls
 
-/// Four cameras around three people with microphones, who talk in turns and sit still, and what is
-/// heard of them: the direct sound, a reflection, and times of nothing.
+/// Four cameras around three people with microphones, who sit still and talk in turns. Arrivals are
+/// the direct sound, a reflection and false times.
 struct Heard {
-  std::vector<FitDevice> devices;  ///< clocks to begin with
+  std::vector<FitDevice> devices;  ///< initial clocks
   std::vector<DeviceClock> truth;
   std::vector<SoundEvent> events;
   std::vector<Vector3> mouths;  ///< by event
@@ -28,7 +28,7 @@ struct Options {
   double duration_s = 300.0;
   double drift_ppm = 50.0;
   double start_error_s = 10e-3;
-  bool one_hides = false;  ///< the first camera has only the reflection of the first person
+  bool one_hides = false;  ///< the first camera gets only the reflection of the first person
 };
 
 constexpr std::size_t kCameras = 4;
@@ -47,8 +47,8 @@ Heard hear(const Options& options) {
                      .world_from_head = {},
                      .near_distance_m = kNear_m,
                      .middle_s = 0.5 * options.duration_s};
-    device.clock.drift_ppm = 0.0;  // what onsets tell of a short or a noisy session
-    // What is known is the offset at the beginning.
+    device.clock.drift_ppm = 0.0;  // as onsets give it for a short or noisy session
+    // The offset at the beginning is known to within an error.
     if (d > 0) device.clock.offset_s += options.start_error_s * random.uniform(-1.0, 1.0);
     if (d < kCameras) {
       const double angle = std::numbers::pi * (0.5 * static_cast<double>(d) + 0.2);
@@ -61,7 +61,7 @@ Heard hear(const Options& options) {
   for (double time_s = 1.0; time_s < options.duration_s - 1.0; time_s += 0.5) {
     const auto person = static_cast<std::size_t>(time_s / kTurn_s) % kSeats.size();
     const Vector3 mouth = kSeats[person];
-    // Of each person another wall reflects most.
+    // Each person has the strongest reflection at another wall.
     const std::array<Vector3, kSeats.size()> mirrors{
         {{2.0 * kWall_m - mouth.x, mouth.y, mouth.z},
          {mouth.x, 2.0 * kWall_m - mouth.y, mouth.z},
@@ -103,10 +103,10 @@ void expect_clocks(const std::vector<DeviceClock>& found, const Heard& heard, do
 }
 
 TEST(VoiceAlignment, FindsClocksWhoseDriftOutrunsTheBeginning) {
-  // 50 ppm are 15 ms after 5 minutes: more than voices' ways differ.
+  // 50 ppm are 15 ms after 5 minutes: more than the travel times of voices differ.
   const Heard heard = hear({});
   const VoiceAlignment found = align_voices(heard.devices, heard.events, {0, 0, 1.5}, 0.06);
-  // Places are found on a grid of 0.1 m, or 0.3 ms; the last round has a width of 0.6 ms.
+  // Places are on a grid of 0.1 m, or 0.3 ms; the last round has a width of 0.6 ms.
   expect_clocks(found.clocks, heard, 0.6e-3, 4.0);
   for (std::size_t e = 0; e < heard.events.size(); ++e) {
     const Vector3 off = found.places[e] - heard.mouths[e];
@@ -132,8 +132,8 @@ TEST(ClockFit, GivesAClapOneTimeAtAllCameras) {
   };
   EXPECT_GT(spread_s([&](std::size_t d) { return heard.devices[d].clock; }), 1e-3);
   const ClockFit found = fit_clocks(heard.devices, {}, claps, {}, {0, 0, 1.5});
-  // The prior of 10 ms against 0.05 ms of a clap leaves a ten-thousandth of errors of 10 ms; where
-  // a clap is off by more than Cauchy's width, it weighs a hundredth of that.
+  // The prior of 10 ms against 0.05 ms of a clap leaves a ten-thousandth of errors of 10 ms. A clap
+  // that is off by more than the Cauchy width has a hundredth of the weight.
   EXPECT_LT(spread_s([&](std::size_t d) { return found.clocks[d]; }), 100e-6);
 }
 
@@ -143,8 +143,8 @@ TEST(ClockFit, FindsDriftToAFractionOfAPartInAMillion) {
   std::vector<FitDevice> devices = heard.devices;
   for (std::size_t d = 0; d < devices.size(); ++d) devices[d].clock = about.clocks[d];
   const ClockFit found = fit_clocks(devices, heard.events, {}, about.places, {0, 0, 1.5});
-  // Some hundred times with 20 us of noise each tell a line to 0.02 ms and 0.02 ppm; heights of
-  // mouths, which nothing tells, move it by centimetres of way.
+  // Some hundred times with 20 us of noise each fix a line to 0.02 ms and 0.02 ppm. The unknown
+  // heights of mouths shift it by centimetres of distance.
   expect_clocks(found.clocks, heard, 0.15e-3, 0.2);
 }
 
@@ -154,7 +154,7 @@ TEST(ClockFit, IsNotMisledByACameraThatHearsSomeoneByAReflection) {
   std::vector<FitDevice> devices = heard.devices;
   for (std::size_t d = 0; d < devices.size(); ++d) devices[d].clock = about.clocks[d];
   const ClockFit found = fit_clocks(devices, heard.events, {}, about.places, {0, 0, 1.5});
-  // The reflection is 8 ms late: a line through it would be some 80 ppm off.
+  // The reflection is 8 ms late: a line through it would be off by some 80 ppm.
   expect_clocks(found.clocks, heard, 0.3e-3, 10.0);
 }
 

@@ -14,9 +14,9 @@ namespace {
 
 constexpr double kLevelHop_s = 0.1;
 constexpr float kNothing_db = -120.0F;
-constexpr float kBelowVoice_db = 20.0F;  ///< speech within this of its usual level counts
+constexpr float kBelowVoice_db = 20.0F;  ///< speech counts down to this below its usual level
 constexpr float kAloneBy_db = 5.0F;      ///< over every other voice, each re its own
-constexpr double kSame_s = 0.4e-3;       ///< peaks this close are one
+constexpr double kSame_s = 0.4e-3;       ///< peaks this close count as one
 
 std::vector<float> levels_of(const Waveform& sound) {
   const auto hop = static_cast<std::ptrdiff_t>(kLevelHop_s * sound.sample_rate_hz());
@@ -47,12 +47,12 @@ std::span<const float> samples_at(const Waveform& sound, int channel, std::ptrdi
   return sound.channel(channel).subspan(first, count);
 }
 
-/// How much later than expected a time is.
+/// How much later a time is than expected.
 double lag_s(const HeardEvent& heard, const HeardTime& time) {
   return time.device_s - heard.expected_s;
 }
 
-/// The height of the peak that both agree in; 0 if there is none.
+/// Height of the peak on which both agree; 0 if there is none.
 double agreement(const HeardEvent& heard, const HeardTime& time, const HeardEvent& other) {
   double highest = 0.0;
   for (const HeardTime& theirs : other.times) {
@@ -62,8 +62,8 @@ double agreement(const HeardEvent& heard, const HeardTime& time, const HeardEven
   return highest;
 }
 
-/// Leaves out peaks beside a higher one: they belong to it, and the support of its neighbours would
-/// pass to them.
+/// Removes peaks beside a higher one. They belong to it and would otherwise get the support of its
+/// neighbours.
 void drop_side_peaks(std::vector<SoundEvent>& events) {
   for (SoundEvent& event : events) {
     for (HeardEvent& heard : event.heard) {
@@ -77,8 +77,8 @@ void drop_side_peaks(std::vector<SoundEvent>& events) {
   }
 }
 
-/// Weighs peaks by how often they come in the same ear within a second or two, for a voice stays
-/// where it is and noise does not; of those that do, the first is taken for the direct sound.
+/// Weights peaks by how often they recur in the same ear within a second or two, as voices do and
+/// noise does not. The first of those that recur is taken as the direct sound.
 void weigh_by_neighbours(std::vector<SoundEvent>& events) {
   constexpr double kAround_s = 1.5;
   constexpr double kStrong = 0.5;

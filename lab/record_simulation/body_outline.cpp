@@ -28,7 +28,7 @@ struct Extent {
 std::vector<Corners> projected(const Scene& scene, std::uint32_t instance, const Camera& camera) {
   std::vector<Corners> triangles;
   const Mesh& mesh = scene.mesh;
-  // People were added last: their triangles are at the end.
+  // People were added last, so that their triangles are at the end.
   for (std::size_t i = mesh.triangles.size(); i-- > 0;) {
     if (mesh.triangle_instance[i] < instance) break;
     if (mesh.triangle_instance[i] != instance) continue;

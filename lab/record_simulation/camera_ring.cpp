@@ -14,10 +14,10 @@ constexpr double kFarthest_m = 3.2;
 constexpr double kStep_m = 0.1;
 constexpr double kHeight_m = 1.5;
 constexpr double kLookAt_m = 1.25;
-// Of the angle between two cameras.
+// Random share of the angle between two cameras.
 constexpr double kLooseness = 0.25;
 
-/// @return where on the way out a camera can stand, as far as can be
+/// @return the farthest place in this direction at which a camera can stand
 std::optional<FloorPoint> farthest_place(const PreparedScene& scene, const FloorPoint& centre,
                                          double angle_rad) {
   for (double radius_m = kFarthest_m; radius_m >= kNearest_m; radius_m -= kStep_m) {

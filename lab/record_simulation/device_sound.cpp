@@ -14,8 +14,8 @@
 namespace earpoint {
 namespace {
 
-// Levels as a sound engineer would set them, so that neither the clap nor somebody near clips:
-// speech at 1 m is at -26 dB before the gain, 16 dB more at a near microphone.
+// Gains with headroom, so that neither the clap nor a nearby speaker clips: speech at 1 m is at -26
+// dB before the gain, 16 dB more at a near microphone.
 constexpr float kCameraGain = 0.35F;
 constexpr float kMicrophoneGain = 0.1F;
 
@@ -61,7 +61,7 @@ class SincReader {
     const auto blend = static_cast<float>(phase - static_cast<double>(row));
     const float* const near = &kernel_[row * 2 * kReach];
     const float* const next = near + 2 * kReach;
-    // Lanes of their own, whose order of addition no compiler changes.
+    // Separate sums, whose order of addition no compiler changes.
     constexpr int kLanes = 8;
     static_assert(2 * kReach % kLanes == 0);
     std::array<float, kLanes> sums{};

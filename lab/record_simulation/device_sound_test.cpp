@@ -30,7 +30,7 @@ TEST(DeviceClock, AToneIsHeardOnTheDevicesOwnTime) {
               static_cast<std::ptrdiff_t>((0.9 - 0.1234567) * (1.0 + 80e-6) * kRate_hz));
     for (std::ptrdiff_t i = 0; i < recorded.samples(); ++i) {
       const double time_s = 0.1234567 + static_cast<double>(i) / kRate_hz / (1.0 + 80e-6);
-      // -90 dB of interpolation; at 15 kHz the pass band's ripple of 0.01 dB.
+      // Interpolation error of -90 dB, and at 15 kHz the pass band's ripple of 0.01 dB.
       EXPECT_NEAR(recorded.channel(0)[i], tone(frequency_hz, time_s), 1.2e-3) << i;
     }
   }
@@ -69,7 +69,7 @@ TEST(DiffuseNoise, IsCoherentBetweenTheEarsAtLowFrequenciesOnly) {
   RandomStream random(3);
   const Waveform noise = DiffuseNoise(HrtfSet::load(48000)).make(48000 * 6, random);
   // A diffuse field 0.15 to 0.2 m apart: sin(x)/x of 0.9 and more below 200 Hz; by 2 kHz several
-  // zeros have passed. 280 averages have a floor of 0.06.
+  // zeros have passed. 280 averages of noise alone give 0.06.
   EXPECT_GT(coherence(noise, 90.0, 200.0), 0.85);
   EXPECT_LT(coherence(noise, 2000.0, 8000.0), 0.25);
 }
@@ -80,7 +80,7 @@ TEST(DiffuseNoise, HasAMeanSquareOfOne) {
                                 DiffuseNoise(HrtfSet::load(48000)).make(48000 * 8, random)}) {
     double sum = 0.0;
     for (const float sample : noise.planar()) sum += static_cast<double>(sample) * sample;
-    // Pink noise from 60 Hz on: its slowest band holds some 500 independent values in 8 s, and a
+    // Pink noise from 60 Hz on: its lowest band has some 500 independent values in 8 s, and a
     // fraction of the power.
     EXPECT_NEAR(sum / static_cast<double>(noise.planar().size()), 1.0, 0.08);
   }

@@ -31,7 +31,7 @@ double pink(double frequency_hz) {
 
 double bin_hz(int bin, int rate_hz) { return static_cast<double>(bin) * rate_hz / kTaps; }
 
-/// The filter of that spectrum, its time 0 in the middle, under a window.
+/// The windowed filter of that spectrum, with time 0 in the middle.
 std::vector<float> filter_of(const Spectrum& spectrum) {
   RealFft<float> fft(kTaps);
   std::vector<float> taps(kTaps);
@@ -43,7 +43,7 @@ std::vector<float> filter_of(const Spectrum& spectrum) {
   return taps;
 }
 
-/// What the ears pick up in a field that comes from all directions alike.
+/// Spectra at the ears in a diffuse field.
 struct FieldAtEars {
   std::array<std::vector<double>, 2> powers;     // [ear][bin]
   std::vector<std::complex<double>> left_right;  // [bin]: mean of left times conj(right)
@@ -108,7 +108,7 @@ DiffuseNoise::DiffuseNoise(int sample_rate_hz) : sample_rate_hz_(sample_rate_hz)
 
 DiffuseNoise::DiffuseNoise(const HrtfSet& ears) : sample_rate_hz_(ears.sample_rate_hz()) {
   const FieldAtEars field = field_at(ears);
-  // The left ear's noise; what of the right ear's is coherent with it; and the rest.
+  // The left ear's noise, the coherent part of the right ear's, and the rest of it.
   Spectrum left(kBins);
   Spectrum shared(kBins);
   Spectrum own(kBins);

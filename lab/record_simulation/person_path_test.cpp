@@ -34,11 +34,12 @@ TEST(PersonPath, WalksWithoutAJumpOfPlaceOrSpeed) {
     const Stance now = path.at(time_s);
     const Stance next = path.at(time_s + kStep_s);
     const double speed = distance_m(now.at, next.at) / kStep_s;
-    // 0.8 m/s on average is 1.875 times that in the middle of a minimum-jerk course.
+    // A minimum-jerk path of 0.8 m/s on average has 1.875 times that in its middle.
     EXPECT_LE(speed, 0.8 * 1.875 + 0.01);
-    // Such a course accelerates with 5.8 distance / duration^2 at most: 2.3 m/s2 for these walks.
+    // Such a path has an acceleration of 5.8 distance / duration^2 at most: 2.3 m/s2 for these
+    // walks.
     EXPECT_LE(std::abs(speed - speed_before), 3.0 * kStep_s) << time_s;
-    // The whole turn at most in 0.6 s.
+    // At most half a turn in 0.6 s, on the same course.
     EXPECT_LE(std::abs(wrap_angle(next.yaw_rad - now.yaw_rad)), 1.875 * kPi / 0.6 * kStep_s);
     speed_before = speed;
   }
@@ -95,7 +96,7 @@ TEST(TurnPieces, AddUpToTheSpeechAndMoveOnlyWhereSomebodyMoves) {
       sum[static_cast<std::size_t>(first) + i] += pieces[p].speech[i];
     }
     if (pieces[p].moves) continue;
-    // A still piece reaches no motion.
+    // A still piece overlaps no motion.
     const Span span{pieces[p].begin_s,
                     pieces[p].begin_s + static_cast<double>(pieces[p].speech.size()) / 16000};
     for (const Span& move : moves) {
@@ -103,7 +104,7 @@ TEST(TurnPieces, AddUpToTheSpeechAndMoveOnlyWhereSomebodyMoves) {
     }
   }
   for (std::ptrdiff_t i = 0; i < speech.samples(); ++i) {
-    // Two float products.
+    // Rounding of two float products.
     EXPECT_NEAR(sum[static_cast<std::size_t>(i)], speech.channel(0)[i], 2e-7);
   }
 }

@@ -17,8 +17,8 @@ namespace {
 
 constexpr int kTile = 8;  // regions begin at multiples: see SceneDrawer::draw_region
 
-/// How people stir where they stand: now and then they shift their weight, and while they speak
-/// they swing.
+/// Small movements of standing people: from time to time they shift their weight, and they sway
+/// while they speak.
 class Stirring {
  public:
   explicit Stirring(const SessionPlan& plan) : speech_(plan.people.size()) {
@@ -49,7 +49,7 @@ class Stirring {
   }
 
  private:
-  /// How a person stands between two shifts, from where the path says.
+  /// A person's stance between two shifts, relative to the path.
   static Stance rest(int person, std::int64_t number) {
     constexpr double kYaw_rad = radians_from_degrees(2.0);
     constexpr double kStep_m = 0.01;
@@ -59,7 +59,7 @@ class Stirring {
     return {{x_m, y_m}, random.uniform(-kYaw_rad, kYaw_rad)};
   }
 
-  /// From 0 to 1, up and down within 0.3 s around speech.
+  /// 1 during speech, with fades of 0.3 s around it; else 0.
   [[nodiscard]] double speaking(int person, double time_s) const {
     constexpr double kFade_s = 0.3;
     double most = 0.0;
@@ -97,7 +97,7 @@ PixelRegion region_of(const BodyOutline& outline, const Camera& camera) {
   return region;
 }
 
-/// Regions that do not overlap: those that do are joined.
+/// The regions, with overlapping ones joined.
 std::vector<PixelRegion> apart(const std::vector<PixelRegion>& regions) {
   std::vector<PixelRegion> result;
   for (PixelRegion region : regions) {
@@ -106,7 +106,7 @@ std::vector<PixelRegion> apart(const std::vector<PixelRegion>& regions) {
         ++i;
         continue;
       }
-      // What is larger may reach those that were looked at before.
+      // The joined region may overlap earlier ones.
       region = joined(result[i], region);
       result.erase(result.begin() + static_cast<std::ptrdiff_t>(i));
       i = 0;
@@ -116,8 +116,8 @@ std::vector<PixelRegion> apart(const std::vector<PixelRegion>& regions) {
   return result;
 }
 
-/// How much of a pixel is the region's, in eighths: at the edges inside of the picture it fades
-/// into the picture of the empty room, where the light of a shadow may not yet have ended.
+/// Share of the region in a pixel, in eighths. At edges inside the picture the region fades into
+/// the picture of the empty room, as a shadow may extend beyond it.
 int share_of_region(const PixelRegion& region, int x, int y, const Camera& camera) {
   int share = kTile;
   if (region.x > 0) share = std::min(share, x + 1);
@@ -139,7 +139,7 @@ struct FilmCamera {
   std::vector<PixelRegion> regions;  ///< by person, where they are in it; empty where they are not
 };
 
-/// People where they stand at a moment.
+/// The people at their places at one moment.
 struct Moment {
   int number = 0;
   std::vector<Stance> stances;
@@ -174,7 +174,7 @@ class Film {
 
   [[nodiscard]] int moments() const { return moments_; }
 
-  /// The pictures of all cameras that run at a moment.
+  /// The pictures of all cameras that are running at a moment.
   std::vector<SessionFrame> take(int number) {
     const Moment moment = moment_of(number);
     std::vector<std::size_t> running;

@@ -27,14 +27,14 @@ TEST(BodyOutline, IsWhatThePictureShowsWhereNothingHidesIt) {
     ASSERT_TRUE(outline);
     const auto visible = visible_box(view, static_cast<int>(person.instance), 1);
     ASSERT_TRUE(visible);
-    // A pixel's middle may miss what reaches up to a pixel further.
+    // The picture has only the middles of pixels: an edge may be up to a pixel further out.
     EXPECT_NEAR(visible->x_min, outline->box.x_min, 1.01 / 160);
     EXPECT_NEAR(visible->x_max, outline->box.x_max, 1.01 / 160);
     EXPECT_NEAR(visible->y_min, outline->box.y_min, 1.01 / 120);
     EXPECT_NEAR(visible->y_max, outline->box.y_max, 1.01 / 120);
     const auto pixels = std::count(view.instance.pixels().begin(), view.instance.pixels().end(),
                                    static_cast<std::int32_t>(person.instance));
-    // Middles that lie on an edge.
+    // Middles on an edge may count either way.
     EXPECT_NEAR(static_cast<double>(pixels), outline->area, 0.01 * outline->area);
   }
 }
@@ -83,13 +83,13 @@ TEST(SessionPictures, ChangeWhereSomebodyWalksAndStayWhereNobodyIs) {
     for (const PersonBox& box : frame.boxes) EXPECT_GT(box.visible, 0.95);
   }
   EXPECT_EQ(last->frame, 4);
-  // From the camera at (1, 2.5), that looks along x, the first person is on the right and walks
-  // away from it.
+  // Seen from the camera at (1, 2.5), which looks along x, the first person is on the right and
+  // walks away.
   const Box& before = first->boxes[0].box;
   const Box& after = last->boxes[0].box;
   EXPECT_GT(before.x_min, first->boxes[1].box.x_max);
   EXPECT_LT(after.y_max - after.y_min, before.y_max - before.y_min);
-  // Where a person was and is: the picture changed. Outside of every region it is the same.
+  // The picture changed where a person was and is. Outside of every region it is the same.
   const auto change = [&](double x, double y) {
     const int column = static_cast<int>(x * 96);
     const int row = static_cast<int>(y * 64);

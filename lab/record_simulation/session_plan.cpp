@@ -16,7 +16,7 @@ namespace {
 constexpr double kPersonClearance_m = 0.32;
 constexpr double kBetweenPeople_m = 0.8;
 constexpr double kFromCameras_m = 0.75;
-// The part of the ring, from its middle to its nearest camera, that people use.
+// Share of the distance from the ring's middle to its nearest camera that people use.
 constexpr double kStageShare = 0.75;
 constexpr double kShortestWalk_m = 0.8;
 constexpr double kGaze_rad = radians_from_degrees(20.0);
@@ -80,7 +80,7 @@ class SessionPlanner {
     }
   }
 
-  // Another one than those that are there, where there are enough.
+  // A figure that is not used yet, if there are enough.
   const FigureModel& draw_figure(Gender gender, Posture posture, std::set<std::string>& used) {
     const FigureSplit split = split_ == DataSplit::test ? FigureSplit::test : FigureSplit::train;
     const FigureModel* figure = &figures_.draw(gender, posture, split, random_);
@@ -178,7 +178,7 @@ class SessionPlanner {
     plan_.clap_m.z = kHeight_m;
   }
 
-  // One at a time, so that nobody walks into another.
+  // Walks do not overlap in time, so that nobody walks into another.
   void draw_walks() {
     if (options_.walks_per_minute <= 0.0) return;
     const double between_s = 60.0 / options_.walks_per_minute;
@@ -191,7 +191,7 @@ class SessionPlanner {
     }
   }
 
-  /// @return how long it takes; nothing if whoever was drawn sits or has no way
+  /// @return its duration; nothing if no one stands or no way was found
   std::optional<double> draw_walk(double begin_s) {
     std::vector<SessionFigure*> standing;
     for (SessionFigure& person : plan_.people) {

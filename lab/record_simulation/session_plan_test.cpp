@@ -59,7 +59,7 @@ TEST_F(SessionPlanTest, CamerasStandAroundThePeopleAndLookInwards) {
     }
     std::ranges::sort(angles_rad);
     for (std::size_t i = 1; i < angles_rad.size(); ++i) {
-      // 45 degrees less a quarter of it at either end.
+      // 45 degrees less up to a quarter of it at either end.
       EXPECT_GE(angles_rad[i] - angles_rad[i - 1], radians_from_degrees(45.0 * 0.5) - 1e-9);
     }
   }
@@ -71,7 +71,7 @@ TEST_F(SessionPlanTest, NobodyWalksIntoAnybody) {
     for (double time_s = 0.0; time_s < plan.duration_s; time_s += 0.1) {
       const FloorPoint a = plan.people[0].path.at(time_s).at;
       const FloorPoint b = plan.people[1].path.at(time_s).at;
-      // Ways are looked at every 0.1 m: half of that is the most that can be missed.
+      // Paths are tested every 0.1 m: at most half of that can be missed.
       EXPECT_GE(distance_m(a, b), 0.8 - 0.06) << time_s;
       for (const Pose& camera : plan.world_from_camera) {
         EXPECT_GE(distance_m(a, {camera.position_m.x, camera.position_m.y}), 0.75 - 0.06);
@@ -82,7 +82,7 @@ TEST_F(SessionPlanTest, NobodyWalksIntoAnybody) {
       walks += static_cast<int>(person.path.moving().size());
     }
   }
-  // Five a minute, of which those of who sits or finds no way are lost.
+  // Five a minute, without those for which nobody stands or no way was found.
   EXPECT_GE(walks, 8);
   EXPECT_LE(walks, 40);
 }
@@ -114,7 +114,7 @@ TEST_F(SessionPlanTest, VoicesAreThoseOfTheSplit) {
   SessionOptions four = options_;
   four.people = 4;
   RandomStream random(1);
-  // The corpus has one voice of either gender for tests.
+  // The corpus has one test voice per gender.
   EXPECT_THROW((void)plan_session(*scene_, *figures_, *corpus_, DataSplit::test, four, random),
                InputError);
 }
@@ -152,7 +152,7 @@ TEST(SpeechIntervals, LeaveOutSilence) {
   for (std::ptrdiff_t i = 2 * 16000; i < 16000 * 5 / 2; ++i) turn.speech.channel(0)[i] = 0.1F;
   const std::vector<SpeechInterval> intervals = speech_intervals(turn);
   ASSERT_EQ(intervals.size(), 2U);
-  // Loudness is told in blocks of 20 ms.
+  // Speech intervals are in blocks of 20 ms.
   EXPECT_NEAR(intervals[0].begin_s, 5.5, 0.021);
   EXPECT_NEAR(intervals[0].end_s, 6.0, 0.021);
   EXPECT_NEAR(intervals[1].begin_s, 7.0, 0.021);

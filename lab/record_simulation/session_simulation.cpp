@@ -25,7 +25,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What the random streams of a session are for, so that one does not shift the other.
+/// Keys of the random streams of a session: a draw from one does not shift the others.
 enum StreamKey : std::uint64_t { kPlanKey = 1, kTraceKey, kClapKey, kNoiseKey, kPixelKey };
 
 constexpr int kSpeechRate_hz = 16000;  // what read_speech gives

@@ -73,7 +73,7 @@ TEST_F(SessionSimulation, WritesWhatAReaderOfSessionsTakesAndGoesOnWhereItStoppe
     EXPECT_EQ(near.sample_rate_hz, 48000);
     EXPECT_EQ(near.channels, 1);
     EXPECT_FALSE(truth.people[i].speech.empty());
-    // What the simulator draws, and not the default of sessions that do not say it.
+    // The drawn distance, not the default of sessions without one.
     EXPECT_GE(session.people[i].near_distance_m, 0.10);
     EXPECT_LT(session.people[i].near_distance_m, 0.20);
   }
@@ -83,7 +83,7 @@ TEST_F(SessionSimulation, WritesWhatAReaderOfSessionsTakesAndGoesOnWhereItStoppe
   EXPECT_FALSE(read_person_boxes(options.folder / "boxes.csv").empty());
   EXPECT_FALSE(fs::exists(options.folder / "sound-without-pictures"));
 
-  // What is there is not made again; what is missing is, with the same bytes.
+  // Existing files are kept; missing ones are made again with the same bytes.
   const auto before = contents_of(options.folder);
   const auto written = fs::last_write_time(options.folder / "camera-1.mp4");
   simulate(options);
@@ -130,8 +130,8 @@ TEST_F(SessionSimulation, NoiseLiesAtTheWantedLevelBelowTheSpeech) {
     }
   }
   ASSERT_GT(speaking, 48000);
-  // The level is that of all cameras together, of which this one is one of two, each within some
-  // 2 dB of their mean; AAC adds its own noise 20 dB lower.
+  // The SNR holds for all cameras together. Either of the two is within some 2 dB of their mean;
+  // AAC adds noise 20 dB lower.
   EXPECT_NEAR(10.0 * std::log10(speech / noise), 5.0, 2.5);
 }
 
@@ -139,7 +139,7 @@ TEST_F(SessionSimulation, RefusesToGoOnWithOtherOptions) {
   SessionSimulationOptions options = quick_session(folder_.path() / "session");
   fs::create_directories(options.folder);
   options.scenarios = 2;
-  // Ends after the folder was begun: the corpus has no four voices of one split.
+  // Fails after the folder was started: no split of the corpus has four voices.
   options.session.people = 4;
   EXPECT_THROW(simulate(options), InputError);
   options.seed = 2;

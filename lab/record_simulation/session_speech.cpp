@@ -16,7 +16,7 @@
 namespace earpoint {
 namespace {
 
-/// What one device hears of one turn.
+/// The sound of one turn at one device.
 struct HeardPart {
   int device = 0;  ///< cameras, then microphones
   std::ptrdiff_t begin = 0;
@@ -51,7 +51,7 @@ void add(const Waveform& part, std::ptrdiff_t begin, Waveform& sum) {
   }
 }
 
-/// Hears turns; const calls may come from many threads.
+/// Renders turns at devices; const calls may come from many threads.
 class TurnListener {
  public:
   TurnListener(const PreparedScene& scene, const SessionPlan& plan,
@@ -75,7 +75,7 @@ class TurnListener {
   }
 
  private:
-  /// Devices to which the speech is cut at the same times: one trace serves them all.
+  /// Devices for which the speech is cut at the same times: one trace serves all.
   struct Listeners {
     std::vector<TurnPiece> pieces;
     std::vector<int> devices;
@@ -259,8 +259,8 @@ SessionSound hear_speech(const PreparedScene& scene, const SessionPlan& plan,
   const TurnListener listener(scene, plan, quality, hrtf, seed);
   ThreadPool pool(jobs);
   progress.begin("tracing speech", static_cast<double>(plan.turns.size()), "turns");
-  // A few at a time are heard by all threads and then added in their order: sums do not depend on
-  // who was first.
+  // All threads render a few turns, which are then added in order, so that sums do not depend on
+  // timing.
   const auto together = 2 * static_cast<std::size_t>(jobs);
   for (std::size_t first = 0; first < plan.turns.size(); first += together) {
     const std::size_t count = std::min(together, plan.turns.size() - first);

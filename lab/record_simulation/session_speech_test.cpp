@@ -19,7 +19,7 @@ namespace {
 constexpr int kRate_hz = 16000;
 constexpr SessionSoundQuality kQuick{.rays = 100, .mirror_rays = 200, .response_s = 0.1};
 
-/// A second of noise; somebody says it at 1 s.
+/// A turn of one second of noise that begins at 1 s.
 Utterance noise_turn(int person) {
   Utterance turn{.person = person, .begin_s = 1.0, .speech = Waveform(1, kRate_hz, kRate_hz)};
   RandomStream random(7);
@@ -27,7 +27,7 @@ Utterance noise_turn(int person) {
   return turn;
 }
 
-/// In a room that swallows nearly everything, from the first person and then from the second.
+/// In a nearly anechoic room, from the first person and from the second.
 class SessionSpeech : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -69,7 +69,7 @@ TEST_F(SessionSpeech, ArrivesAfterTheWayFromTheMouth) {
           distance(person, plan_.people[other].microphone_at(0.0)) / speed_of_sound_m_per_s(Air{});
       const double lag = gcc_phat_delay_samples(heard_[person].microphones[other].channel(0),
                                                 sent.channel(0), 400.0);
-      // Band-limited pulses are found to a tenth of a sample or so; a sample is 2 cm.
+      // To half a sample: band-limited pulses are found to about a tenth. A sample is 2 cm.
       EXPECT_NEAR(lag / kRate_hz, way_s, 0.5 / kRate_hz) << person << " to " << other;
     }
   }
@@ -82,8 +82,8 @@ TEST_F(SessionSpeech, TheOwnMicrophoneHearsItByTheRatioOfDistances) {
     const double far_m = distance(person, plan_.people[other].microphone_at(0.0));
     const double level_db = 10.0 * std::log10(energy(heard_[person].microphones[person].planar()) /
                                               energy(heard_[person].microphones[other].planar()));
-    // The near one hangs 53 degrees below the front, where speech is up to 3 dB weaker than ahead;
-    // air, walls of 1 % and the bodies change the far one by 1 dB.
+    // The near microphone is 53 degrees below the front, where speech is up to 3 dB weaker than
+    // ahead. Air, walls that reflect 1 % and the bodies change the far level by 1 dB.
     EXPECT_NEAR(level_db, 20.0 * std::log10(far_m / near_m), 4.0);
     EXPECT_GT(level_db, 12.0);
   }
@@ -118,7 +118,7 @@ TEST_F(SessionSpeech, DoesNotDependOnThreads) {
 }
 
 TEST_F(SessionSpeech, DoesNotClickWhereSomebodyStartsToWalk) {
-  // A tone of 300 Hz through two cuts and five traces: what lies above 2 kHz would be clicks.
+  // A tone of 300 Hz through two cuts and five traces: anything above 2 kHz would be clicks.
   SessionPlan plan = plan_of_two(*figures_);
   const Stance from = plan.people[0].path.last();
   plan.people[0].path.add({.begin_s = 2.0,
@@ -172,7 +172,7 @@ TEST_F(SessionSpeech, TheClapIsAtItsTimeOnEveryClock) {
     const double time_s =
         session_time_s(clock, static_cast<double>(peak - samples.begin()) / kDeviceRate_hz);
     const double way_s = norm(plan.people[person].microphone_at(0.0) - plan.clap_m) / speed;
-    // To the nearest sample, and one more since the pulse lies between two.
+    // Half a sample of rounding, and one more because the pulse lies between two samples.
     EXPECT_NEAR(time_s, plan.clap_s + way_s, 1.5 / kDeviceRate_hz);
   }
 }

@@ -9,8 +9,8 @@
 namespace earpoint {
 namespace {
 
-// Pauses between turns: near those of real talk (Heldner and Edlund, J. Phonetics 38, 2010), whose
-// middle is about 0.1 s with overlaps in four of ten.
+// Pauses between turns: close to real conversations (Heldner and Edlund, J. Phonetics 38, 2010),
+// with a median of about 0.1 s and overlaps in 40 %.
 constexpr double kPause_s = 0.15;
 constexpr double kPauseSpread_s = 0.45;
 constexpr double kLongestOverlap_s = 1.2;
@@ -60,7 +60,7 @@ Waveform shortened(const Waveform& speech, double longest_s) {
   return part;
 }
 
-/// Puts turns behind each other.
+/// Writes turns one after the other.
 class TurnWriter {
  public:
   TurnWriter(const std::vector<const SpeechSpeaker*>& voices, double begin_s, double end_s,
@@ -69,9 +69,9 @@ class TurnWriter {
     for (const SpeechSpeaker* voice : voices) decks_.emplace_back(*voice);
   }
 
-  /// @return when it ends; near the session's end nothing is said any more, and that is returned
+  /// @return when it ends; near the end of the session nothing is added, and the end is returned
   double speak(int person, double begin_s) {
-    // On a sample, so that what is written as truth is exact.
+    // On a whole sample, so that the written truth is exact.
     begin_s = std::ceil(std::max(begin_s, free_from_s_[person]) * kSpeechRate_hz) / kSpeechRate_hz;
     const double left_s = end_s_ - begin_s;
     if (left_s < kShortest_s) return end_s_;

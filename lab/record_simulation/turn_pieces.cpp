@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kMargin_s = 0.2;
 constexpr double kFade_s = 0.1;
-// Stretches of stillness that are not worth a trace of their own.
+// Shorter still stretches get no trace of their own.
 constexpr double kShortestStill_s = 0.5;
 
 std::vector<Span> widened(std::vector<Span> moves, const Span& within) {
@@ -32,7 +32,7 @@ std::vector<Span> widened(std::vector<Span> moves, const Span& within) {
   return spans;
 }
 
-/// The speech from one cut to the next, faded around each.
+/// The speech between two cuts, with a cross-fade around each.
 TurnPiece piece_of(const Waveform& speech, double begin_s, std::optional<double> from_s,
                    std::optional<double> to_s, bool moves) {
   const double rate_hz = speech.sample_rate_hz();

@@ -29,7 +29,7 @@ constexpr double kSpeechRms = 0.02;  // 1 m away
 
 double triangle(double phase) { return std::abs(std::fmod(phase, 2.0) - 1.0); }
 
-/// Where somebody's mouth is: in a circle round the middle, some walking to and fro.
+/// Position of a person's mouth: on a circle around the middle, some walking to and fro.
 Vector3 mouth_at(int person, int people, bool walking, double time_s) {
   const double angle = 2.0 * kPi * (person + 0.3) / people;
   const Vector3 seat{1.1 * std::cos(angle), 1.1 * std::sin(angle), person % 2 == 0 ? 1.2 : 1.55};
@@ -94,7 +94,7 @@ std::vector<float> make_voice(double duration_s, RandomStream& random, double pi
       phase -= 1.0;
       excitation += 6.0;
     }
-    // A resonance that wanders, as vowels do.
+    // A resonance that moves, as in vowels.
     const double f = 2.0 * std::sin(kPi * (900.0 + 500.0 * std::sin(5.0 * t)) / kRate);
     low += f * band;
     band += f * (excitation - low - 0.3 * band);
@@ -116,7 +116,8 @@ void scale_to_rms(std::vector<float>& x, double rms) {
   for (float& v : x) v *= gain;
 }
 
-/// Lets people talk in turns: what each says, zeros while others speak, and the intervals.
+/// The speech of each person, who talk in turns, with zeros while others speak; adds the intervals
+/// to the truth.
 std::vector<std::vector<float>> talk_in_turns(const TestSessionOptions& options,
                                               RandomStream& random, SessionTruth& truth) {
   std::vector<std::vector<float>> spoken(
@@ -143,7 +144,7 @@ std::vector<std::vector<float>> talk_in_turns(const TestSessionOptions& options,
          n < static_cast<std::size_t>(end_s * kRate); ++n) {
       gates[p][n] = 1.0F;
     }
-    // Now and then the next one begins before this one has ended.
+    // Every fourth time the next turn begins before this one has ended.
     time_s = turn % 4 == 3 ? end_s - 0.5 : end_s + kPause_s;
   }
   for (std::size_t p = 0; p < spoken.size(); ++p) {
@@ -190,7 +191,7 @@ class Renderer {
     clap_.insert(clap_.begin(), 16, 0.0F);
   }
 
-  /// What an ear of a camera hears, on its clock.
+  /// The sound at an ear of a camera, on its clock.
   std::vector<float> camera(const DeviceClock& clock, std::size_t samples, const Pose& head,
                             int ear, RandomStream& random) const {
     std::vector<float> sound(samples);
@@ -215,7 +216,7 @@ class Renderer {
     return sound;
   }
 
-  /// What a near microphone hears: its wearer, and the others from where they are.
+  /// The sound at a near microphone: its wearer, and the others from their positions.
   std::vector<float> microphone(const DeviceClock& clock, std::size_t samples, int wearer,
                                 RandomStream& random) const {
     std::vector<float> sound(samples);
