@@ -33,7 +33,8 @@ class TextureStore {
   TextureStore(const aiScene& source, std::filesystem::path folder, ImportedScene& target)
       : source_(source), folder_(std::move(folder)), target_(target) {}
 
-  /// @return an index into Scene::textures; Look::kNoTexture if it cannot be had, which is reported
+  /// @return an index into Scene::textures; Look::kNoTexture if it cannot be read, which is
+  /// reported
   int find(const std::string& name) {
     if (const auto known = known_.find(name); known != known_.end()) return known->second;
     int index = Look::kNoTexture;
@@ -111,7 +112,7 @@ Look look_of(const aiMaterial& material, TextureStore& textures) {
   if (material.Get(AI_MATKEY_METALLIC_FACTOR, value) == aiReturn_SUCCESS) {
     look.metallic = clamped_share(value);
   }
-  // Some exporters write "transparency 1" for opaque: nothing is wholly invisible here.
+  // Some exporters write "transparency 1" for opaque: an opacity of 0 is ignored.
   if (material.Get(AI_MATKEY_OPACITY, value) == aiReturn_SUCCESS && value > 0.0F) {
     look.opacity = clamped_share(value);
   }
@@ -213,13 +214,13 @@ class AssimpReader {
     return {uv.x, uv.y};
   }
 
-  /// One material of ours for every pair of a material and what it sounds like.
+  /// One material for each pair of a material of the file and an acoustic material.
   std::uint32_t material_of(const aiMesh& mesh, const std::string& mesh_name,
                             const std::string& node_name, bool coloured) {
     const aiMaterial& source = *source_.mMaterials[mesh.mMaterialIndex];
     const std::string name = source.GetName().C_Str();
     MaterialTable::Match sound = table_.match(name);
-    // A surface without a material goes by its mesh, not by the name that Assimp gives it.
+    // A surface without a material is named after its mesh, not by Assimp's default name.
     std::string surface = name == AI_DEFAULT_MATERIAL_NAME && !mesh_name.empty() ? mesh_name : name;
     for (const std::string& other : {mesh_name, node_name}) {
       if (!sound.is_default) break;
@@ -244,7 +245,8 @@ class AssimpReader {
     return index;
   }
 
-  /// Gives a face corners of its own that point to one pixel with the mean of their colours.
+  /// Gives a face its own corners, with the texture coordinates of one pixel that has their mean
+  /// colour.
   void split_corners(const aiMesh& mesh, std::uint32_t first, std::vector<std::uint32_t>& polygon) {
     aiColor4D sum(0.0F, 0.0F, 0.0F, 0.0F);
     for (const std::uint32_t v : polygon) sum += mesh.mColors[0][v - first];
@@ -298,7 +300,7 @@ std::optional<std::string> gltf_json(const std::filesystem::path& path) {
   return text.substr(kJsonStart, length);
 }
 
-/// Refuses a glTF file on which Assimp would crash instead of complaining.
+/// Refuses glTF files that would crash Assimp.
 /// @return its JSON
 nlohmann::json check_gltf(const std::filesystem::path& path) {
   const std::optional<std::string> text = gltf_json(path);

@@ -11,10 +11,10 @@ namespace {
 
 constexpr double kCell_m = 0.1;
 constexpr int kMostCells = 1'000'000;
-constexpr double kHeadroom_m = 1.8;        ///< a face with that much air below it covers a room
+constexpr double kHeadroom_m = 1.8;        ///< a face with this much air below it covers a room
 constexpr double kLargestIsland_m2 = 6.0;  ///< of furniture that reaches almost to the ceiling
 constexpr double kLidGap_m = 1e-3;         ///< above the highest wall
-constexpr double kRimOverlap_m = 0.01;     ///< of the rim's walls into what is below
+constexpr double kRimOverlap_m = 0.01;     ///< of the rim's walls with the faces below
 constexpr double kSkip_m = 1e-4;
 
 /// Adds flat faces to a mesh, all of one material and instance.
@@ -74,7 +74,7 @@ class LidMaker {
       for (int i = 0; i < columns_; ++i) {
         if (!at(i, j).open || at(i, j).done) continue;
         const std::vector<int> part = connected(i, j);
-        // A lid over less than a person needs closes no room: the gap behind a shelf, a crack.
+        // Areas that are too small for a person are no rooms but gaps and cracks: no lid.
         if (static_cast<double>(part.size()) * cell_m_ * cell_m_ < 0.25) continue;
         area_m2 += static_cast<double>(part.size()) * cell_m_ * cell_m_;
         cover(part, faces);
@@ -87,7 +87,7 @@ class LidMaker {
   struct Cell {
     bool open = false;  ///< a floor, and nothing overhead
     bool done = false;
-    bool lid = false;                                             ///< of the part in hand
+    bool lid = false;                                             ///< of the part that is being covered
     double top_m = -std::numeric_limits<double>::infinity();      ///< first face from above
     double highest_m = -std::numeric_limits<double>::infinity();  ///< corner of a face
   };
@@ -105,10 +105,10 @@ class LidMaker {
     return std::clamp(static_cast<int>((y - box_.low.y) / cell_m_) + 1, 0, rows_ - 1);
   }
 
-  /// Follows a vertical line down through all faces.
+  /// Finds all faces on a vertical line, from above.
   void look_down(int i, int j) {
     Cell& cell = at(i, j);
-    // Off the middle, where a modeller's edges are likely to lie.
+    // Not exactly in the middle, where models often have edges.
     Vector3 from{x_of(i) + 0.47 * cell_m_, y_of(j) + 0.53 * cell_m_, box_.high.z + 1.0};
     bool first = true;
     bool covered = false;
@@ -127,7 +127,7 @@ class LidMaker {
     cell.open = !first && !covered;
   }
 
-  /// Cells that join (i, j) and are alike.
+  /// The connected cells around (i, j) that are open, or covered, like it.
   std::vector<int> connected(int i, int j) {
     const bool open = at(i, j).open;
     std::vector<int> part;
@@ -150,7 +150,7 @@ class LidMaker {
     return part;
   }
 
-  /// Covered cells with open ones all around are tall furniture, not rooms.
+  /// Marks covered cells with open ones all around as open: they are tall furniture, not rooms.
   void fill_islands() {
     for (int j = 0; j < rows_; ++j) {
       for (int i = 0; i < columns_; ++i) {
@@ -171,7 +171,7 @@ class LidMaker {
   void cover(const std::vector<int>& part, FaceSink& faces) {
     for (Cell& cell : cells_) cell.lid = false;
     double lid_m = -std::numeric_limits<double>::infinity();
-    // One cell further on every side, over the walls.
+    // Extends the lid by one cell on every side, over the walls.
     for (const int cell : part) {
       for (int dy = -1; dy <= 1; ++dy) {
         for (int dx = -1; dx <= 1; ++dx) {
@@ -191,7 +191,7 @@ class LidMaker {
         if (i > 0 && at(i - 1, j).lid) continue;
         int end = i;
         while (end < columns_ && at(end, j).lid) ++end;
-        // Strips overlap a little, so that no ray finds the seam.
+        // Strips overlap a little, so that no ray passes between them.
         const double y1 = y_of(j + 1) + kLidGap_m;
         faces.add({Vector3{x_of(i), y_of(j), lid_m},
                    {x_of(i), y1, lid_m},

@@ -27,7 +27,7 @@ Vector3 random_direction(RandomStream& random) {
   return {r * std::cos(azimuth_rad), r * std::sin(azimuth_rad), z};
 }
 
-/// A floor below, and walls on at least three of four sides.
+/// Whether the place has a floor below and walls on at least three of four sides.
 bool is_inside(const RayCaster& caster, const Vector3& place) {
   if (!caster.distance_m(place, {0, 0, -1})) return false;
   int walls = 0;

@@ -9,7 +9,7 @@ namespace {
 
 Scene room() { return make_shoebox({5, 4, 2.6}, all_bands(0.1F), all_bands(0.1F)); }
 
-/// Drops the faces of one material: in a shoebox, one of its sides.
+/// Removes the faces of one material: in a shoebox, one of its sides.
 Scene without(Scene scene, std::uint32_t material) {
   Mesh& mesh = scene.mesh;
   for (std::size_t i = mesh.triangles.size(); i-- > 0;) {
@@ -59,7 +59,7 @@ TEST(CloseCeiling, PutsALidOnAnOpenRoom) {
   EXPECT_EQ(check_closure(scene).escaping_share, 0.0);
   EXPECT_EQ(scene.materials.back().acoustic.name, "lid");
   check_scene(scene, "closed room");
-  // The lid lies on the walls, not above or below them.
+  // The lid lies on the walls, 1 mm above them.
   EXPECT_NEAR(bounds(scene.mesh).high.z, 2.6, 0.002);
 }
 

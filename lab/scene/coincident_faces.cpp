@@ -13,7 +13,7 @@ using Corners = std::array<Vector3, 3>;
 using Point = std::array<double, 2>;
 using Flat = std::array<Point, 3>;
 
-/// A triangle in its plane, and that plane to within rounding.
+/// A triangle in the coordinates of its plane, and the plane to within rounding.
 struct Face {
   std::uint32_t triangle = 0;
   std::array<int, 3> facing{};  // the normal, rounded; the same for both sides
@@ -45,7 +45,7 @@ Face make_face(std::uint32_t triangle, const Corners& corners, Vector3 normal) {
   return face;
 }
 
-/// Whether one edge of `a` has the whole of `b` beside it, or all but a margin.
+/// Whether `b` lies beyond one edge of `a`, except for a margin.
 bool lies_beside(const Flat& a, const Flat& b, double margin_m) {
   for (std::size_t i = 0; i < 3; ++i) {
     const Point& from = a[i];
@@ -110,7 +110,7 @@ CoincidentFaces::CoincidentFaces(std::span<const std::array<float, 3>> positions
   for (const std::array<float, 3>& p : positions) {
     for (const float x : p) largest_m = std::max(largest_m, std::abs(x));
   }
-  // Above what single precision does to positions and distances.
+  // Above the rounding of positions and distances in single precision.
   const double tolerance_m = 2e-6 * static_cast<double>(largest_m);
   std::vector<Face> faces;
   faces.reserve(triangles.size());

@@ -25,7 +25,8 @@ const auto kAny = [](std::uint32_t) { return true; };
 TEST(CoincidentFaces, AreThoseThatShareArea) {
   const FloorAndFoot mesh;
   const CoincidentFaces faces(mesh.positions, mesh.triangles);
-  // The foot lies above the floor's diagonal and touches it at one corner, which is no area.
+  // The foot lies beyond the floor's diagonal and touches it only at one corner, without common
+  // area.
   EXPECT_EQ(partners_of(faces, 0), (std::vector<std::uint32_t>{}));
   EXPECT_EQ(partners_of(faces, 1), (std::vector<std::uint32_t>{2, 3}));
   EXPECT_EQ(partners_of(faces, 2), (std::vector<std::uint32_t>{1}));
@@ -54,7 +55,7 @@ TEST(CoincidentFaces, AgreeOnOneWhicheverARayMeetsFirst) {
   const std::array<float, 3> above_foot = {1.3F, 2.7F, 1};
   EXPECT_EQ(faces.on_top(1, above_foot, down, kAny), 2U);
   EXPECT_EQ(faces.on_top(2, above_foot, down, kAny), 2U);
-  // Beside the foot, and where the ray does not see the foot.
+  // Beside the foot, and with a ray that ignores the foot.
   EXPECT_EQ(faces.on_top(1, {0.2F, 3.7F, 1}, down, kAny), 1U);
   EXPECT_EQ(faces.on_top(1, above_foot, down, [](std::uint32_t i) { return i < 2; }), 1U);
 }

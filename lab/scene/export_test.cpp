@@ -25,7 +25,7 @@ TEST(Export, AHomeComesBackFromGlbWithItsShapeAndPictures) {
   const Home home = make_home(2, {}, FurnitureLibrary());
   const auto path = std::filesystem::path(EARPOINT_BINARY_DIR) / "export_test.glb";
   write_glb(home.scene, path);
-  // The names of its materials must lead back to themselves.
+  // A table that maps the names of the materials to themselves.
   std::string patterns;
   for (const AcousticMaterial& material : standard_materials().materials()) {
     patterns += (patterns.empty() ? "" : ",") + std::string(R"({"material": ")") + material.name +

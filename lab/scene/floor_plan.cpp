@@ -20,7 +20,7 @@ constexpr std::array<std::pair<double, double>, kMostRooms> kAreas_m2 = {
     {{20, 45}, {28, 60}, {38, 80}, {50, 105}, {65, 130}, {80, 150}}};
 
 struct RoomShape {
-  double weight;      ///< of its area, against the others'
+  double weight;      ///< of its area, relative to the other rooms
   double shortest_m;  ///< side
 };
 
@@ -103,14 +103,14 @@ bool fits(const Room& room) {
   return room.kind == RoomKind::corridor || longer <= 2.4 * shorter;
 }
 
-/// Halves a rectangle again and again, always across its longer side.
+/// Divides a rectangle repeatedly, always across its longer side.
 void split(const FloorRectangle& floor, std::vector<Wish> wishes, double wall_m,
            std::vector<Room>& rooms) {
   if (wishes.size() == 1) {
     rooms.push_back({.kind = wishes[0].kind, .floor = floor, .ceiling_m = 0.0});
     return;
   }
-  // Cut the list where the two sides weigh most alike.
+  // Cuts the list where the weights of the two sides are most equal.
   const double total = total_weight(wishes);
   std::size_t cut = 1;
   double below = wishes[0].weight;
@@ -132,7 +132,7 @@ void split(const FloorRectangle& floor, std::vector<Wish> wishes, double wall_m,
   split(high, std::move(rest), wall_m, rooms);
 }
 
-/// Rooms of one depth side by side along x.
+/// Adds rooms of the same depth, side by side along x.
 void add_row(const std::vector<Wish>& wishes, double length_m, double y_min, double y_max,
              double wall_m, std::vector<Room>& rooms) {
   const double free_m = length_m - wall_m * static_cast<double>(wishes.size() - 1);
@@ -256,7 +256,7 @@ FloorPlan draw_floor_plan(const PlanOptions& options, RandomStream& random) {
     FloorPlan plan;
     plan.inner_wall_m = snapped(random.uniform(0.09, 0.17));
     plan.rooms = lay_out(draw_wishes(count, random), area_m2, plan.inner_wall_m, random);
-    // Walls in the way and centimetres make the sum a little smaller than asked for.
+    // Walls and rounding to centimetres make the sum a little smaller than requested.
     const double sum_m2 = plan.area_m2();
     const bool right_size = sum_m2 >= std::max(20.0, 0.9 * area_m2) && sum_m2 <= 150.0;
     if (!right_size || !std::all_of(plan.rooms.begin(), plan.rooms.end(), fits)) continue;

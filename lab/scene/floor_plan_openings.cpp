@@ -42,7 +42,7 @@ FloorRectangle hole(const FloorRectangle& room, Side side, double low, double hi
   return {};
 }
 
-/// The walls that two rooms share, each once, seen from the room with the lower index.
+/// The walls between two rooms, each once, seen from the room with the lower index.
 std::vector<WallPiece> shared_walls(const FloorPlan& plan) {
   std::vector<WallPiece> walls;
   const auto meets = [&](double a, double b) {
@@ -110,7 +110,7 @@ Door draw_door(const FloorPlan& plan, const WallPiece& wall, RandomStream& rando
   const bool wide = door.state == DoorState::passage && longest_m > 1.3 && random.uniform() < 0.6;
   const double width_m = snapped(wide ? random.uniform(1.2, std::min(2.0, longest_m))
                                       : random.uniform(0.75, std::min(0.95, longest_m)));
-  // Doors mostly hang near a corner, so that the wall beside them can be used.
+  // Doors are mostly near a corner, which leaves the rest of the wall usable.
   double start_m = wall.low + kCornerMargin_m;
   const double last_start_m = wall.high - kCornerMargin_m - width_m;
   const double draw = random.uniform();
@@ -167,7 +167,7 @@ bool add_inner_doors(FloorPlan& plan, RandomStream& random) {
   return groups == 1;
 }
 
-/// Takes the leaf off doors that would strike another leaf or stand in another doorway.
+/// Removes the leaf of doors that would hit another leaf or stand in another doorway.
 void unhang_striking_leaves(FloorPlan& plan) {
   for (Door& door : plan.doors) {
     if (door.state != DoorState::open) continue;
@@ -181,7 +181,7 @@ void unhang_striking_leaves(FloorPlan& plan) {
   }
 }
 
-/// @return how much a room wants the front door
+/// @return rank of a room for the front door; 0 is best
 int front_door_rank(RoomKind kind) {
   if (kind == RoomKind::corridor) return 0;
   if (kind == RoomKind::living_room) return 1;
@@ -214,14 +214,14 @@ bool add_front_door(FloorPlan& plan, const std::vector<WallPiece>& walls, Random
   return true;
 }
 
-/// Sills clear what stands below them: a worktop in the kitchen, a washbasin in the bath.
+/// Sills are above the furniture below them: a worktop in the kitchen, a washbasin in the bath.
 double draw_sill(RoomKind kind, bool french, RandomStream& random) {
   if (kind == RoomKind::bathroom) return 1.3;
   if (kind == RoomKind::kitchen) return 1.05;
   return french ? 0.08 : random.uniform(0.75, 1.0);
 }
 
-/// Where windows go along one wall: evenly, leaving out what the front door takes.
+/// Adds windows along one wall, evenly spaced, except at the front door.
 void add_windows_to(FloorPlan& plan, const WallPiece& wall, RandomStream& random) {
   const Room& room = plan.rooms[static_cast<std::size_t>(wall.room)];
   const bool bath = room.kind == RoomKind::bathroom;

@@ -60,7 +60,7 @@ TEST(FloorPlan, KeepsRoomsApartByTheirWalls) {
   for (const FloorPlan& plan : many_plans()) {
     for (std::size_t i = 0; i < plan.rooms.size(); ++i) {
       for (std::size_t j = i + 1; j < plan.rooms.size(); ++j) {
-        // A hundredth of a millimetre for sums of centimetres in binary.
+        // A hundredth of a millimetre for rounding, as centimetres are not exact in binary.
         EXPECT_FALSE(
             overlap(grown(plan.rooms[i].floor, plan.inner_wall_m - 1e-5), plan.rooms[j].floor));
       }
@@ -143,7 +143,7 @@ TEST(FloorPlan, FollowsItsOptions) {
     RandomStream random(static_cast<std::uint64_t>(seed));
     const FloorPlan plan = draw_floor_plan({.rooms = 4, .area_m2 = 80.0, .ceiling_m = 2.6}, random);
     EXPECT_EQ(rooms_without_corridor(plan), 4);
-    // Walls in the way take up to a tenth.
+    // Walls take up to a tenth.
     EXPECT_NEAR(plan.area_m2(), 80.0, 8.0);
     EXPECT_TRUE(std::any_of(plan.rooms.begin(), plan.rooms.end(),
                             [](const Room& room) { return room.ceiling_m == 2.6; }));

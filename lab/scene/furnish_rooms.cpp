@@ -13,7 +13,7 @@ using enum FurnitureKind;
 
 constexpr double kAnyHeight_m = 2.25;
 
-/// One room's recipe. `full` is how much of what could stand there does.
+/// Furnishes one room. `full` is the share of possible furniture that is placed.
 class RoomRecipe {
  public:
   RoomRecipe(RoomFurnisher& furnisher, double full, double soft)
@@ -50,7 +50,7 @@ class RoomRecipe {
   [[nodiscard]] double shorter_m() const {
     return std::min(furnisher_.room().floor.width_m(), furnisher_.room().floor.depth_m());
   }
-  /// Rugs lie where the floor is hard, more than on carpets.
+  /// Rugs are more frequent on hard floors than on carpets.
   [[nodiscard]] double rug_share() const { return full_ > 0.0 ? 0.95 - 0.6 * soft_ : 0.0; }
   bool likely(double share) { return furnisher_.chance(share * full_); }
 
@@ -66,11 +66,11 @@ class RoomRecipe {
   void hang_pictures();
   void hang_lamp();
   void fill_walls(std::initializer_list<FurnitureKind> kinds, double most_depth_m, int most);
-  /// Where a unit of a row came to stand.
+  /// The place of a unit in a row.
   struct RowSpot {
     PlacedFurniture piece;
     double along_m;  ///< of its middle
-    double next_m;   ///< where the next may begin
+    double next_m;   ///< first position of the next unit
   };
   std::optional<RowSpot> slide_in(const FurniturePiece& piece, Side side, bool backwards,
                                   double at_m);
@@ -140,7 +140,7 @@ void RoomRecipe::sleep() {
   if (likely(0.4)) furnisher_.place_at_wall(plant, {0.6, 0.6, 1.6}, 0.0);
 }
 
-/// A table in the free floor with chairs on its sides.
+/// A table on the free floor with chairs at its sides.
 void RoomRecipe::eat() {
   const auto table = furnisher_.draw(dining_table, {1.2, std::min(2.0, 0.5 * shorter_m()), 0.95});
   if (!table) return;
@@ -222,7 +222,7 @@ void RoomRecipe::stand_in_row(Side side, bool backwards) {
 void RoomRecipe::cook() {
   std::array<Side, 4> sides = {Side::x_low, Side::x_high, Side::y_low, Side::y_high};
   RandomStream& random = furnisher_.random();
-  // The longest wall, or sometimes another.
+  // One of the two longest walls.
   std::stable_sort(sides.begin(), sides.end(), [&](Side a, Side b) {
     return furnisher_.wall_length_m(a) > furnisher_.wall_length_m(b);
   });

@@ -33,7 +33,7 @@ bool within(const Vector3& size, const Vector3& limit) {
   return size.x <= limit.x && size.y <= limit.y && size.z <= limit.z;
 }
 
-/// The surfaces of a model, each stored in the scene once however often the model stands there.
+/// The surfaces of a model, each stored once per scene however often the model is placed.
 std::vector<Surface> model_surfaces(const FurnitureModel& model, SceneBuilder& builder) {
   std::vector<Surface> surfaces;
   for (std::size_t i = 0; i < model.scene.materials.size(); ++i) {
@@ -44,7 +44,7 @@ std::vector<Surface> model_surfaces(const FurnitureModel& model, SceneBuilder& b
       if (material.look.texture != Look::kNoTexture) {
         const std::string texture_key =
             "texture:" + model.name + ":" + std::to_string(material.look.texture);
-        // A texture that several materials share is stored for each: rare, and small.
+        // A texture that several materials share is stored once for each, which is rare and small.
         material.look.texture = builder.add_texture(
             model.scene.textures[static_cast<std::size_t>(material.look.texture)]);
       }
@@ -127,7 +127,7 @@ std::optional<FurniturePiece> draw_furniture(const FurnitureLibrary& library, Fu
   });
   const SizeRange range = stand_in_sizes(kind);
   const bool stand_in_fits = within(range.low_m, limit_m);
-  // A model that is alone of its kind would stand in every room of every home.
+  // Without this the only model of a kind would be in every room of every home.
   const bool lone = models.size() == 1 && stand_in_fits;
   if (!models.empty() && !(lone && random.uniform() < 0.5)) {
     const FurnitureModel* model = models[random.index(models.size())];

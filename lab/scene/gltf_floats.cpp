@@ -32,7 +32,7 @@ void append_word(std::vector<std::byte>& bytes, std::uint32_t word) {
   bytes.insert(bytes.end(), first, first + sizeof word);
 }
 
-/// The accessors of vertices that hold integers.
+/// The accessors of vertex attributes with integer components.
 std::set<std::size_t> quantised_accessors(const Json& json) {
   std::set<std::size_t> found;
   const Json& accessors = json.at("accessors");
@@ -58,10 +58,10 @@ float value_at(const std::byte* at, bool is_normalized) {
       -1.0F, static_cast<float>(value) / static_cast<float>(std::numeric_limits<Integer>::max()));
 }
 
-/// One accessor's numbers.
+/// The numbers of one accessor.
 class Quantised {
  public:
-  /// @param where  what errors call it
+  /// @param where  its name in errors
   Quantised(const Json& json, const Json& accessor, std::span<const std::byte> data,
             const std::string& where)
       : data_(data), kind_(accessor.at("componentType").get<int>()) {
@@ -70,7 +70,7 @@ class Quantised {
     const auto type = accessor.at("type").get<std::string>();
     if (accessor.contains("sparse") || kind_ < kFirstKind || kind_ > kFirstKind + 3 ||
         !type.starts_with("VEC") || type.size() != 4) {
-      throw InputError(where, "has numbers of a kind that a vertex cannot have", "export it again");
+      throw InputError(where, "has a component type that a vertex attribute cannot have", "export it again");
     }
     size_ = kSizes[kind_ - kFirstKind];
     components_ = type[3] - '0';

@@ -10,7 +10,7 @@
 namespace earpoint {
 namespace {
 
-/// A way to finish a surface: how it sounds and what it looks like go together.
+/// A finish of a surface: its acoustic material and its look belong together.
 struct Finish {
   const char* name;
   const char* acoustic;
@@ -21,7 +21,7 @@ struct Finish {
 
 using enum TexturePattern;
 
-// Each list runs from hard to soft.
+// Each list is sorted from hard to soft.
 constexpr std::array<Finish, 10> kFloors = {{
     {"marble floor",
      "marble",
@@ -156,7 +156,7 @@ constexpr std::array<Finish, 6> kCeilings = {{
      {{{0.93F, 0.93F, 0.92F}, {0.90F, 0.90F, 0.88F}, {0.94F, 0.94F, 0.94F}}}},
 }};
 
-// Radiance of a white patch outside: a window is the brightest thing of a room by day.
+// Radiance of a white patch outside: windows are the brightest surfaces of a room by day.
 constexpr float kDaylight = 2.5F;
 
 constexpr double kAcousticCeilings = 0.86;
@@ -180,7 +180,7 @@ class FinishPainter {
     return builder_.add_surface(key, material, texture_span_m(finish.pattern));
   }
 
-  /// Picks from a list that runs from hard to soft, near to `softness`.
+  /// Picks from a list that is sorted from hard to soft, near `softness`.
   const Finish& pick(std::span<const Finish> list, double softness, double spread) {
     const double at = std::clamp(softness + spread * random_.normal(), 0.0, 0.999);
     return list[static_cast<std::size_t>(at * static_cast<double>(list.size()))];
@@ -196,7 +196,7 @@ RoomFinish draw_room_finish(RoomKind kind, double softness, RandomStream& random
   RoomFinish finish;
   const std::span<const Finish> floors = kFloors;
   const std::span<const Finish> walls = kWalls;
-  // Ceilings and walls that are made to absorb belong to the softest homes only.
+  // Only the softest homes have absorbing ceilings and walls.
   const std::span<const Finish> ceilings =
       softness > kAcousticCeilings ? kCeilings : std::span<const Finish>(kCeilings).first(4);
   switch (kind) {

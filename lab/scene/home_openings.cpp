@@ -19,7 +19,7 @@ Placement leaf_placement(const FloorPlan& plan, const Door& door) {
   const double along = across_x
                            ? (door.hinge_at_high_end ? door.opening.y_max : door.opening.y_min)
                            : (door.hinge_at_high_end ? door.opening.x_max : door.opening.x_min);
-  // The hinge stands on the wall's surface in room_a; the closed leaf points to the other jamb.
+  // The hinge is on the wall's surface in room_a; the closed leaf points to the other jamb.
   Placement placement;
   double closed_rad = 0.0;
   double turn = 1.0;  // counter-clockwise into the room
@@ -53,7 +53,7 @@ double width_of(const Door& door) {
   return faces_x(door.side_of_a) ? door.opening.depth_m() : door.opening.width_m();
 }
 
-/// Clear of the wall by a finger's breadth, so that the leaf's box touches nothing.
+/// A gap to the wall, so that the leaf's box touches nothing.
 constexpr double kHingeGap_m = 0.03;
 
 Vector3 leaf_low(const Door&) { return {kHingeGap_m, -kLeafThickness_m / 2, 0.008}; }

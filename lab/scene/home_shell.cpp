@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kSolid = -1;
 
-/// Air in the shape of a box, and what its walls are made of.
+/// A box of air and the materials of its walls.
 struct AirBox {
   enum class Kind { room, doorway, front_doorway, recess };
 
@@ -60,7 +60,7 @@ std::vector<AirBox> air_of(const FloorPlan& plan) {
       boxes.push_back(box);
       continue;
     }
-    // Two halves: a closed leaf stands between them.
+    // Two halves, with a closed leaf between them.
     for (const bool high : {false, true}) {
       box.floor = half_of(door.opening, faces_x(door.side_of_a), high);
       boxes.push_back(box);
@@ -98,7 +98,7 @@ class GridLines {
   std::vector<long> values_;
 };
 
-/// Space cut into cells, each solid or in one of the boxes of air.
+/// Space divided into cells, each solid or in one of the boxes of air.
 class CellGrid {
  public:
   explicit CellGrid(std::vector<AirBox> boxes) : boxes_(std::move(boxes)) {
@@ -151,7 +151,7 @@ class CellGrid {
   std::vector<int> owner_;
 };
 
-/// Where a face of a cell looks out of the air: along an axis, up or down it.
+/// Direction of a face of a cell, away from the air: along an axis, towards its high or low end.
 struct Outward {
   int axis;
   bool high;
@@ -198,12 +198,13 @@ Quad face_corners(const CellGrid& grid, const std::array<int, 3>& cell, Outward 
     p[v] = grid.line(v, cell[v] + (third ? 1 : 0));
     corners[static_cast<std::size_t>(i)] = {p[0], p[1], p[2]};
   }
-  // u, v and the axis turn right-handed, so this loop looks up the axis: away from a high face.
+  // u, v and the axis are right-handed, so the normal of this loop points up the axis: outwards at
+  // a high face.
   if (outward.high) std::swap(corners[1], corners[3]);
   return corners;
 }
 
-/// Texture coordinates that spread one picture over a whole upright rectangle.
+/// Texture coordinates that stretch one picture over a whole upright rectangle.
 std::array<std::array<float, 2>, 4> spread(const Quad& corners, const FloorRectangle& floor,
                                            double z_low, double z_high, Outward outward) {
   const Vector3 inward{outward.axis == 0 ? (outward.high ? -1.0 : 1.0) : 0.0,
@@ -229,7 +230,7 @@ void add_face(const FloorPlan& plan, const HomeFinish& finish, const CellGrid& g
   const int neighbour = grid.owner(next);
   const Quad corners = face_corners(grid, cell, outward);
   if (neighbour != kSolid) {
-    // Air meets air: only the leaf of a closed door stands between, once.
+    // Between two boxes of air only the leaf of a closed door is added, once.
     const AirBox& other = grid.box(neighbour);
     const bool same_door = box.kind == AirBox::Kind::doorway && other.kind == box.kind &&
                            other.index == box.index && neighbour != grid.owner(cell);

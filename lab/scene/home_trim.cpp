@@ -9,7 +9,7 @@ namespace {
 constexpr double kHeight_m = 0.08;
 constexpr double kThickness_m = 0.012;
 constexpr double kOffWall_m = 0.002;
-/// Boards end before doorways, so that the edges that sound bends around stay the wall's own.
+/// Boards end before doorways, so that diffracting edges remain those of the wall.
 constexpr double kBeforeDoor_m = 0.05;
 
 bool faces_x(Side side) { return side == Side::x_low || side == Side::x_high; }

@@ -14,17 +14,17 @@
 namespace earpoint {
 namespace {
 
-/// What the random streams of a home are for, so that one does not shift the other.
+/// Keys of the random streams of a home: a draw from one does not shift the others.
 enum StreamKey : std::uint64_t { kPlanKey = 1, kFinishKey, kStyleKey, kRoomKey };
 
-/// What is drawn where the options leave it open. Traced, nearly all rooms then reverberate for 0.2
-/// to 1 s, as real homes do (docs/results.md); bare stone and padded cells are left to those who
-/// ask for them.
+/// Range of the softness that is drawn if the options do not set it. The traced reverberation time
+/// of nearly all rooms is then 0.2 to 1 s, as in real homes (docs/results.md). Harder and softer
+/// homes must be requested.
 constexpr double kHardestHome = 0.58;
 constexpr double kSoftestHome = 0.98;
 constexpr double kEmptiestHome = 0.45;
 
-/// Lamps shine from below their fixtures, which would keep the light off the ceiling.
+/// Lamps are below their fixtures, which would otherwise shade the ceiling.
 constexpr double kLampDrop_m = 0.25;
 
 constexpr double kStepOver_m = 0.03;
@@ -46,7 +46,7 @@ void add_lamps(const FloorPlan& plan, const std::vector<PlacedFurniture>& furnit
       if (piece.kind != FurnitureKind::ceiling_lamp || piece.room != static_cast<int>(i)) continue;
       at = {piece.footprint.centre_x(), piece.footprint.centre_y(), piece.z_low_m - kLampDrop_m};
     }
-    // Bright enough that a white floor below looks white in a picture exposed as it is.
+    // Bright enough that a white floor below looks white without exposure correction.
     const double height_m = room.ceiling_m;
     const auto intensity = static_cast<float>(
         std::clamp(0.25 * room.floor.area_m2(), 0.8 * height_m * height_m, 20.0));

@@ -77,7 +77,7 @@ TEST(Homes, TheShellEnclosesExactlyTheAirOfThePlan) {
       const auto& [a, b, c] = mesh.triangles[face];
       enclosed_m3 -= dot(vertex(mesh, a), cross(vertex(mesh, b), vertex(mesh, c))) / 6.0;
     }
-    // Coordinates are floats: some 1e-7 of 15 m on up to 700 m2 of surface.
+    // Coordinates are floats: some 1e-7 of 15 m, on up to 700 m2 of surface.
     EXPECT_NEAR(enclosed_m3, air_m3, 1e-3);
   }
 }
@@ -113,7 +113,7 @@ TEST(Homes, FurnitureStandsInItsRoomAndInNothingElse) {
       EXPECT_LE(a.z_high_m, room.ceiling_m) << a.name;
       for (std::size_t j = i + 1; j < home.furniture.size(); ++j) {
         const PlacedFurniture& b = home.furniture[j];
-        // Furniture may stand on a rug, whose pile gives way.
+        // Furniture may stand on a rug and sink into its pile.
         const bool rugs = (a.kind == FurnitureKind::rug) != (b.kind == FurnitureKind::rug);
         const bool apart = rugs || !overlap(a.footprint, b.footprint) || a.z_low_m >= b.z_high_m ||
                            b.z_low_m >= a.z_high_m;
@@ -295,7 +295,7 @@ TEST(ReverberationEstimate, OfABareRoomIsEyringsFormula) {
   home.plan.rooms.push_back({.kind = RoomKind::living_room, .floor = {0, 0, 6, 5}, .ceiling_m = 3});
   home.scene = make_shoebox({6, 5, 3}, all_bands(0.2F), all_bands(0.5F));
   const ReverberationEstimate room = estimate_reverberation(home).at(0);
-  // 90 m3, 126 m2: the closed forms, to the accuracy of a float 0.2.
+  // 90 m3, 126 m2: the closed forms, to the rounding of 0.2 as a float.
   EXPECT_NEAR(room.sabine_s[3], 0.161 * 90.0 / (126.0 * 0.2), 1e-6);
   EXPECT_NEAR(room.eyring_s[3], 0.161 * 90.0 / (-126.0 * std::log(0.8)), 1e-6);
 }

@@ -14,10 +14,10 @@
 namespace earpoint {
 namespace {
 
-constexpr double kLargest_m = 1000.0;  // no room is larger; sound fades before it crosses it
-// Heights of what may be a storey, a hall or a house; others are likely in another unit.
+constexpr double kLargest_m = 1000.0;  // no room is larger; sound decays before it crosses it
+// Heights of storeys, halls and houses; other heights suggest a wrong unit.
 constexpr double kUsualHeight_m[] = {1.5, 30.0};
-constexpr double kCoarse_m = 1e-3;  ///< of coordinates: rougher than what is drawn
+constexpr double kCoarse_m = 1e-3;  ///< of coordinates: coarser than details of models
 constexpr double kLeaky = 0.01;     ///< share of escaping rays above which reverberation is wrong
 
 std::string lower_extension(const std::filesystem::path& path) {
@@ -40,7 +40,7 @@ double largest_coordinate_m(const Bounds& box) {
   return std::max({-box.low.x, -box.low.y, -box.low.z, box.high.x, box.high.y, box.high.z});
 }
 
-/// Moves a scene that lies far from its origin near to it: rays are traced in single precision.
+/// Moves a scene that is far from the origin close to it, as rays are traced in single precision.
 void move_to_origin(ImportedScene& imported) {
   const Bounds box = bounds(imported.scene.mesh);
   const auto largest_m = static_cast<float>(largest_coordinate_m(box));

@@ -97,7 +97,7 @@ void expect_the_room(const Scene& scene) {
 TEST_F(Import, ReadsObjWithPolygonsTheirSurfacesAndTexture) {
   const ImportedScene room = import_scene(file("room.obj"));
   expect_the_room(room.scene);
-  // Here and below: products of floats of a few metres that are good to 1e-6, over some tens of
+  // Here and below: areas from floats of a few metres, each precise to 1e-6, over some tens of
   // faces.
   EXPECT_NEAR(area_m2(room.scene, "carpet_felt"), kFloor_m2, 1e-3);
   EXPECT_NEAR(area_m2(room.scene, "ceramic_tile"), 6.0 * 2.5, 1e-3);
@@ -108,7 +108,7 @@ TEST_F(Import, ReadsObjWithPolygonsTheirSurfacesAndTexture) {
 
 TEST_F(Import, TakesASoundFromTheObjectWhereTheMaterialSaysNothing) {
   const ImportedScene room = import_scene(file("room.obj"));
-  // "white.001" on "Wall_2" is a wall; on "lid" nothing is known of it.
+  // "white.001" on "Wall_2" is a wall; on "lid" nothing says what it is.
   EXPECT_NEAR(area_m2(room.scene, "plasterboard_wall"), kFloor_m2 + 14.0 * 2.5, 1e-3);
   ASSERT_EQ(room.report.unknown_surfaces.size(), 1U);
   EXPECT_EQ(room.report.unknown_surfaces.begin()->first, "white.001");
@@ -179,7 +179,7 @@ TEST_F(Import, ReadsPlyWithTheColoursOfItsVertices) {
     EXPECT_EQ(palette.at(x, y, 0), 120) << "the floor is brown";
     EXPECT_EQ(palette.at(x, y, 2), 30);
   }
-  // Its floor is cut in two where the walls are not: edges are open, but no ray escapes.
+  // Its floor is divided where the walls are not: edges are open, but no ray escapes.
   EXPECT_GT(room.report.closure.open_edges, 0U);
   EXPECT_EQ(room.report.closure.escaping_share, 0.0);
 }
@@ -332,7 +332,7 @@ TEST_F(Import, RefusesCutFilesOrReadsThemWhole) {
     for (std::size_t length = 0; length < whole.size(); length += 41) {
       write_file(file(name), std::string_view(whole).substr(0, length));
       const std::string message = refusal(name);
-      // Text may end anywhere; what is left of it is read or refused. Binary files say their size.
+      // Text may end anywhere: the rest is read or refused. Binary files state their size.
       if (std::string_view(name) == "room.obj") continue;
       EXPECT_NE(message, "accepted") << name << " cut to " << length << " bytes";
     }

@@ -116,7 +116,7 @@ FigureModel make_mannequin(Gender gender, Posture posture) {
 
 void add_stool(FigureModel& figure) {
   if (figure.posture != Posture::sitting) return;
-  // The seat begins under the back of the hips and ends before the shins.
+  // The seat begins below the back of the hips and ends before the shins.
   const Mesh& body = figure.scene.mesh;
   double back = std::numeric_limits<double>::infinity();
   for (const auto& p : body.positions) {

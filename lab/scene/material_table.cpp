@@ -60,7 +60,7 @@ bool words_match(const std::vector<std::string>& pattern, const std::vector<std:
   return false;
 }
 
-/// Reads 6, 7 or 8 numbers; bands beyond the given ones take the nearest.
+/// Reads 6, 7 or 8 numbers; missing bands take the nearest.
 BandArray read_bands(const JsonField& field, double low, double high) {
   const Json& json = field.json();
   if (!json.is_array() || json.size() < 6 || json.size() > kOctaveBands) {

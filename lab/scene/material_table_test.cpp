@@ -118,7 +118,7 @@ TEST(MaterialTable, ExtendsTheStandardTable) {
                                                    "mine.json");
   EXPECT_EQ(table.find("marble")->absorption[3], 1.0F);
   EXPECT_EQ(table.find("plaster")->absorption, standard_material("plaster").absorption);
-  // One word of this table goes before two of the standard one.
+  // A match of one word in this table has priority over two words in the standard one.
   EXPECT_EQ(table.match("bath_mat").material->name, "marble");
   EXPECT_EQ(standard_materials().match("bath_mat").material->name, "carpet_thin");
   EXPECT_EQ(table.match("sofa").material->name, "upholstery_fabric");

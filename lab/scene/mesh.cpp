@@ -34,7 +34,7 @@ void check_inside(std::string_view where, const Vector3& position, const Bounds&
       is_between(position.z, box.low.z, box.high.z)) {
     return;
   }
-  // Digits enough for the coordinates of a land survey.
+  // Enough digits for coordinates of a land survey.
   throw InputError(
       where,
       fmt::format("({:.10g}, {:.10g}, {:.10g}) is outside the scene, which spans x {:.9g} to "

@@ -13,7 +13,7 @@
 
 namespace {
 
-/// A name with the extension that readers ask for, of a file in memory.
+/// A file in memory under a name with the extension that readers need.
 class NamedFile {
  public:
   NamedFile(const FuzzFile& file, const char* extension)
@@ -34,9 +34,9 @@ class NamedFile {
 
 }  // namespace
 
-/// The first byte chooses the format: OBJ, PLY, GLB or glTF; in capitals it asks for the whole
-/// import, whose search for holes takes most of its time, otherwise for what reads the file. Any
-/// bytes are refused with InputError, or become a scene that passes its own check.
+/// The first byte chooses the format: OBJ, PLY, GLB or glTF; a capital letter runs the whole
+/// import, most of whose time is the search for holes; otherwise only the file reader. Any bytes
+/// are refused with InputError, or become a scene that passes its own check.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace earpoint;  // NOLINT(google-build-using-namespace): one function
   if (size == 0) return 0;

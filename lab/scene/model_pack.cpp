@@ -23,7 +23,7 @@ static_assert(std::endian::native == std::endian::little, "packs are little-endi
 constexpr std::string_view kFormat = "earpoint-models-1";
 constexpr std::size_t kLongestHeader_bytes = 64 << 20;
 
-/// Collects the numbers behind the header.
+/// Collects the numbers that follow the header.
 class BlobWriter {
  public:
   template <typename T>

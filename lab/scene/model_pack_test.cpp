@@ -108,7 +108,7 @@ TEST_F(ModelPackFile, RefusesDamage) {
   EXPECT_NE(refusal(file("other.pack")).find("it is of another version"), std::string::npos);
 }
 
-/// A pack of one chair and one figure that can be furnished with: what its reader promises.
+/// The pack has one valid chair and one valid figure, as its reader promises.
 void expect_usable(const ModelPack& pack) {
   ASSERT_EQ(pack.furniture.size(), 1U);
   ASSERT_EQ(pack.figures.size(), 1U);
@@ -145,7 +145,7 @@ TEST_F(ModelPackFile, AnotherByteInItsHeaderIsRefusedOrLeavesAUsablePack) {
   RandomStream random(5);
   int refused = 0, accepted = 0;
   for (int i = 0; i < 500; ++i) {
-    // Any byte, or one of a number, which stays a number.
+    // Any byte, or a digit that is replaced by another digit.
     std::string changed = whole;
     std::size_t place = random.index(header);
     char byte = static_cast<char>(random.index(256));
@@ -164,8 +164,8 @@ TEST_F(ModelPackFile, AnotherByteInItsHeaderIsRefusedOrLeavesAUsablePack) {
     ++accepted;
     expect_usable(read_model_pack(file("changed.pack")));
   }
-  // Names of fields, punctuation, places and counts of numbers are most; sizes, colours and names
-  // of things the rest.
+  // Most bytes are names of fields, punctuation, offsets and counts; the rest are sizes, colours
+  // and names of things.
   EXPECT_GT(refused, 200);
   EXPECT_GT(accepted, 50);
 }
@@ -231,12 +231,12 @@ TEST_F(ModelPackFile, ConvertsModelsOfSweetHome) {
   for (std::size_t i = 0; i < book.scene.mesh.triangles.size(); ++i) {
     area_m2 += norm(scaled_normal(book.scene.mesh, i)) / 2.0;
   }
-  // Two flat pages, each as long as the hypotenuse of 1 m and 0.5 m. Simplifying may fold slivers
-  // in a plane, where it costs no error, but must not tear holes.
+  // Two flat pages, each as long as the hypotenuse of 1 m and 0.5 m. Simplification may fold
+  // slivers within a plane, which costs no error, but must not make holes.
   EXPECT_GE(area_m2, 2.0 * std::sqrt(1.25) - 1e-3);
   EXPECT_LE(area_m2, 2.0 * std::sqrt(1.25) + 0.1);
 
-  // Turned about x: the file's z becomes y, its y becomes -z; up is what was deep.
+  // Turned about x: the file's z becomes y and its y becomes -z, so that depth becomes height.
   const Mesh& turned = result.pack.furniture[1].scene.mesh;
   const Bounds turned_box = bounds(turned);
   EXPECT_NEAR(norm(turned_box.high - Vector3{0.25, 1.0, 1.0}), 0.0, 1e-6);

@@ -12,8 +12,8 @@
 namespace earpoint {
 namespace {
 
-/// Puts the materials and textures of a figure behind those of a scene.
-/// @return what to add to the figure's indices of materials
+/// Appends the materials and textures of a figure to those of a scene.
+/// @return offset of the figure's material indices
 std::uint32_t append_surfaces(const Scene& figure, Scene& scene) {
   const auto first_material = static_cast<std::uint32_t>(scene.materials.size());
   const auto first_texture = static_cast<int>(scene.textures.size());
@@ -25,7 +25,7 @@ std::uint32_t append_surfaces(const Scene& figure, Scene& scene) {
   return first_material;
 }
 
-/// All postures, those most like the given one first.
+/// All postures, the most similar to the given one first.
 std::array<Posture, 3> nearest_postures(Posture posture) {
   switch (posture) {
     case Posture::standing:

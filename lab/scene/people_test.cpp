@@ -11,7 +11,7 @@
 namespace earpoint {
 namespace {
 
-/// What must hold of every figure, whoever made it.
+/// What must hold for every figure, from any source.
 void expect_speaks_forward(const FigureModel& figure) {
   SCOPED_TRACE(figure.name + ", " + std::string(name_of(figure.posture)));
   const Bounds box = bounds(figure.scene.mesh);
@@ -21,11 +21,12 @@ void expect_speaks_forward(const FigureModel& figure) {
   const double above_mouth_m = box.high.z - figure.mouth_m.z;
   EXPECT_GT(above_mouth_m, 0.12);
   EXPECT_LT(above_mouth_m, 0.28);
-  // The origin lies under the middle of the head, whose lips are some 9 cm before it.
+  // The origin is below the middle of the head. The lips are some 9 cm ahead of it, the mouth 2 cm
+  // more.
   EXPECT_NEAR(figure.mouth_m.x, 0.11, 0.025);
   EXPECT_NEAR(figure.mouth_m.y, 0.0, 0.02);
-  // Before the mouth is free air for at least an arm; behind it are the lips, or the throat of
-  // figures with an open mouth.
+  // Ahead of the mouth is free air for at least an arm's length; behind it are the lips, or the
+  // throat of figures with an open mouth.
   const RayCaster body(figure.scene.mesh);
   const auto ahead_m = body.distance_m(figure.mouth_m, {1, 0, 0});
   EXPECT_TRUE(!ahead_m || *ahead_m > 0.4);
@@ -33,7 +34,7 @@ void expect_speaks_forward(const FigureModel& figure) {
   ASSERT_TRUE(behind_m);
   EXPECT_GT(*behind_m, 0.005);
   EXPECT_LT(*behind_m, 0.21);
-  // More of the head lies behind the lips than before them.
+  // Most of the head is behind the lips.
   const auto from_behind_m = body.distance_m(figure.mouth_m - Vector3{0.5, 0, 0}, {1, 0, 0});
   ASSERT_TRUE(from_behind_m);
   EXPECT_LT(*from_behind_m, 0.45);
@@ -45,7 +46,7 @@ TEST(Mannequin, HasTheSizesOfAnAdult) {
   const auto figure = [&](Gender gender, Posture posture) -> const FigureModel& {
     return library.draw(gender, posture, FigureSplit::train, random);
   };
-  // Means of adults in Europe, give or take a hand.
+  // Mean heights of adults in Europe, to within a hand's breadth.
   EXPECT_NEAR(figure(Gender::female, Posture::standing).size_m.z, 1.64, 0.06);
   EXPECT_NEAR(figure(Gender::male, Posture::standing).size_m.z, 1.77, 0.06);
   EXPECT_NEAR(figure(Gender::male, Posture::sitting).size_m.z, 1.33, 0.08);
@@ -180,7 +181,7 @@ TEST(AddPerson, PutsMouthAndBodyWhereTheyAreSaidToBe) {
   const Vector3 ahead =
       transform_point(person.world_from_head, {1, 0, 0}) - person.world_from_head.position_m;
   EXPECT_NEAR(ahead.x, -0.5, 1e-12);
-  // The body's middle is where it was put, within the reach of a nose.
+  // The body's middle is where it was placed.
   Vector3 sum;
   int count = 0;
   for (std::size_t i = faces; i < home.scene.mesh.triangles.size(); ++i) {
@@ -189,7 +190,7 @@ TEST(AddPerson, PutsMouthAndBodyWhereTheyAreSaidToBe) {
     sum = sum + vertex(home.scene.mesh, home.scene.mesh.triangles[i][0]);
     ++count;
   }
-  // A nose and feet reach 0.1 m ahead of the middle, and are few of the vertices.
+  // Nose and feet reach 0.1 m ahead of the middle and are few of the vertices.
   EXPECT_NEAR(sum.x / count, 2.0, 0.1);
   EXPECT_NEAR(sum.y / count, 1.5, 0.1);
 }

@@ -41,7 +41,7 @@ std::optional<NumberType> number_type(const std::string& name) {
   return found->second;
 }
 
-// Where the numbers of a vertex go.
+// Indices of the numbers of a vertex.
 constexpr std::size_t kPosition = 0;
 constexpr std::size_t kNormal = 3;
 constexpr std::size_t kColour = 6;
@@ -214,7 +214,7 @@ class PlyReader {
     const bool is_vertex = element.name == "vertex";
     const bool is_face = element.name == "face";
     for (std::uint64_t i = 0; i < element.count; ++i) {
-      // An element without properties takes no bytes: nothing to read, however many there are.
+      // Elements without properties have no bytes, whatever their count.
       if (element.properties.empty()) return;
       if (is_vertex) {
         read_vertex(element);

@@ -76,7 +76,7 @@ std::vector<std::array<std::uint32_t, 3>> triangulate(const std::vector<Vector3>
   while (ring.size() > 3) {
     const std::size_t n = ring.size();
     at %= n;
-    // A crooked polygon may run out of ears: then any corner has to do.
+    // A self-intersecting polygon may have no ear left: then any corner is cut.
     if (passed < n && !is_ear(flat, ring, at)) {
       ++at;
       ++passed;
@@ -85,7 +85,7 @@ std::vector<std::array<std::uint32_t, 3>> triangulate(const std::vector<Vector3>
     triangles.push_back({ring[(at + n - 1) % n], ring[at], ring[(at + 1) % n]});
     ring.erase(ring.begin() + static_cast<std::ptrdiff_t>(at));
     passed = 0;
-    // The corner before may be an ear now; starting there keeps triangles fat.
+    // The previous corner may be an ear now; starting there avoids slivers.
     if (at > 0) --at;
   }
   triangles.push_back({ring[0], ring[1], ring[2]});

@@ -13,9 +13,9 @@ namespace {
 
 constexpr double kDoorDepth_m = 0.8;  ///< of floor kept free before a doorway
 constexpr double kWalkerRadius_m = 0.24;
-constexpr double kCell_m = 0.1;       ///< of the grid on which ways are checked
-constexpr double kStepOver_m = 0.03;  ///< what is lower does not block the way
-constexpr double kPassUnder_m = 1.9;  ///< what is higher does not either
+constexpr double kCell_m = 0.1;       ///< of the grid for testing paths
+constexpr double kStepOver_m = 0.03;  ///< lower things do not block a path
+constexpr double kPassUnder_m = 1.9;  ///< things above this do not either
 constexpr double kLeastFreeShare = 0.3;
 constexpr int kTries = 40;
 
@@ -39,7 +39,7 @@ bool boxes_overlap(const Taken& a, const Taken& b) {
   return overlap(a.floor, b.floor) && a.z_low_m < b.z_high_m && b.z_low_m < a.z_high_m;
 }
 
-/// The floor before a doorway, inside the room.
+/// The floor in front of a doorway, inside the room.
 FloorRectangle before_door(const Door& door, const FloorRectangle& floor) {
   FloorRectangle zone = grown(door.opening, 0.0);
   if (along_y(door.side_of_a)) {
@@ -86,7 +86,7 @@ std::size_t RoomFurnisher::triangles_left() const {
 }
 
 std::optional<FurniturePiece> RoomFurnisher::draw(FurnitureKind kind, const Vector3& limit_m) {
-  // One piece takes at most a sixth of what is left, so that the last rooms get models, too.
+  // One piece takes at most a sixth of the triangles left, so that the last rooms get models too.
   return draw_furniture(shared_.catalogue, kind, limit_m, triangles_left() / 6, random_);
 }
 
@@ -153,7 +153,7 @@ bool RoomFurnisher::ways_are_free() const {
   }
   const auto free_cells = static_cast<double>(std::count(walkable.begin(), walkable.end(), 1));
   if (free_cells < kLeastFreeShare * static_cast<double>(walkable.size())) return false;
-  // Walk from the first doorstep; 2 marks where one has been.
+  // Flood fill from the first doorway; 2 marks visited cells.
   std::vector<std::size_t> front;
   const auto visit = [&](std::size_t cell) {
     if (walkable[cell] != 1) return;
@@ -184,7 +184,7 @@ std::optional<PlacedFurniture> RoomFurnisher::place(const FurniturePiece& piece,
   const bool inside = box.floor.x_min >= floor.x_min && box.floor.y_min >= floor.y_min &&
                       box.floor.x_max <= floor.x_max && box.floor.y_max <= floor.y_max &&
                       box.z_high_m <= room_.ceiling_m;
-  // Things may stand on a rug; it only keeps off other rugs and the sweep of doors.
+  // Things may stand on a rug, which must avoid only other rugs and the swing of doors.
   const bool flat = piece.size_m.z < kStepOver_m;
   if (!inside || (flat ? !rug_fits(box) : is_taken(box))) return std::nullopt;
   std::vector<Taken>& list = flat ? rugs_ : taken_;
@@ -255,7 +255,7 @@ std::optional<PlacedFurniture> RoomFurnisher::place_at_wall(FurnitureKind kind,
     const double slack_m = wall_length_m(side) - piece->size_m.y - 0.04;
     if (slack_m < 0.0) continue;
     const double first_m = along_y(side) ? room_.floor.y_min : room_.floor.x_min;
-    // A third of the pieces goes into a corner, as people do.
+    // A third of the pieces goes into a corner, as in real homes.
     const double draw = random_.uniform(-0.25, 1.25);
     const double along_m =
         first_m + 0.02 + std::clamp(draw, 0.0, 1.0) * slack_m + piece->size_m.y / 2.0;

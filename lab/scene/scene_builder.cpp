@@ -177,7 +177,7 @@ void SceneBuilder::add_ellipsoid(const Vector3& centre, const Vector3& radii_m, 
     const double polar_rad = kPi * j / rings;
     for (int i = 0; i <= sides; ++i) {
       const double azimuth_rad = 2.0 * kPi * (i % sides) / sides;
-      // The poles are one point each, whatever the rounding of sin(pi) says.
+      // Each pole is a single point, regardless of the rounding of sin(pi).
       const double r = j == 0 || j == rings ? 0.0 : std::sin(polar_rad);
       const Vector3 unit{r * std::cos(azimuth_rad), r * std::sin(azimuth_rad), std::cos(polar_rad)};
       const Vector3 point{centre.x + radii_m.x * unit.x, centre.y + radii_m.y * unit.y,

@@ -105,12 +105,13 @@ std::size_t drop_doubled_faces(Mesh& mesh) {
 
 void simplify(Mesh& mesh, std::size_t most_triangles) {
   if (mesh.triangles.size() <= most_triangles) return;
-  // Normals that change from face to face would tie every corner down: they are made anew.
+  // Normals that change from face to face would keep every corner: they are removed and computed
+  // again.
   std::fill(mesh.normals.begin(), mesh.normals.end(), std::array<float, 3>{});
   join_vertices(mesh);
   const std::uint32_t materials =
       *std::max_element(mesh.triangle_material.begin(), mesh.triangle_material.end()) + 1;
-  // Locked borders keep some parts from shrinking: ask the others for more, then free them.
+  // Locked borders limit some parts: first the others are reduced more, then borders are unlocked.
   double share = static_cast<double>(most_triangles) / static_cast<double>(mesh.triangles.size());
   std::vector<std::vector<std::uint32_t>> parts(materials);
   constexpr int kRounds = 6;

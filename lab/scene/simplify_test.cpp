@@ -8,7 +8,7 @@
 namespace earpoint {
 namespace {
 
-/// A bumpy cloth of n x n squares over [0, 1] x [0, 1], drawn twice: once for each side.
+/// A bumpy cloth of n x n squares over [0, 1] x [0, 1], twice: one for each side.
 Mesh doubled_cloth(std::uint32_t n) {
   Mesh mesh;
   for (std::uint32_t j = 0; j <= n; ++j) {
@@ -56,7 +56,7 @@ TEST(Simplify, KeepsTheHemOfClothThatWasDrawnTwice) {
   join_vertices(mesh);
   simplify(mesh, 400);
   EXPECT_LE(mesh.triangles.size(), 400U);
-  // The bumps that go had 2 % more area than the plane; a frayed hem would cost more than that.
+  // The removed bumps had 2 % more area than the plane; a damaged border would lose more than that.
   EXPECT_NEAR(area_m2(mesh), whole_m2, 0.02 * whole_m2);
   const Bounds box = bounds(mesh);
   EXPECT_EQ(box.low.x, 0.0);

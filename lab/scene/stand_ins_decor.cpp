@@ -104,7 +104,7 @@ void StandInMaker::build_curtain() {
 }
 
 void StandInMaker::build_blinds() {
-  // One sheet: the table's absorption is that of slats and gaps together.
+  // One sheet, as the table's absorption is that of slats and gaps together.
   const Surface slats =
       textured("slats", "blinds", TexturePattern::blinds, {0.88F, 0.87F, 0.83F}, 0.7F);
   const auto top = static_cast<float>(h_);

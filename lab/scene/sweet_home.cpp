@@ -74,7 +74,7 @@ Catalogue read_catalogue(const fs::path& folder) {
   for (auto& [number, values] : properties_of(path)) {
     if (number.empty()) {
       catalogue.licence = values["license"];
-      // Latin-1 signs do not matter here: keep what is plain text.
+      // Keeps only plain ASCII, as Latin-1 characters do not matter here.
       std::erase_if(catalogue.licence, [](char c) { return static_cast<unsigned char>(c) > 126; });
       continue;
     }
@@ -168,7 +168,7 @@ void drop_unused_uvs(Scene& scene) {
   }
 }
 
-/// A table that gives `sound` to whatever no pattern knows.
+/// A table with the default material `sound` for names that match no pattern.
 MaterialTable table_with_default(const std::string& sound) {
   return MaterialTable::parse(
       fmt::format(R"({{"format": "earpoint-materials-1", "extends": "standard", "default": "{}"}})",
@@ -176,8 +176,8 @@ MaterialTable table_with_default(const std::string& sound) {
       "sweet_home.json");
 }
 
-/// Reads one model at its size. Texture coordinates of plain surfaces are dropped, which joins more
-/// vertices.
+/// Reads one model at its size. Without texture coordinates on plain surfaces more vertices can be
+/// joined.
 Scene read_scene(const CatalogueEntry& entry, const MaterialTable& table, std::size_t triangles,
                  int texture_pixels) {
   ImportedScene model = read_with_assimp(entry.model, {.materials = &table}, UpAxis::y);
@@ -198,7 +198,7 @@ Scene read_scene(const CatalogueEntry& entry, const MaterialTable& table, std::s
   for (Image& texture : scene.textures) texture = shrunk(texture, texture_pixels);
   for (Material& material : scene.materials) {
     material.look.emission = {};
-    // What one sees through is glass, whatever it is called.
+    // Transparent surfaces are glass, whatever their name.
     if (material.look.opacity < 0.7F) material.acoustic = standard_material("glass");
   }
   scene.instances = {{.name = entry.model.stem().string(), .kind = InstanceKind::furniture}};
@@ -206,7 +206,8 @@ Scene read_scene(const CatalogueEntry& entry, const MaterialTable& table, std::s
   return std::move(scene);
 }
 
-/// Names of surfaces may mislead: the body of a cupboard is no person, its door no door of a room.
+/// Corrects materials from misleading names: the body of a cupboard is no person, its door no room
+/// door.
 void mend_sounds(Scene& scene, const AcousticMaterial& otherwise) {
   for (Material& material : scene.materials) {
     const std::string& name = material.acoustic.name;
@@ -232,7 +233,7 @@ void face_forward(FigureModel& figure, const Vector3& lips_m, double head_yaw_ra
   figure.mouth_m = lips - origin + Vector3{kBeforeLips_m, 0.0, 0.0};
 }
 
-/// The height of a sitting figure's seat: the lowest of the body under the trunk.
+/// The height of a sitting figure's seat: the lowest point of the body below the trunk.
 double seat_of(const Mesh& mesh) {
   double lowest = std::numeric_limits<double>::infinity();
   for (const auto& p : mesh.positions) {

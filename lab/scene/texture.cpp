@@ -116,7 +116,7 @@ class TexturePainter {
     return mixed(colour_, other, std::hypot(x, y) < petal ? 1.0 : 0.0);
   }
 
-  /// Wood that runs along u.
+  /// Wood grain along u.
   [[nodiscard]] ScreenColour grain(Spot s, const ScreenColour& tone, int board) const {
     const double shift = noise_.cell(board, 1000);
     const double wave = noise_.fractal(s.u, fraction(s.v + shift), 2, 24, 4);
@@ -134,7 +134,7 @@ class TexturePainter {
     return scaled(grain(s, tone, board), 1.0 - 0.45 * joint);
   }
 
-  /// Blocks of four short boards, turned by turns.
+  /// Blocks of four short boards, alternately turned by 90 degrees.
   [[nodiscard]] ScreenColour parquet(Spot s) const {
     const int i = static_cast<int>(s.u * 4);
     const int j = static_cast<int>(s.v * 4);

@@ -89,7 +89,7 @@ void check_study(Database& database, const std::string& study) {
 AnswerStore::AnswerStore(const fs::path& file, const std::string& study)
     : state_(std::make_unique<State>(file, false)) {
   Database& database = state_->database;
-  // A commit is on the disk, not only with the operating system.
+  // A commit is written to the disk, not only to the operating system.
   database.run("PRAGMA journal_mode = WAL");
   database.run("PRAGMA synchronous = FULL");
   database.run("PRAGMA foreign_keys = ON");

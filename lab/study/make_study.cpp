@@ -30,13 +30,13 @@ namespace fs = std::filesystem;
 
 constexpr double kFade_s = 0.01;
 constexpr double kHighestPeak = 0.89;  // 1 dB below full scale
-// Exchanged ears have to be told from the reference in a control.
+// In a control, listeners must be able to tell exchanged ears from the reference.
 constexpr double kLeastControlDifference_db = 3.0;
 
 double gain_of_db(double db) { return std::pow(10.0, db / 20.0); }
 
-/// The order in which pairs are taken: first one of every conversation, and of those first one of
-/// every scene; else as the seed has it.
+/// The order in which pairs are taken: first one of every conversation, starting with one of every
+/// scene; otherwise random by the seed.
 std::vector<std::size_t> drawn_order(const StudyMaterial& material, std::uint64_t seed) {
   std::vector<std::size_t> order(material.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -67,7 +67,7 @@ double ear_difference_db(const Waveform& sound) {
   return std::abs(10.0 * std::log10(energy[0] / energy[1]));
 }
 
-/// Clips, controls and the training clip.
+/// Draws clips, controls and the training clip.
 class Draw {
  public:
   Draw(const StudyMaterial& material, const StudyRequest& request)
@@ -89,7 +89,7 @@ class Draw {
   }
 
  private:
-  /// The next pair that is long enough, is no silence, and differs so much between the ears.
+  /// The next pair that is long enough, not silent, and differs enough between the ears.
   DrawnClip take(const std::string& id, double least_difference_db) {
     for (auto at = order_.begin(); at != order_.end(); ++at) {
       const std::optional<PairSample> sample = material_.sample(*at);
@@ -113,7 +113,7 @@ class Draw {
   std::vector<std::size_t> order_;
 };
 
-/// A sound on its way into the study.
+/// A sound before it is written to the study.
 struct Candidate {
   std::string condition;
   Waveform sound;
@@ -160,7 +160,7 @@ void scale(Waveform& sound, double gain_db) {
   for (float& x : sound.planar()) x *= gain;
 }
 
-/// What a file of that name may hold on any file system.
+/// The condition as a file name that is valid on any file system.
 std::string file_name_of(const std::string& condition) {
   std::string name = condition;
   for (char& c : name) {
@@ -216,7 +216,7 @@ class StudyMaker {
       candidates.push_back({std::string(kSwappedCondition), swapped(sample.target)});
       candidates.push_back({std::string(kMonoCondition), mono(sample.target)});
     }
-    // A control looks like the other clips: as many sounds.
+    // A control has as many sounds as the other clips, so that it looks like them.
     if (drawn.clip.is_control) candidates.resize(std::min(candidates.size(), methods_.size()));
     for (std::size_t m = 0; m < methods_.size(); ++m) {
       if (drawn.clip.is_control && candidates.size() == methods_.size()) break;
@@ -226,7 +226,7 @@ class StudyMaker {
     return candidates;
   }
 
-  /// Decibels for every candidate, and last for the reference.
+  /// Gains in dB: of every candidate, and last of the reference.
   [[nodiscard]] std::vector<double> gains(const Waveform& reference,
                                           const std::vector<Candidate>& candidates) const {
     const double aim_lkfs = loudness_lkfs(reference).value_or(kStudyLoudnessLkfs);

@@ -107,7 +107,7 @@ TEST(MakeStudy, AnchorsAreTheReferenceInMonoAndWithExchangedEars) {
   const Waveform swapped = heard(kSwappedCondition);
   const Waveform mono = heard(kMonoCondition);
   for (std::ptrdiff_t i = 0; i < truth.samples(); ++i) {
-    // Loudness of the exchanged channels is the same but for rounding: a step of 16 bits.
+    // Loudness of the exchanged channels is the same up to rounding: one step of 16 bits.
     ASSERT_NEAR(swapped.channel(0)[i], truth.channel(1)[i], 3.1e-5);
     ASSERT_EQ(mono.channel(0)[i], mono.channel(1)[i]);
   }

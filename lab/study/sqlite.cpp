@@ -88,7 +88,7 @@ Transaction::~Transaction() {
   try {
     database_.run("ROLLBACK");
   } catch (const InputError&) {
-    // The error that led here is on its way.
+    // The error that caused this is already being thrown.
   }
 }
 

@@ -107,7 +107,7 @@ GivenAnswer parse_answer(const json& request, const StudyStep& step, StudyDesign
 
 }  // namespace
 
-/// A participant, and how far they are.
+/// A participant and their progress.
 struct StudyDesk::Seat {
   Participant participant;
   std::vector<StudyStep> steps;

@@ -110,7 +110,7 @@ class ReplayMaterial : public StudyMaterial {
   [[nodiscard]] std::string scene(std::size_t pair) const override {
     return pairs_.at(pair).clip->scene;
   }
-  /// Every clip is another second: what they share is the session, the scene.
+  /// Every clip is another second; what clips share is the scene, that is, the session.
   [[nodiscard]] int conversation(std::size_t pair) const override { return static_cast<int>(pair); }
   [[nodiscard]] std::string pairs() const override { return "drawn as the released test does"; }
   [[nodiscard]] std::optional<PairSample> sample(std::size_t pair) const override {

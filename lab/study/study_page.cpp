@@ -13,7 +13,7 @@ constexpr double kBarWidth = 420.0;
 constexpr double kBarHeight = 26.0;
 constexpr double kBarLeft = 110.0;
 
-/// From numbers to what a page shows: shares in percent, ratings as they are.
+/// How numbers are shown: shares in percent, ratings unchanged.
 struct Unit {
   double factor = 1.0;
   const char* sign = "";

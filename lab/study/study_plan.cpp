@@ -30,7 +30,7 @@ StudyStep step_of(Kind kind, const StudyClip& clip, std::string_view scale, Rand
   return step;
 }
 
-/// The training item and all clips, judged in one way.
+/// Appends the training item and all clips, rated on one scale.
 void append_block(const Study& study, std::string_view scale, RandomStream& random,
                   std::vector<StudyStep>& steps) {
   steps.push_back(step_of(Kind::training, study.training, scale, random));

@@ -68,7 +68,7 @@ bool is_too_many(int misses, int pages) {
   return pages > 0 && static_cast<double>(misses) > kMostMisses * static_cast<double>(pages);
 }
 
-/// The controls of a participant of the design choice.
+/// Screens a participant by the controls of the choice design.
 void screen_by_controls(const Study& study, StudyParticipant& participant) {
   int missed = 0;
   int controls = 0;
@@ -86,7 +86,7 @@ bool is_above(const StudyTrial& trial, std::string_view condition, double rating
   return found != trial.values.end() && found->second > rating;
 }
 
-/// Pages of place whose anchor a good part of the participants takes for the reference.
+/// Pages of the place scale on which many participants rate the anchor like the reference.
 std::set<std::size_t> hard_clips(std::span<const StudyParticipant> participants,
                                  std::string_view anchor) {
   std::map<std::size_t, std::pair<int, int>> counts;  // rated so, rated

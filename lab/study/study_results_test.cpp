@@ -14,7 +14,7 @@ namespace {
 
 using nlohmann::json;
 
-/// A study without files, for answers that are made up.
+/// A study without files, for invented answers.
 Study bare_study(StudyDesign design, int clips, int controls = 0) {
   Study study;
   study.design = design;
@@ -104,7 +104,7 @@ TEST_F(StudyResultsTest, SharesAreThoseOfTheAnswers) {
   EXPECT_DOUBLE_EQ(people.rows[1].value->value, 0.0);
   EXPECT_DOUBLE_EQ(people.rows[2].value->value, 26.0 / 30.0);
   EXPECT_LT(people.rows[2].value->range->low, 26.0 / 30.0);
-  // Nobody chose dsp: of three independent answers none.
+  // Nobody chose dsp: none of three independent answers.
   EXPECT_DOUBLE_EQ(people.rows[1].value->range->low, 0.0);
   EXPECT_NEAR(people.rows[1].value->range->high, 1.0 - std::pow(0.025, 1.0 / 3.0), 1e-9);
   double sum = 0.0;

@@ -82,7 +82,8 @@ TEST(StudyServer, ThreeSimulatedParticipantsGoThroughTheStudy) {
     EXPECT_TRUE(group.is_simulated);
     by_name[group.name] = &group;
   }
-  // What the one by Mag chose is what study.json says: it heard the sounds of these methods.
+  // The choices of the participant with rule Mag follow from study.json: it was given the right
+  // sounds.
   std::map<std::string, double> expected;
   for (const StudyClip& clip : served.study.clips) {
     if (clip.is_control) continue;
@@ -95,7 +96,7 @@ TEST(StudyServer, ThreeSimulatedParticipantsGoThroughTheStudy) {
   EXPECT_EQ(by_name.at("simulated: mag")->counted, 1U);
   EXPECT_EQ(by_name.at("simulated: level")->counted, 1U);
 
-  // The report's numbers are the database's.
+  // The report's numbers equal those in the database.
   const auto file = served.folder.path() / "study" / kAnswersFile;
   EXPECT_EQ(number_in(file, "SELECT count(*) FROM answers"), 3 * 15);
   EXPECT_EQ(number_in(file, "SELECT count(*) FROM participants WHERE simulated != ''"), 3);
@@ -106,7 +107,7 @@ TEST(StudyServer, ThreeSimulatedParticipantsGoThroughTheStudy) {
                           "json_extract(plan, '$[' || step || '].item') NOT LIKE 'control%' AND "
                           "json_extract(content, '$.condition') = '{}'",
                           row.condition));
-    // Who answers at random may miss a control, and then counts only before screening.
+    // A random participant may miss a control and then counts only before screening.
     EXPECT_NEAR(row.before_screening->value, chosen / 6.0, 1e-9) << row.condition;
   }
 }

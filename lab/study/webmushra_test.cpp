@@ -21,7 +21,7 @@ TEST(Webmushra, HasAPageForEveryClipAndScale) {
   EXPECT_EQ(count(yaml, "- random"), 2U);
   EXPECT_EQ(count(yaml, "reference: \"configs/study/clips/01/reference.wav\""), 2U);
   EXPECT_EQ(count(yaml, "\"mono\": \"configs/study/clips/01/mono.wav\""), 2U);
-  // Its pages add the reference themselves.
+  // WebMUSHRA adds the reference itself.
   EXPECT_EQ(yaml.find("truth"), std::string::npos);
 }
 
