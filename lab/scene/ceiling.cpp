@@ -87,7 +87,7 @@ class LidMaker {
   struct Cell {
     bool open = false;  ///< a floor, and nothing overhead
     bool done = false;
-    bool lid = false;                                             ///< of the part that is being covered
+    bool lid = false;                                             ///< of the current part
     double top_m = -std::numeric_limits<double>::infinity();      ///< first face from above
     double highest_m = -std::numeric_limits<double>::infinity();  ///< corner of a face
   };

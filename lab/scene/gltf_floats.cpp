@@ -70,7 +70,7 @@ class Quantised {
     const auto type = accessor.at("type").get<std::string>();
     if (accessor.contains("sparse") || kind_ < kFirstKind || kind_ > kFirstKind + 3 ||
         !type.starts_with("VEC") || type.size() != 4) {
-      throw InputError(where, "has a component type that a vertex attribute cannot have", "export it again");
+      throw InputError(where, "has an invalid component type for vertices", "export it again");
     }
     size_ = kSizes[kind_ - kFirstKind];
     components_ = type[3] - '0';
