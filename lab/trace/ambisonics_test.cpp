@@ -56,7 +56,7 @@ TEST(Ambisonics, HarmonicsAreOrthonormalOverTheSphere) {
   }
   for (int a = 0; a < channels; ++a) {
     for (int b = 0; b < channels; ++b) {
-      // A sum over 4000 even points is good to about 1e-3.
+      // A sum over 4000 evenly spread points has an error of about 1e-3.
       EXPECT_NEAR(products[a * channels + b], a == b ? 1.0 : 0.0, 5e-3) << a << " " << b;
     }
   }
@@ -74,7 +74,7 @@ TEST(AmbisonicResponse, ArrivalIsEncodedInTheHeadsFrame) {
   const Waveform sound =
       synthesizer.ambisonic(response, quaternion_from_euler({.yaw_rad = kPi / 2}), 1, 0);
   ASSERT_EQ(sound.channels(), 4);
-  // The pulse's peak is the mean of its spectrum, whose top 8 % are half gone: 0.96. The pulse
+  // The pulse's peak is the mean of its spectrum, which rolls off over the top 8 %: 0.96. The pulse
   // train's error is 1e-6.
   constexpr double kPeak = 0.96;
   EXPECT_NEAR(sound.channel(0)[500], kPeak * 0.5, 1e-4);
@@ -95,10 +95,10 @@ TEST(AmbisonicResponse, DiffuseFieldIsAsLoudInEveryChannel) {
   const Waveform sound = synthesizer.ambisonic(response, {}, 2, 0);
   const double mono = energy(synthesizer.mono(response, 0).channel(0));
   for (int channel = 0; channel < 9; ++channel) {
-    // One draw of noise: 16000 samples, of which the sectors' mean weighs 32.
+    // One draw of noise: the mean over 32 sectors of 16000 samples each.
     EXPECT_NEAR(energy(sound.channel(channel)) / mono, 1.0, 0.1) << channel;
   }
-  // Sound from one side alone is in the channels as that direction is.
+  // Sound from one side only has that direction's gains in the channels.
   const int left = sector_of(0.0F, 1.0F, 0.0F);
   for (int bin = 0; bin < 500; ++bin) {
     for (int sector = 0; sector < kSectors; ++sector) {
@@ -110,8 +110,7 @@ TEST(AmbisonicResponse, DiffuseFieldIsAsLoudInEveryChannel) {
   encode_ambisonics(sector_direction(left), 1, gains);
   const double cross = std::inner_product(side.channel(0).begin(), side.channel(0).end(),
                                           side.channel(1).begin(), 0.0);
-  // Float rounding of both channels, which carry the same noise: exact but for the fade between
-  // bins.
+  // Both channels carry the same noise: exact except for float rounding and the fade between bins.
   EXPECT_NEAR(cross / energy(side.channel(0)), gains[1], 1e-3);
 }
 

@@ -10,16 +10,16 @@
 namespace earpoint {
 namespace {
 
-// Bands that share a later pulse. Low ones, where waves are long against walls, have their own: a
-// quarter of its centre's period says a band's phase best.
+// Bands that share a later pulse. Low bands, with waves that are long against walls, have their
+// own: a pulse a quarter of the centre's period later represents a band's phase best.
 struct BandRange {
   int first = 0;
   int last = 0;
 };
 constexpr std::array<BandRange, 6> kShared = {{{0, 0}, {1, 1}, {2, 2}, {3, 3}, {4, 5}, {6, 7}}};
 
-// The mean over the band, as loud as the band. Where the parts of the band cancel, it stays less
-// loud, so that its phase does not jump.
+// The mean over the band, scaled to the energy of the band. The gain is limited where parts of the
+// band cancel, so that the phase does not jump.
 std::complex<double> band_pressure(const DiffractionSpectrum& spectrum, int band) {
   constexpr double kMostGain = 2.0;
   std::complex<double> mean = 0.0;
@@ -33,7 +33,7 @@ std::complex<double> band_pressure(const DiffractionSpectrum& spectrum, int band
   return mean * std::min(kMostGain, std::sqrt(energy) / std::max(1e-30, std::abs(mean)));
 }
 
-// The mean cosine over an octave of what is a lag at its centre; the octave's spectrum is even.
+// The mean cosine of a lag over an octave with a flat spectrum. @param lag  at its centre, radians
 double mean_cosine(double lag) {
   const double high = lag * std::sqrt(2.0);
   const double low = lag * std::sqrt(0.5);
@@ -54,7 +54,7 @@ std::vector<BandPulse> band_pulses(const DiffractionSpectrum& spectrum) {
       const double lag = 2.0 * kPi * kOctaveBandCentresHz[band] * later.later_s;
       const double second = -pressure.imag() / std::sin(lag);
       const double first_gain = pressure.real() - second * std::cos(lag);
-      // Away from the centre they add up otherwise; their energy over the octave is kept.
+      // Away from the centre they add up differently; scaled to keep the energy over the octave.
       const double energy =
           first_gain * first_gain + second * second + 2.0 * first_gain * second * mean_cosine(lag);
       const double scale = energy > 0.0 ? std::sqrt(std::norm(pressure) / energy) : 0.0;

@@ -13,29 +13,29 @@
 namespace earpoint {
 namespace {
 
-// Shorter edges scatter, which the materials' scattering stands for; furniture is full of them.
+// Shorter edges count as scattering of the materials; furniture has many of them.
 constexpr double kShortestOfStructure_m = 0.4;
 constexpr double kShortestOfFurniture_m = 1.0;
 
-// An edge is looked at in stretches of about this length.
+// Edges are tested in stretches of about this length.
 constexpr double kStretch_m = 0.3;
-constexpr double kBorder_m = 2e-3;  // how well their ends are found
+constexpr double kBorder_m = 2e-3;  // accuracy of their ends
 
 constexpr double kRing_m = 0.02;  // radius of the circles of rays around an edge
 constexpr int kRingRays = 24;
-constexpr double kOnEdge_m = 0.004;  // a face this close to the circle's middle meets the edge
+constexpr double kOnEdge_m = 0.004;  // a face this close to the circle's middle touches the edge
 
-// Wedges that open less than this beyond flat hardly shadow anything.
+// Wedges with a smaller open angle cast hardly any shadow.
 constexpr double kLeastOpen_rad = kPi + 0.35;
 
-// Faces whose angles around the edge differ less are one face.
+// Faces whose angles around the edge differ by less count as one.
 constexpr double kSameAngle_rad = 0.1;
 
-// How thick a wall is whose two edges diffract one after the other.
+// Thickness of walls whose two edges diffract one after the other.
 constexpr double kThinnest_m = 0.01;
 constexpr double kThickest_m = 0.7;
 
-// A face that meets an edge.
+// A face that touches an edge.
 struct Spoke {
   double angle_rad = 0.0;
   std::uint32_t triangle = 0;
@@ -53,15 +53,15 @@ Across across(const Vector3& direction) {
   return {u, cross(direction, u)};
 }
 
-// The faces around a point of an edge, by angle; nothing if something else is in the way.
+// The faces around a point of an edge, by angle; nothing if another surface is in the way.
 std::optional<std::vector<Spoke>> find_spokes(const SceneGeometry& scene, const Vector3& point,
                                               const Vector3& direction) {
-  // Named: clang cannot take parts of a structured binding into a lambda.
+  // Named, as clang cannot capture structured bindings in a lambda.
   const Across axes = across(direction);
   const Vector3& u = axes.u;
   const Vector3& v = axes.v;
   const auto on_ring = [&](int i) {
-    // Turned off the axes: faces often lie along them, and would run through a ray's end.
+    // Turned off the axes, as faces often lie along them and would pass through a ray's end.
     const double angle_rad = 2.0 * kPi * (i + 0.37) / kRingRays;
     return point + u * (kRing_m * std::cos(angle_rad)) + v * (kRing_m * std::sin(angle_rad));
   };
@@ -76,7 +76,7 @@ std::optional<std::vector<Spoke>> find_spokes(const SceneGeometry& scene, const 
     const BounceFacet& facet = scene.facet(hit->triangle);
     if (std::abs(dot(facet.exact_normal, point) - facet.offset_m) > kOnEdge_m) return std::nullopt;
     const Vector3 met = from + way * static_cast<double>(hit->distance_m) - point;
-    // Exactly along the face, which a ray meets to within a float's rounding.
+    // The exact direction along the face; the hit has a float's rounding.
     Vector3 along = cross(direction, facet.exact_normal);
     if (dot(along, met) < 0.0) along = -along;
     spokes.push_back({std::atan2(dot(along, v), dot(along, u)), hit->triangle});
@@ -95,7 +95,7 @@ BandArray face_reflection(const SceneGeometry& scene, std::uint32_t triangle) {
   return reflection;
 }
 
-// The widest room between neighbouring spokes, if it is wide enough.
+// The widest open wedge between neighbouring spokes, if it is wide enough.
 std::optional<DiffractionEdge> widest_wedge(const SceneGeometry& scene, const Vector3& direction,
                                             const std::vector<Spoke>& spokes) {
   if (spokes.empty()) return std::nullopt;
@@ -123,7 +123,8 @@ std::optional<DiffractionEdge> widest_wedge(const SceneGeometry& scene, const Ve
   return edge;
 }
 
-// Sound can only be there if the room around is closed: some ray out of the wedge's middle hits.
+// Whether the edge is inside a closed room: whether some ray from the wedge's middle hits a
+// surface.
 bool is_inside(const SceneGeometry& scene, const DiffractionEdge& edge) {
   const Vector3 from = point_on_edge(edge, edge.length_m / 2.0, kRing_m);
   const Vector3 middle =
@@ -140,7 +141,7 @@ bool same_wedge(const DiffractionEdge& a, const DiffractionEdge& b) {
          dot(a.first_face, b.first_face) > std::cos(kSameAngle_rad);
 }
 
-// Looks along a crease.
+// Finds the edges along a crease.
 class CreaseLook {
  public:
   CreaseLook(const SceneGeometry& scene, const Crease& crease)
@@ -149,7 +150,7 @@ class CreaseLook {
         length_m_(norm(crease.end_m - crease.begin_m)),
         direction_((crease.end_m - crease.begin_m) / length_m_) {}
 
-  // Looks at the middles of stretches; neighbours alike are one edge.
+  // Tests the middles of stretches; equal neighbours are joined to one edge.
   void add_edges(std::vector<DiffractionEdge>& edges) const {
     const int count = std::max(1, static_cast<int>(std::lround(length_m_ / kStretch_m)));
     std::optional<DiffractionEdge> open;
@@ -178,7 +179,7 @@ class CreaseLook {
     return widest_wedge(scene_, direction_, *spokes);
   }
 
-  // Where an edge ends, between a place on it and one that is not.
+  // The end of an edge, between a place on it and one off it.
   [[nodiscard]] double border(const DiffractionEdge& edge, double on_z, double off_z) const {
     while (std::abs(on_z - off_z) > kBorder_m) {
       const double middle = (on_z + off_z) / 2.0;
@@ -201,7 +202,7 @@ class CreaseLook {
   Vector3 direction_;
 };
 
-// The angle of the face that lies along a direction around an edge, if one does.
+// The angle of the face along a direction around an edge, if there is one.
 std::optional<double> face_angle(const DiffractionEdge& edge, double angle_rad) {
   const double open_rad = edge.wedge.open_angle_rad;
   for (const double face_rad : {0.0, open_rad}) {
@@ -254,7 +255,7 @@ EdgePoint edge_point(const DiffractionEdge& edge, const Vector3& point) {
   result.radius_m = std::hypot(x, y);
   result.angle_rad = std::atan2(y, x);
   if (result.angle_rad < 0.0) result.angle_rad += 2.0 * kPi;
-  // On the first face, but for rounding.
+  // On the first face, to within rounding.
   const bool on_face = result.angle_rad > 2.0 * kPi - kOnBoundary_rad;
   if (on_face && edge.wedge.open_angle_rad < kPi * 1.9) result.angle_rad = 0.0;
   return result;

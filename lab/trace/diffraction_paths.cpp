@@ -14,10 +14,10 @@
 namespace earpoint {
 namespace {
 
-// Where the straight way is free, edges whose way is longer than it by more than this change the
-// level by less than 1 dB above 125 Hz; they are left out, and fade out from half of it on.
+// If the straight path is free, edges whose path is longer by more than this change the level by
+// less than 1 dB above 125 Hz. They are left out, with a fade from half of it on.
 constexpr double kLongestDetour_m = 2.0;
-// In the shadow, where the shortest way is itself a detour, others may be as many times longer.
+// In the shadow the limit grows by this many times the detour of the shortest path.
 constexpr double kLongerInShadow = 40.0;
 
 // Arrivals below this are left out: -60 dB of the source at 1 m.
@@ -33,7 +33,7 @@ struct Connection {
   double speed_m_per_s = 0.0;
 };
 
-// The way round one edge.
+// The path around one edge.
 struct EdgeWay {
   const Wedge* wedge = nullptr;
   EdgePoint here;
@@ -83,12 +83,12 @@ std::optional<FacePlace> place_at(const SceneGeometry& scene, const EdgePair& pa
   return place;
 }
 
-// The ways over the face of a pair.
+// The paths over the face of a pair.
 struct FaceWay {
   const EdgeFace* face = nullptr;
   FacePlace here;
   FacePlace there;
-  Way shortest;  // in by one edge and out by the other; by one alone, forth and back
+  Way shortest;  // in at one edge and out at the other; at one edge only, forth and back
 };
 
 Way shortest_over(const SceneGeometry& scene, const EdgePair& pair, const FacePlace& here,
@@ -134,7 +134,7 @@ DiffractionSpectrum sound_along(const Connection& connection, const PassageWay& 
   return sound_of_both_sides(way, connection.speed_m_per_s);
 }
 
-// The ways round a group of edges; their sound is one wave.
+// The paths around a group of edges, whose sound adds up to one wave.
 struct GroupWays {
   std::vector<EdgeWay> round_edges;
   std::vector<FaceWay> over_faces;
@@ -158,7 +158,7 @@ std::optional<GroupWays> ways_round(const Connection& connection, const EdgeGrou
   return ways;
 }
 
-// The phase is relative to the shortest way's.
+// Sums the pressure of all paths; phases are relative to the shortest.
 DiffractionSpectrum sum_sound(const Connection& connection, const GroupWays& ways) {
   DiffractionSpectrum sum{};
   const auto add = [&](const auto& way) {
@@ -175,13 +175,13 @@ DiffractionSpectrum sum_sound(const Connection& connection, const GroupWays& way
   return sum;
 }
 
-// What of a way's pressure counts.
+// Weight of a path's pressure.
 double share_of_detour(double distance_m, double shortest_m, double straight_m) {
   const double limit_m = kLongestDetour_m + kLongerInShadow * (shortest_m - straight_m);
   return std::clamp(2.0 - 2.0 * (distance_m - shortest_m) / limit_m, 0.0, 1.0);
 }
 
-// The same sound with the source's directivity and the air's losses.
+// Adds the sound as arrivals with the source's directivity and air absorption.
 void add_arrivals(const Source& source, const Vector3& listener, const Way& way,
                   const DiffractionSpectrum& sound, double share, const Propagation& propagation,
                   std::vector<Arrival>& arrivals) {
@@ -207,10 +207,10 @@ bool is_free(const SceneGeometry& scene, const Source& source, const Vector3& li
                                 scene.mask_without(source.body));
 }
 
-// The rays' floats are this rough, seen from an edge.
+// Rounding of the rays' floats as an angle around an edge.
 constexpr double kRounding_rad = 1e-5;
 
-// Within rounding of a shadow boundary.
+// Whether the listener is within rounding of a shadow boundary.
 bool touches_edge(const SceneGeometry& scene, const EdgeView& from, const EdgeView& to) {
   for (std::size_t i = 0; i < scene.edges().size(); ++i) {
     if (!from.sees(i) || !to.sees(i)) continue;
@@ -222,7 +222,8 @@ bool touches_edge(const SceneGeometry& scene, const EdgeView& from, const EdgeVi
   return false;
 }
 
-// Where rays along a face are blocked, the listener is heard from just behind the boundary.
+// If rays along a face may be blocked, a view from just behind the boundary replaces the
+// listener's.
 std::optional<EdgeView> behind_boundary(const SceneGeometry& scene, const Source& source,
                                         const EdgeView& from, const EdgeView& to) {
   constexpr double kAside_m = 2e-4;

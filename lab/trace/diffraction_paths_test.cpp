@@ -25,7 +25,7 @@ AcousticMaterial hard_wall() {
           .source = {}};
 }
 
-// 10 m long each way, no echo.
+// 10 m along each axis, anechoic.
 Scene dead_room() { return make_shoebox({10, 10, 10}, all_bands(1.0F), all_bands(0.0F)); }
 
 // A wall of half the room's height.
@@ -52,12 +52,13 @@ double level_db(const PointResponse& response, int band) {
 
 void expect_levels(const PointResponse& response, const std::array<double, 3>& wanted_db) {
   for (int i = 0; i < 3; ++i) {
-    // 125, 250, 500 Hz. The wave solver's own error is a few tenths; 1 dB is what the ear notices.
+    // 125, 250, 500 Hz. The wave solver's own error is a few tenths; 1 dB is just audible.
     EXPECT_NEAR(level_db(response, i + 1), wanted_db[i], 1.0) << kOctaveBandCentresHz[i + 1];
   }
 }
 
-// Levels of a wave solver in three dimensions, rigid walls, written apart from this program.
+// Levels are from a three-dimensional wave solver with rigid walls, written independently of this
+// code.
 
 TEST(DiffractionPaths, EndOfAThickWallIsAsLoudAsWavesAre) {
   const auto responses =
@@ -86,7 +87,8 @@ void expect_smooth(const Scene& scene, const Vector3& source, const Vector3& sta
   }
 }
 
-// Steps of a millimetre over the planes of both faces of the end, and the shadow line between.
+// Steps of a millimetre across the planes of both faces of the wall's end and the shadow boundary
+// between.
 
 TEST(DiffractionPaths, SteppingBehindAWallMakesNoJump) {
   for (const double thickness : {0.05, 0.3}) {
@@ -102,7 +104,7 @@ TEST(DiffractionPaths, SteppingBehindAWallMakesNoJump) {
 
 TEST(DiffractionPaths, SteppingPastADoorsCornerMakesNoJump) {
   const Scene scene = gates::wall_with_door(gates::Door::open, 0.1);
-  // Past the jamb's plane, the lintel's, and the corner's shadow.
+  // Across the planes of jamb and lintel, and the shadow of the corner.
   expect_smooth(scene, {-2, -1, 1.1}, {1.5, 0.98, 1.3}, {0, 0.001, 0}, 41);
   expect_smooth(scene, {-2, 0.5, 1.1}, {1.5, 0.4, 1.98}, {0, 0, 0.001}, 41);
   expect_smooth(scene, {-2, -1, 1.1}, {1.5, 0.5, 2.4}, {0, 0, 0.001}, 61);
@@ -123,7 +125,7 @@ TEST(DiffractionPaths, HiddenPlacesAreQuieterThanFreeField) {
 }
 
 TEST(DiffractionPaths, NarrowRevealReflects) {
-  // The side of a door is 0.1 x 2 m, less than image sources look for.
+  // The reveal of a door is 0.1 x 2 m, too small for image sources.
   const Scene scene = gates::wall_with_door(gates::Door::open, 0.1);
   const auto responses = trace_all(scene, {-1.0, 0.5, 1.0}, {{1.1, 0.5, 1.2}});
   int mirrored = 0;

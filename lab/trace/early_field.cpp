@@ -15,10 +15,10 @@ namespace {
 
 constexpr std::size_t kInterpolated = 256;
 
-/// Both ears' sound of one band before the band's filter, round its end.
+/// Both ears' sound of one band before the band's filter, as a circular signal.
 using BandSound = std::array<std::vector<float>, 2>;
 
-// Adds a response at a place of a circular signal, weighed for every band.
+// Adds a response at a place of a circular signal, with a gain per band.
 void add_response(std::span<const float> response, std::ptrdiff_t place, const BandArray& gain,
                   int ear, std::span<BandSound> bands) {
   const std::ptrdiff_t size = std::ssize(bands[0][ear]);
@@ -38,7 +38,8 @@ void add_response(std::span<const float> response, std::ptrdiff_t place, const B
 void add_early_binaural(const ResponseShape& shape, const OctaveBank& bank,
                         std::span<const Arrival> arrivals, const Quaternion& world_from_listener,
                         const HrtfSet& hrtf, std::span<std::vector<float>> ears) {
-  // What begins before the response or rings ahead of it comes to lie at the end, past its samples.
+  // What begins or rings before the response wraps to the end of the circular signal, past its
+  // samples.
   std::array<BandSound, kOctaveBands> bands;
   for (BandSound& band : bands) band.fill(std::vector<float>(shape.fft_size));
   HrirShifter shifter(hrtf.taps());

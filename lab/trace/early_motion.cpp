@@ -14,9 +14,9 @@ namespace {
 
 using Spectrum = std::vector<std::complex<float>>;
 
-constexpr double kControl_s = 0.002;  // between the times at which ways are worked out
+constexpr double kControl_s = 0.002;  // between the times at which paths are computed
 constexpr int kOversampling = 2;
-constexpr int kReach = 16;  // samples that the reader looks to both sides
+constexpr int kReach = 16;  // samples that the reader uses on both sides
 
 }  // namespace
 
@@ -25,15 +25,15 @@ float MotionWindow::weight(std::ptrdiff_t sample) const {
   return static_cast<float>(0.5 + 0.5 * std::cos(kPi * std::clamp(away, -1.0, 1.0)));
 }
 
-// The way of an arrival when source and listener have moved on from where it was traced. Exact for
-// the straight way, and to first order (without what both do together) for others.
+// The path of an arrival after source and listener have moved from where it was traced. Exact for
+// the straight path; to first order, without their product, for others.
 struct EarlyMotion::Way {
   Way(const Arrival& traced, const MotionWindow& window, const Motion& motion,
       double speed_m_per_s);
 
   [[nodiscard]] double length_m(const Vector3& source_moved, const Vector3& listener_moved) const;
   [[nodiscard]] Vector3 to_image(double time_s) const;
-  /// The level at another distance; up to 20 dB, since a way from afar tells little from close by.
+  /// The gain at another distance, up to 20 dB, as a distant path says little about a close one.
   [[nodiscard]] float nearer(double delay_s) const {
     return std::min(10.0F, static_cast<float>(arrival->delay_s / delay_s));
   }
@@ -65,8 +65,8 @@ EarlyMotion::Way::Way(const Arrival& traced, const MotionWindow& window, const M
   double delay_s = traced.delay_s;
   for (double time_s = first_s; time_s < last_s + kControl_s; time_s += kControl_s) {
     const Vector3 listener_moved = along.world_from_listener(time_s).position_m - listener_m;
-    // The source sent from where it was: the delay holds itself. Each turn is better by the ratio
-    // of its speed to sound's.
+    // The sound left the source where it was then, so that the delay depends on itself. Each
+    // iteration reduces the error by the ratio of its speed to that of sound.
     constexpr int kTurns = 6;
     for (int turn = 0; turn < kTurns; ++turn) {
       const Vector3 sent_from = along.world_from_source(time_s - delay_s).position_m;
@@ -99,13 +99,13 @@ Vector3 EarlyMotion::Way::to_image(double time_s) const {
   return way;
 }
 
-// The sound as far as a window needs it, as a spectrum; its edges are faded, outside of what is
+// The spectrum of the sound that a window needs; its edges are faded, outside the samples that are
 // read.
 struct EarlyMotion::Segment {
   Segment(std::span<const float> sound, const MotionWindow& window, std::span<const Way> ways,
           int taps);
 
-  // Turns the product of spectra into a signal of twice the rate.
+  // Transforms the product of spectra to a signal of twice the rate.
   std::span<const float> signal();
   [[nodiscard]] double position(double output_sample) const {
     return kOversampling * (output_sample - static_cast<double>(start));
@@ -180,7 +180,7 @@ EarlyMotion::Segment::Segment(std::span<const float> sound, const MotionWindow& 
 }
 
 std::span<const float> EarlyMotion::Segment::signal() {
-  // Interpolated by zeros above; the transform's scale is of its own size.
+  // Zeros above the spectrum interpolate; the transform scales by its own size.
   fine_fft.inverse(product, fine);
   for (float& sample : fine) sample *= kOversampling;
   return fine;
@@ -208,7 +208,7 @@ void EarlyMotion::add(const MotionWindow& window, std::span<const Arrival> arriv
   }
 }
 
-// Into a microphone in one place: one channel, or those of spherical harmonics.
+// For a microphone at one place: one channel, or those of spherical harmonics.
 void EarlyMotion::play(const MotionWindow& window, const Way& way, Segment& segment,
                        std::span<std::vector<float>> channels) const {
   for (std::size_t bin = 0; bin < segment.spectrum.size(); ++bin) {
@@ -232,8 +232,8 @@ void EarlyMotion::play(const MotionWindow& window, const Way& way, Segment& segm
   }
 }
 
-// Into two ears. An ear's own delay is taken out of its response and put back as it changes while
-// the head turns: responses of neighbouring steps fade into each other in step.
+// For two ears. The delay of each ear is removed from its response and added again as it changes
+// with the head, so that responses of neighbouring steps cross-fade in phase.
 void EarlyMotion::play_ears(const MotionWindow& window, const Way& way, Segment& segment,
                             std::span<std::vector<float>> channels) const {
   const HrtfSet& ears = *microphone_.ears;

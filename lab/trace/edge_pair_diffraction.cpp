@@ -19,11 +19,11 @@ constexpr Complex kI{0.0, 1.0};
 constexpr double kSharp =
     8.0;  // the trapezoidal rule misses less than exp(-8) of poles further away
 
-// Each pass of the face leaves at most a third (270 degrees, a face far below a wave).
+// Each pass of the face leaves at most a third (270 degrees, a face much narrower than a wave).
 constexpr int kPasses = 4;
 
-// What a wedge does to a plane wave along one of its faces, over the difference of the complex
-// angles of both waves, at the line's points; even.
+// Response of a wedge to a plane wave along one of its faces, as a function of the difference of
+// the complex angles of both waves, at the line's points. It is even.
 class Kernel {
  public:
   Kernel(double index, const ComplexAngleLine& line, std::size_t points) {
@@ -57,14 +57,14 @@ class Kernel {
 // One edge of the face, in one band.
 struct Corner {
   double index = 0.0;         // pi over the open angle
-  double face_weight = 1.0;   // of what comes along the face and of what it reflects: their mean
+  double face_weight = 1.0;   // mean of the incident wave along the face and its reflection
   double other_weight = 1.0;  // the same for the other face
 };
 
-// The sound that a wedge sends between one of its faces and a place at some angle from it, summed
-// over the complex angle: at the place, of plane waves that come along the face with each of the
-// line's angles; by reciprocity, on the face, of what the place sends.
-// @param wave  of the hyperbolic cosine of the angle between them, a sum that dies away
+// The sound that a wedge diffracts between one of its faces and a place at some angle from it,
+// summed over the complex angle. At the place: of plane waves along the face with each of the
+// line's angles. By reciprocity, on the face: of sound from the place.
+// @param wave  of the hyperbolic cosine of the angle between them; must decay
 template <typename Wave>
 std::vector<Complex> bend(const Corner& corner, double angle_rad, const ComplexAngleLine& line,
                           std::size_t points, const Wave& wave) {
@@ -103,7 +103,7 @@ std::vector<Complex> couple(const Corner& corner, const FacePoint& place,
               [&](const Complex& cosh) { return std::exp(-kI * phase * cosh); });
 }
 
-// Turns what comes along the face into what goes back.
+// The wave that goes back along the face, of the wave that comes.
 std::vector<Complex> turn_back(const Kernel& kernel, Complex scale,
                                const std::vector<Complex>& coming) {
   std::vector<Complex> going(coming.size());
@@ -126,7 +126,7 @@ Corner corner_of(const EdgeFace& face, int edge, int band) {
           .other_weight = (1.0 + static_cast<double>(face.other_reflection[edge][band])) / 2.0};
 }
 
-// The way across, unfolded: over the face once, or forth and back.
+// The unfolded path across: over the face once, or forth and back.
 double across(const EdgeFace& face, const FacePoint& source, const FacePoint& receiver,
               bool returns) {
   return source.radius_m + receiver.radius_m + face.width_m * (returns ? 2.0 : 1.0);
@@ -162,7 +162,7 @@ ByEdge pass_face(const EdgeFace& face, const std::array<Corner, 2>& corners,
                        corners[edge].index * kPi);
   }
 
-  // On the face the incident and the reflected wave are one: what comes is half of it.
+  // On the face incident and reflected wave coincide: the incident wave is half.
   const double incident = 0.5 / corners[0].face_weight;
   ByEdge pressure{};
   std::vector<Complex> wave = couple(corners[start], source, line, wave_number, points);
@@ -180,7 +180,7 @@ ByEdge pass_face(const EdgeFace& face, const std::array<Corner, 2>& corners,
   return pressure;
 }
 
-// Both ends of the shortest way, as the edges that it passes have them.
+// Both ends of the shortest path, by the edges that it passes.
 struct Ends {
   int in = 0;
   int out = 0;
@@ -201,7 +201,7 @@ Ends shortest_ends(const EdgeFace& face, const FacePlace& source, const FacePlac
   return shortest;
 }
 
-// What is seen of one edge from a place, as it lies on another edge `scale` times as far.
+// The visible parts of one edge, projected from a place to another edge `scale` times as far.
 std::vector<EdgeInterval> project(const std::vector<EdgeInterval>& intervals, double z_m,
                                   double scale) {
   std::vector<EdgeInterval> projected;
@@ -212,8 +212,8 @@ std::vector<EdgeInterval> project(const std::vector<EdgeInterval>& intervals, do
   return projected;
 }
 
-// What the parts of an edge that `near` and, past the other edge, `far` see send between them, over
-// what the endless edge would: makes up for the ends of edges. `far` is taken as lying on the face.
+// Sound by the parts of an edge that are visible from `near` and, past the other edge, from `far`,
+// relative to the endless edge: corrects for the ends of edges. `far` counts as on the face.
 DiffractionSpectrum share_in_sight(const EdgeFace& face, int edge, const FacePlace& near,
                                    const FacePlace& far, int far_edge, double across_m,
                                    double speed_m_per_s) {
@@ -244,7 +244,7 @@ DiffractionSpectrum share_in_sight(const EdgeFace& face, int edge, const FacePla
     const Complex endless =
         bend(corner_of(face, edge, i / kFrequenciesPerBand), place.angle_rad, line, 1, wave)[0];
     const Complex parts = share[i] * std::polar(1.0, -wave_number * later_m);
-    // Where the endless edge sends next to nothing, so do its parts over the face.
+    // If the endless edge diffracts almost nothing, so do its parts over the face.
     const double faint = 1e-4 / (shortest_m * shortest_m);
     share[i] = (parts * std::conj(endless) + faint) / (std::norm(endless) + faint);
   }
@@ -259,7 +259,7 @@ DiffractionSpectrum diffract_over_face(const EdgeFace& face, const FacePlace& so
   EARPOINT_CHECK(face.width_m > 0.0);
   const double along_m = receiver.z_m - source.z_m;
   const Ends ends = shortest_ends(face, source, receiver);
-  // Endless edges keep the wave's slope along them; what is left runs across.
+  // Endless edges keep the wave number along them; the rest is across.
   const double across_share = ends.across_m / std::hypot(ends.across_m, along_m);
 
   DiffractionSpectrum spectrum{};
@@ -286,7 +286,7 @@ DiffractionSpectrum diffract_over_face(const EdgeFace& face, const FacePlace& so
     }
   }
 
-  // Each end's share keeps the level where that end comes to see, or not to see, the other edge.
+  // The correction at each end keeps the level continuous where the other edge comes into view.
   const DiffractionSpectrum in_share =
       share_in_sight(face, ends.in, source, receiver, ends.out, ends.across_m, speed_m_per_s);
   const DiffractionSpectrum out_share =

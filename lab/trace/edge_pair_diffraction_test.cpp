@@ -19,7 +19,7 @@ struct WallEnd {
   double thickness_m;
   std::span<const EdgeInterval> intervals = kLong;
 
-  // As either edge has a place: the angle from the face on the end.
+  // A place in coordinates of either edge, with the angle from the face on the wall's end.
   [[nodiscard]] FacePlace place(double x, double y, double z = 0.0) const {
     FacePlace place{.z_m = z, .points = {}};
     for (int edge = 0; edge < 2; ++edge) {
@@ -44,7 +44,7 @@ struct WallEnd {
     return diffract_over_face(face(), source, receiver, 0.0, kSpeed);
   }
 
-  // Of all orders.
+  // The sound of all orders.
   [[nodiscard]] DiffractionSpectrum whole(const FacePlace& source,
                                           const FacePlace& receiver) const {
     DiffractionSpectrum sum = over(source, receiver);
@@ -74,7 +74,7 @@ TEST(EdgePairDiffraction, IsReciprocal) {
     const DiffractionSpectrum a = wall.over(here, there);
     const DiffractionSpectrum b = wall.over(there, here);
     for (int i = 0; i < kDiffractionFrequencies; ++i) {
-      // The orders are cut off at the same number both ways; the line's steps are not the same.
+      // Both directions have the same number of orders, but different steps of the line.
       EXPECT_LT(std::abs(a[i] - b[i]), 2e-3 * std::abs(a[i]) + 1e-5) << y << " " << i;
       EXPECT_GT(std::abs(a[i]), 1e-4) << "there is a sound";
     }
@@ -82,8 +82,8 @@ TEST(EdgePairDiffraction, IsReciprocal) {
 }
 
 TEST(EdgePairDiffraction, ThinWallIsAScreen) {
-  // A wall of 1 cm is 1/270 to 1/50 of a wave at 125 to 700 Hz. Its edge lies a little further out:
-  // by about a third of the thickness.
+  // A wall of 1 cm is 1/270 to 1/50 of a wave at 125 to 700 Hz. It acts like a screen that ends a
+  // little further out, by about a third of the thickness.
   const WallEnd wall{0.01};
   const auto source = wall.place(-2.0, -0.4);
   const auto receiver = wall.place(1.8, -0.6, 0.4);
@@ -109,8 +109,8 @@ TEST(EdgePairDiffraction, HasNoJumpWhereAnEdgeGoesOutOfSight) {
         const DiffractionSpectrum above = wall.whole(source, wall.place(1.2, 1e-5, 0.4));
         const DiffractionSpectrum below = wall.whole(source, wall.place(1.2, -1e-5, 0.4));
         for (int i = 0; i < kDiffractionFrequencies; ++i) {
-          // A point source's second order is that of a line source, but for its spreading: 2 %,
-          // most where the ways are short against a wave of 5 m.
+          // A point source's second order differs from that of a line source by its spreading: 2 %,
+          // most if the paths are short against a wave of 5 m.
           EXPECT_LT(std::abs(above[i] - below[i]), (i < 6 ? 0.05 : 0.03) * std::abs(above[i]))
               << thickness << " " << source_y << " " << i;
         }
@@ -120,7 +120,7 @@ TEST(EdgePairDiffraction, HasNoJumpWhereAnEdgeGoesOutOfSight) {
 }
 
 TEST(EdgePairDiffraction, PlacesOnTheFacesPlaneHaveALimit) {
-  // On the plane itself, and up to it: the same.
+  // The sound on the plane is the limit of the sound close to it.
   const WallEnd wall{0.1};
   const DiffractionSpectrum on = wall.whole(wall.place(-1.0, 0.0), wall.place(1.2, -0.5, 0.4));
   const DiffractionSpectrum near = wall.whole(wall.place(-1.0, 1e-5), wall.place(1.2, -0.5, 0.4));

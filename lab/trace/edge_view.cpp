@@ -8,16 +8,16 @@
 namespace earpoint {
 namespace {
 
-constexpr double kStretch_m = 0.25;  // what hides less of an edge may go unnoticed
-constexpr double kEnd_m = 2e-3;      // from either end, it is looked at too
-constexpr double kBorder_m = 2e-4;   // how well the borders of what is in sight are found
+constexpr double kStretch_m = 0.25;  // things that hide less of an edge may be missed
+constexpr double kEnd_m = 2e-3;      // also tested at this distance from either end
+constexpr double kBorder_m = 2e-4;   // accuracy of the ends of visible parts
 
 bool is_in_air(const DiffractionEdge& edge, const EdgePoint& point) {
   return point.radius_m > kEdgeClearance_m &&
          point.angle_rad < edge.wedge.open_angle_rad + kOnBoundary_rad;
 }
 
-// Looks at one edge from one place.
+// Finds the parts of one edge that are visible from one place.
 class EdgeLook {
  public:
   EdgeLook(const SceneGeometry& scene, const DiffractionEdge& edge, const Vector3& place,
@@ -51,7 +51,7 @@ class EdgeLook {
     return !scene_.rays().occluded(place_, point_on_edge(edge_, z, kEdgeClearance_m), mask_);
   }
 
-  // Between a place that is hidden and one in sight.
+  // The border between a hidden and a visible place.
   [[nodiscard]] double border(double hidden_z, double seen_z) const {
     while (std::abs(hidden_z - seen_z) > kBorder_m) {
       const double middle = (hidden_z + seen_z) / 2.0;
@@ -67,7 +67,7 @@ class EdgeLook {
   std::int64_t& rays_cast_;
 };
 
-// What is left of intervals without one.
+// The intervals without another interval.
 std::vector<EdgeInterval> without(const std::vector<EdgeInterval>& intervals,
                                   const EdgeInterval& hole) {
   std::vector<EdgeInterval> left;
@@ -87,7 +87,7 @@ EdgeView::EdgeView(const SceneGeometry& scene, const Vector3& place, LayerMask m
     : place_(place), in_sight_(scene.edges().size()) {
   for (std::size_t i = 0; i < in_sight_.size(); ++i) {
     const DiffractionEdge& edge = scene.edges()[i];
-    // From inside the wedge's solid nothing is in sight.
+    // From inside the wedge's solid nothing is visible.
     if (!is_in_air(edge, edge_point(edge, place))) continue;
     in_sight_[i] = EdgeLook(scene, edge, place, mask, rays_cast).intervals();
   }
@@ -97,7 +97,7 @@ EdgeView::EdgeView(const SceneGeometry& scene, const Vector3& place, LayerMask m
   }
 }
 
-// The rays end a little off the edge, and see it from a little behind the face that hides it.
+// Rays end a little off the edge and so reach it from slightly behind the face that hides it.
 void EdgeView::hide_behind(const SceneGeometry& scene, const EdgePair& pair, int nearer) {
   const DiffractionEdge& hiding = scene.edges()[pair.edges[nearer]];
   const EdgePoint point = edge_point(hiding, place_);

@@ -33,7 +33,7 @@ int nearest_sector(const Vector3& direction) {
   return nearest;
 }
 
-// The sectors of small squares on the faces of a cube around the origin.
+// The sector of each small square on the faces of a cube around the origin.
 constexpr int kSquares = 48;
 class SectorCube {
  public:

@@ -34,7 +34,7 @@ TEST(EnergyHistogram, SectorsShareTheSphereEvenly) {
     ++counts[sector_of(static_cast<float>(random.normal()), static_cast<float>(random.normal()),
                        static_cast<float>(random.normal()))];
   }
-  // 2000 draws each: 2 % by chance; the spiral's cells differ by 15 % in area.
+  // 2000 draws each: a standard error of 2 %; the spiral's cells differ by 15 % in area.
   for (const int count : counts) EXPECT_NEAR(count, kDraws / kSectors, 0.25 * kDraws / kSectors);
 }
 

@@ -32,8 +32,8 @@ bool lies_on_surface(const SceneGeometry& scene, const Vector3& place) {
   return false;
 }
 
-// The share of level directions in which nothing stands. In a room without a ceiling there are
-// none, wherever one stands; outside of the walls they are half or more.
+// The share of horizontal directions without any surface. In a room without a ceiling it is zero
+// everywhere; outside of the walls it is half or more.
 double open_level_share(const SceneGeometry& scene, const Vector3& place) {
   constexpr int kDirections = 90;
   constexpr double kDown = -0.02;  // off the walls' upper edges

@@ -20,7 +20,7 @@ OverFace over_face(const SceneGeometry& scene, const EdgePair& pair, const Vecto
   return {point.radius_m * std::cos(angle_rad), point.radius_m * std::sin(angle_rad), point.z_m};
 }
 
-// Where the face mirrors one place to another.
+// The point at which the face mirrors one place to another.
 std::optional<Vector3> mirror_point(const SceneGeometry& scene, const EdgePair& pair,
                                     const OverFace& here, const OverFace& there) {
   if (here.height_m <= 0.0 || there.height_m <= 0.0) return std::nullopt;

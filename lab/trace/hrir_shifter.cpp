@@ -19,7 +19,7 @@ void HrirShifter::shift(std::span<const float> taps, double fraction, std::span<
   const std::complex<double> step = std::polar(1.0, -2.0 * kPi * fraction / size());
   std::complex<double> turn = 1.0;
   for (std::complex<float>& bin : spectrum_) {
-    // By parts: std::complex looks for infinities.
+    // By parts, as std::complex tests for infinities.
     const auto c = static_cast<float>(turn.real());
     const auto d = static_cast<float>(turn.imag());
     bin = {bin.real() * c - bin.imag() * d, bin.real() * d + bin.imag() * c};

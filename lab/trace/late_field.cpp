@@ -25,8 +25,8 @@ std::vector<BandArray> powers(const EnergyHistogram& late, int sector, double bi
   return result;
 }
 
-// A pulse that filled the spectrum up to its edge would ring through the whole response and round
-// its end. Over the top 8 % it falls to nothing, so that it is 100 dB down within 20 ms.
+// A pulse with a spectrum up to its sharp edge would ring through the whole response and wrap
+// around. A roll-off over the top 8 % brings it 100 dB down within 20 ms.
 std::vector<float> spectrum_edge(int bins) {
   constexpr double kFallFrom = 0.92;
   std::vector<float> edge(bins);
@@ -52,9 +52,8 @@ LateField::LateField(const ResponseShape& shape, std::uint64_t seed)
       pool_(shape.sample_rate_hz, shape.samples, RandomStream(seed, {kPoolKey}).next()),
       seed_(seed) {}
 
-// Sectors read the pool so far apart that the ear does not join what two of them have in common
-// (a fifth of a stride, 50 ms at 16 kHz, or more), and at uneven distances, so that no echo adds
-// up.
+// Sectors read the pool far apart (a fifth of a stride, 50 ms at 16 kHz, or more), so that the
+// common parts of two are not heard together, and at uneven distances, so that no echoes add up.
 LateField::SectorOffsets LateField::sector_offsets(std::uint64_t stream) const {
   constexpr double kUneven = 0.8;
   RandomStream random(seed_, {kOffsetKey, stream});
@@ -94,7 +93,7 @@ void LateField::add_mono(const EnergyHistogram& late, std::span<const Arrival> a
   add_pulses(arrivals, std::vector<float>(arrivals.size(), 1.0F), fft, train, signal);
 }
 
-// Each arrival weighed by a gain of its own.
+// Adds each arrival with its own gain.
 void LateField::add_pulses(std::span<const Arrival> arrivals, std::span<const float> gains,
                            RealFft<float>& fft, PulseTrain& train, std::span<float> signal) const {
   train.clear();

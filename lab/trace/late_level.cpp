@@ -9,7 +9,7 @@ namespace earpoint {
 namespace {
 
 constexpr double kStretch_db = 4.0;
-constexpr double kMostGain = 4.0;  // 12 dB: a louder correction would be of a gap, not of noise
+constexpr double kMostGain = 4.0;  // 12 dB: a larger correction would amplify a gap, not noise
 
 // Stretches of time, [begin, end) in points of the envelope.
 struct Stretch {
@@ -17,7 +17,7 @@ struct Stretch {
   std::size_t end = 0;
 };
 
-// Cuts a decay where it has gone down by so much, or as much time has passed as the band needs.
+// Cuts a decay into stretches of kStretch_db, but not shorter than the band needs.
 std::vector<Stretch> cut(std::span<const double> power, double shortest_points) {
   std::vector<double> backward(power.size() + 1);
   for (std::size_t i = power.size(); i-- > 0;) backward[i] = backward[i + 1] + power[i];
@@ -34,7 +34,7 @@ std::vector<Stretch> cut(std::span<const double> power, double shortest_points) 
   return stretches;
 }
 
-// Adds a band under a gain that runs linearly between the middles of the stretches.
+// Adds a band with a gain that is linear between the middles of the stretches.
 void add_levelled(std::span<const float> band, std::span<const double> middles,
                   std::span<const double> gains, std::span<float> out) {
   std::size_t next = 0;
@@ -60,7 +60,7 @@ struct Levels {
   std::vector<double> gains;
 };
 
-// What brings a band's signals to their power, stretch by stretch.
+// Gains that bring a band's signals to their power, for each stretch.
 Levels find_levels(std::span<const double> power, double hop_samples, double shortest_points,
                    std::size_t samples, std::span<const std::vector<float>> signals) {
   Levels levels;
@@ -141,7 +141,7 @@ void level_noise(std::span<const BandArray> expected, double hop_samples, const 
     }
     std::vector<double> power(expected.size());
     for (std::size_t i = 0; i < power.size(); ++i) power[i] = expected[i][band];
-    // Two over the bandwidth: four degrees of freedom.
+    // Two over the bandwidth, that is, four degrees of freedom.
     const double shortest_s = 2.0 / (kOctaveBandCentresHz[band] / std::sqrt(2.0));
     const Levels levels =
         find_levels(power, hop_samples, shortest_s * sample_rate_hz / hop_samples, samples, bands);

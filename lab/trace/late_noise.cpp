@@ -16,8 +16,8 @@ namespace {
 constexpr int kSmallestPool = 1 << 17;
 constexpr int kLargestPool = 1 << 19;
 
-// Histogram bins per point of an envelope. A low band's noise cannot follow faster changes, and
-// shaping it as fast would spill its energy into the bands above.
+// Histogram bins per point of an envelope. A low band's noise cannot follow faster changes: a
+// faster envelope would spread its energy into the bands above.
 constexpr std::array<int, kOctaveBands> kBinsPerPoint = {4, 2, 1, 1, 1, 1, 1, 1};
 
 }  // namespace

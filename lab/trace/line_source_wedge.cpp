@@ -45,7 +45,7 @@ Complex hankel_far_away(Complex z) {
   return std::sqrt(2.0 / (kPi * z)) * std::exp(-kI * (z - kPi / 4.0)) * sum;
 }
 
-// Where sound starts to pass, a turn of half a circle is moved to the side where it does.
+// Moves a turn of half a circle off the shadow boundary, to the lit side if sound passes.
 double off_boundary(double behind_rad, bool passes) {
   if (std::abs(behind_rad) > kOnBoundary_rad) return behind_rad;
   return passes ? kOnBoundary_rad : -kOnBoundary_rad;

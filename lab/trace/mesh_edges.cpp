@@ -14,7 +14,7 @@ namespace earpoint {
 namespace {
 
 constexpr double kSamePoint_m = 1e-3;
-// Faces that meet at less than this from flat have no crease: 15 degrees.
+// Faces that meet at a smaller angle have no crease: 15 degrees.
 constexpr double kFlatCosine = 0.966;
 
 using Cell = std::array<std::int64_t, 3>;
@@ -34,7 +34,7 @@ Cell cell_of(const Vector3& point, double size_m) {
           std::llround(point.z / size_m)};
 }
 
-// Numbers vertices by place rather than by index.
+// Numbers vertices by position instead of index.
 std::vector<std::uint32_t> weld(const Mesh& mesh) {
   std::unordered_map<Cell, std::uint32_t, CellHash> known;
   std::vector<std::uint32_t> places;
@@ -68,7 +68,7 @@ std::vector<MeshEdge> triangle_edges(const Mesh& mesh, const std::vector<bool>& 
   return edges;
 }
 
-// All triangles of the edge lie in one plane, on both of its sides.
+// Whether all triangles of the edge lie in one plane, on both sides of the edge.
 bool is_flat(const Mesh& mesh, const MeshEdge* first, const MeshEdge* last) {
   if (last - first < 2) return false;
   const Vector3 normal = normalized(scaled_normal(mesh, first->triangle));

@@ -14,7 +14,7 @@
 namespace earpoint {
 namespace {
 
-// Arrivals whose delays follow the motion: so many, the strongest, so soon after the first.
+// Arrivals whose delays follow the motion: this number of the strongest, this soon after the first.
 constexpr std::size_t kMostEarly = 48;
 constexpr double kEarly_s = 0.05;
 
@@ -53,7 +53,7 @@ SplitResponse split(const PointResponse& response) {
   return parts;
 }
 
-// Adds what a window hears of a sound through a response that stands still.
+// Adds the part of a sound in a window, convolved with a fixed response.
 void add_convolved(std::span<const float> sound, const MotionWindow& window,
                    const Waveform& response, std::span<std::vector<float>> channels) {
   const std::ptrdiff_t taps = response.samples();
@@ -91,7 +91,7 @@ void trace_motion(const AcousticScene& scene, const Source& source, const Motion
                   const TraceOptions& options, ThreadPool& pool,
                   const std::function<void(int step, const PointResponse& response)>& handle) {
   EARPOINT_CHECK(steps > 0 && motion.step_s > 0.0);
-  // While the source stands still, one bundle of rays serves several steps.
+  // While the source does not move, one set of rays serves several steps.
   constexpr std::size_t kMostTogether = 16;
   for (int step = 0; step < steps;) {
     Source here = source;

@@ -48,7 +48,7 @@ Waveform play(const Scene& room, const Motion& motion, const std::vector<float>&
                       pool);
 }
 
-// The mean frequency of a tone over a stretch: its phase at both ends, by correlation.
+// The mean frequency of a tone over a stretch, from its phase at both ends, by correlation.
 double frequency_of(std::span<const float> samples, double near_hz, double from_s, double to_s) {
   constexpr int kHalf = 800;
   const auto phase_at = [&](double time_s) {
@@ -61,7 +61,7 @@ double frequency_of(std::span<const float> samples, double near_hz, double from_
     }
     return std::arg(sum);
   };
-  // In hops so short that the phase against `near_hz` cannot turn by half.
+  // Hops are short, so that the phase relative to `near_hz` changes by less than half a turn.
   double turned = 0.0;
   const int hops = 20;
   for (int hop = 0; hop < hops; ++hop) {
@@ -77,7 +77,7 @@ TEST(MovingSound, SourceThatComesNearerIsHigherByDoppler) {
                       .world_from_listener = still({0, 0, 0})};
   const Waveform heard = play(open_air(), motion, tone(1000.0, 1.5));
   const double expected_hz = 1000.0 / (1.0 - 10.0 / kAir_m_per_s);
-  // A hundredth of what is asked for: 0.1 %.
+  // A hundredth of the requirement, which is 0.1 %.
   EXPECT_NEAR(frequency_of(heard.channel(0), expected_hz, 0.3, 1.3), expected_hz, 0.01);
 }
 
@@ -91,8 +91,8 @@ TEST(MovingSound, ListenerWhoLeavesHearsLowerByDoppler) {
 }
 
 TEST(MovingSound, ReflectionHasADopplerShiftOfItsOwn) {
-  // Towards a rigid wall: the direct sound of a source behind is lower, the echo higher. What the
-  // same walk hears without the wall is taken off.
+  // Towards a rigid wall the direct sound of a source behind is lower and the echo higher. The
+  // sound of the same walk without the wall is subtracted.
   Scene scene = open_air();
   const AcousticMaterial rigid{.name = "wall",
                                .absorption = all_bands(0.0F),
@@ -107,7 +107,7 @@ TEST(MovingSound, ReflectionHasADopplerShiftOfItsOwn) {
   const Waveform direct = play(open_air(), motion, sound);
   std::vector<float> echo(both.channel(0).begin(), both.channel(0).end());
   for (std::size_t i = 0; i < echo.size(); ++i) echo[i] -= direct.channel(0)[i];
-  // The image lies at y = 20: nearer by 3 m a second, but for the small angle.
+  // The image is at y = 20 and comes nearer by 3 m/s, except for the small angle.
   const double expected_hz = 1000.0 * (1.0 + 3.0 / kAir_m_per_s);
   EXPECT_NEAR(frequency_of(echo, expected_hz, 0.3, 1.0), expected_hz, 0.05);
 }
@@ -130,7 +130,7 @@ TEST(MovingSound, LevelFollowsTheDistanceBetweenSteps) {
   }
 }
 
-// The largest level outside of a band around a tone, in windows of 32 ms, over the tone's.
+// The largest level outside of a band around a tone, relative to the tone, in windows of 32 ms.
 double clicks_db(std::span<const float> samples, double tone_hz, double from_s, double to_s) {
   constexpr int kSize = 512;
   RealFft<double> fft(kSize);
@@ -142,7 +142,7 @@ double clicks_db(std::span<const float> samples, double tone_hz, double from_s, 
        at + kSize < static_cast<std::ptrdiff_t>(to_s * kRate_hz); at += kSize / 4) {
     for (int i = 0; i < kSize; ++i) {
       const double turn = 2.0 * kPi * i / kSize;
-      // A window of Blackman and Harris: -92 dB beside its four bins.
+      // The Blackman-Harris window: -92 dB outside of its four bins.
       const double window = 0.35875 - 0.48829 * std::cos(turn) + 0.14128 * std::cos(2.0 * turn) -
                             0.01168 * std::cos(3.0 * turn);
       block[i] = window * static_cast<double>(samples[at + i]);
@@ -172,7 +172,7 @@ TEST(MovingSound, WalkThroughARoomHasNoClicks) {
   const HrtfSet hrtf = HrtfSet::load(kRate_hz);
   const Waveform heard = play(room, motion, tone(1000.0, 1.2), {.ears = hrtf}, 0.3);
   ASSERT_EQ(heard.channels(), 2);
-  // After the onset and before the tone's end, which are clicks of its own.
+  // After the onset and before the end of the tone, which are clicks themselves.
   for (int ear = 0; ear < 2; ++ear) {
     EXPECT_LT(clicks_db(heard.channel(ear), 1000.0, 0.45, 1.15), -60.0) << ear;
   }
@@ -214,12 +214,13 @@ TEST(MovingSound, StandingStillIsTheResponseOfThePlace) {
     const auto filter = spectrum_of(response.channel(channel));
     double error = 0.0;
     double all = 0.0;
-    // Up to where the pulses of a lone response fade.
+    // Up to where the spectrum of single responses rolls off.
     for (int bin = 0; bin < static_cast<int>(0.9 * fft.bins()); ++bin) {
       error += std::norm(out[bin] - in[bin] * filter[bin]);
       all += std::norm(in[bin] * filter[bin]);
     }
-    // Each part of a response is faded in before its first sound, where its filters ring.
+    // Each part of a response is faded in before its first sound, which cuts some ringing of its
+    // filters.
     EXPECT_LT(gates::decibels(error / all), -45.0) << channel;
   }
 }

@@ -22,8 +22,8 @@ constexpr double kOpenAngle_rad = 1.5 * kPi;
 
 Complex wave_at(double phase) { return {j0(phase), -y0(phase)}; }
 
-// Points and weights from 0 to a length, crowded at both ends so that the trapezoidal rule holds
-// however the integrand behaves there (Sidi, 1993).
+// Points and weights from 0 to a length, denser at both ends, so that the trapezoidal rule
+// converges even for singular integrands there (Sidi, 1993).
 struct Rule {
   std::vector<double> points;
   std::vector<double> weights;
@@ -39,7 +39,7 @@ struct Rule {
 
 using Vector = std::vector<Complex>;
 
-// By Gaussian elimination with pivots; the matrix is used up.
+// Solves by Gaussian elimination with pivoting, in the copied matrix.
 Vector solve(std::vector<Vector> matrix, Vector right) {
   const std::size_t size = right.size();
   for (std::size_t i = 0; i < size; ++i) {
@@ -74,7 +74,7 @@ class Modes {
         wave_number_(wave_number),
         count_(static_cast<int>(std::ceil(wave_number * passage.width_m / kPi)) + 4) {}
 
-  // What a line source in front of a wall without passage makes on each mode.
+  // Excitation of each mode by a line source in front of a wall without passage.
   [[nodiscard]] Vector excite(const PassagePlace& place) const {
     const Rule rule(passage_.width_m, 3 * count_ + 12);
     Vector excited(count_);
@@ -88,10 +88,10 @@ class Modes {
     return excited;
   }
 
-  // The gradient at the far end of the passage that a pressure before its near end drives.
+  // The pressure gradient at the far end of the passage, of a pressure in front of its near end.
   [[nodiscard]] Vector drive(const Vector& pressure) const {
     const std::vector<Vector> load = radiation();
-    // Sound in the passage is the sum of a part that is even about its middle and one that is odd.
+    // Sound in the passage is the sum of a part that is even and one that is odd about its middle.
     std::vector<Vector> even = load;
     std::vector<Vector> odd = load;
     Vector half = pressure;
@@ -126,7 +126,7 @@ class Modes {
     return std::sqrt((n == 0 ? 1.0 : 2.0) / passage_.width_m);
   }
 
-  // Along the passage; the mode runs or dies away.
+  // Along the passage; the mode propagates or decays.
   [[nodiscard]] Complex along_number(int n) const {
     const double square = wave_number_ * wave_number_ - transverse(n) * transverse(n);
     constexpr double kLeast = 1e-6;  // at a mode's cut-off
@@ -134,7 +134,7 @@ class Modes {
     return {0.0, -std::max(kLeast, std::sqrt(-square))};
   }
 
-  // Pressure on each mode of what each mode's gradient sends into a half-space.
+  // Pressure on each mode due to the radiation of each mode's gradient into a half-space.
   [[nodiscard]] std::vector<Vector> radiation() const {
     const double width_m = passage_.width_m;
     const Rule rule(width_m, 3 * count_ + 20);
@@ -170,7 +170,7 @@ class Modes {
   int count_;
 };
 
-// As the edges of the side at y = 0 have a place; by mirroring, those of the other side.
+// A place in coordinates of the edges of the side at y = 0; mirrored for the other side.
 struct SideView {
   std::array<FacePoint, 2> points;
   std::array<EdgePoint, 2> edges;
@@ -186,9 +186,9 @@ SideView view_of(const Passage& passage, const PassagePlace& place) {
     view.edges[edge] = {std::hypot(across_m, place.y_m), angle_rad, 0.0};
     view.points[edge] = {view.edges[edge].radius_m, angle_rad, {}};
   }
-  // The edge of its own side of the wall is in sight; the other one from within the opening alone,
-  // unless the opposite side hides it. As `EdgeView` finds it: on the face's plane it is in sight,
-  // and looked for a little off the edge.
+  // The edge on its own side of the wall is visible; the other one only from within the opening,
+  // unless the opposite side hides it. As in `EdgeView`, an edge is visible from the plane of its
+  // face and tested a little off the edge.
   const bool is_before = place.x_m < passage.depth_m / 2.0;
   const int near = is_before ? 0 : 1;
   view.points[near].in_sight = {{0.0, 1.0}};
@@ -202,7 +202,7 @@ SideView view_of(const Passage& passage, const PassagePlace& place) {
   return view;
 }
 
-// Where a straight line between two places meets a plane x.
+// Height of a straight line between two places at a plane x.
 double height_at(const PassagePlace& a, const PassagePlace& b, double x_m) {
   return a.y_m + (b.y_m - a.y_m) * (x_m - a.x_m) / (b.x_m - a.x_m);
 }
@@ -211,7 +211,7 @@ double length(const PassagePlace& a, const PassagePlace& b) {
   return std::hypot(a.x_m - b.x_m, a.y_m - b.y_m);
 }
 
-// What the side at y = 0 adds to the straight sound: its reflection and diffraction.
+// Sound that the side at y = 0 adds to the straight sound: its reflection and diffraction.
 Complex sound_of_side(const Passage& passage, const PassagePlace& source,
                       const PassagePlace& receiver, bool straight, double wave_number) {
   const PassagePlace image{receiver.x_m, -receiver.y_m};

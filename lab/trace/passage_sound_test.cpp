@@ -47,12 +47,13 @@ TEST(LineSourceWedge, SoundHasNoJumpAtTheShadowBoundary) {
   };
   const std::complex<double> above = total(1.25 * kPi - 1e-4, true);
   const std::complex<double> below = total(1.25 * kPi + 1e-4, false);
-  // Sound changes by this much within 0.6 mm.
+  // The two places are 0.6 mm apart, over which the sound changes by this much.
   EXPECT_LT(std::abs(above - below), 3e-3 * std::abs(above));
 }
 
 TEST(PassageSound, WidePassageIsTwoSidesAlone) {
-  // What meets both sides falls with their distance: seven waves apart, it is 0.1 dB at most.
+  // Sound that is diffracted at both sides falls with their distance: at seven waves it is 0.1 dB
+  // at most.
   const Passage passage{3.0, 0.1};
   for (const double y : {-0.5, 1.2, 2.6}) {
     const PassagePlace source{-2.0, 1.3};
@@ -65,8 +66,8 @@ TEST(PassageSound, WidePassageIsTwoSidesAlone) {
 }
 
 TEST(PassageSound, NarrowDeepPassageIsAPipe) {
-  // A slit far narrower than a wave is loudest where its length, with both ends' corrections, is
-  // half a wave. An open end adds about its width or less.
+  // A slit much narrower than a wave is loudest if its length, with both end corrections, is half a
+  // wave. An open end adds about its width or less.
   const Passage passage{0.05, 0.5};
   double loudest = 0.0;
   double loudest_number = 0.0;

@@ -14,10 +14,11 @@ namespace {
 
 using Complex = std::complex<double>;
 
-// Up to here; above, sound that meets both sides changes no octave by more than 0.3 dB.
+// Bands with passages; above them, sound that meets both sides changes no octave by more than 0.3
+// dB.
 constexpr int kPassageBands = 5;
 
-// Nearer to the wall's plane the sum fades out, for inside of the passage it is not known.
+// Closer to the wall's plane the sum fades out, as it is not known inside the passage.
 constexpr double kNear_m = 0.2;
 
 // The integral of exp(-i pi t^2 / 2) from x on, within 2e-3.
@@ -29,7 +30,7 @@ Complex fresnel_tail(double x) {
   return Complex(g, -f) * std::polar(1.0, -kPi / 2.0 * x * x);
 }
 
-// Of an edge, what a view sees, in the coordinate along the passage.
+// The visible parts of an edge, in the coordinate along the passage.
 std::vector<EdgeInterval> in_sight(const SceneGeometry& scene, const FacingPair& facing,
                                    const EdgeView& view, std::size_t index) {
   const DiffractionEdge& edge = scene.edges()[index];
@@ -45,7 +46,7 @@ std::vector<EdgeInterval> in_sight(const SceneGeometry& scene, const FacingPair&
   return intervals;
 }
 
-// What the stretches in sight send, over what the endless edge would.
+// Sound by the visible stretches, relative to the endless edge.
 Complex share_in_sight(const PassageWay::Crossing& crossing, double wave_number) {
   const double scale = std::sqrt(wave_number * (crossing.in_m + crossing.out_m) /
                                  (kPi * crossing.in_m * crossing.out_m));
@@ -114,7 +115,7 @@ std::optional<PassageWay> way_through(const SceneGeometry& scene, const FacingPa
 DiffractionSpectrum sound_of_both_sides(const PassageWay& way, double speed_m_per_s) {
   DiffractionSpectrum spectrum{};
   for (int i = 0; i < kPassageBands * kFrequenciesPerBand; ++i) {
-    // Endless edges keep the wave's slope along them; what is left runs across.
+    // Endless edges keep the wave number along them; the rest is across.
     const double wave_number = 2.0 * kPi * diffraction_frequency_hz(i) / speed_m_per_s *
                                way.across_m / way.shortest.distance_m;
     const Complex both = sound_through_passage(way.passage, way.before, way.behind, wave_number) -

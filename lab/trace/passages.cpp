@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kNarrowest_m = 0.2;
 constexpr double kWidest_m = 3.0;
-constexpr double kOff_m = 0.02;  // from a rectangle
+constexpr double kOff_m = 0.02;  // tolerated deviation from a rectangle
 constexpr double kRight_rad = 0.1;
 
 bool is_right_angled(const EdgePair& pair) {
@@ -22,7 +22,7 @@ bool is_right_angled(const EdgePair& pair) {
                      [](double open_rad) { return std::abs(open_rad - 1.5 * kPi) < kRight_rad; });
 }
 
-// Where both faces are beside each other, along the first edge of the first face.
+// Middle of the part in which both faces overlap, along the first edge of the first face.
 std::optional<double> shared_middle_m(std::span<const DiffractionEdge> edges, const EdgePair& first,
                                       const EdgePair& second) {
   const DiffractionEdge& along = edges[first.edges[0]];
@@ -55,7 +55,7 @@ std::optional<FacingPair> face_up(const SceneGeometry& scene,
   const Vector3 across = far.origin_m - origin.origin_m;
   facing.through = normalized(across - origin.direction * dot(across, origin.direction));
   facing.over = cross(origin.direction, facing.through);
-  // Into the air over the face.
+  // Points into the air over the face.
   if (dot(facing.over, point_on_edge(origin, 0.0, 1.0) - origin.origin_m) < 0.0) {
     facing.over = -facing.over;
   }
@@ -64,7 +64,7 @@ std::optional<FacingPair> face_up(const SceneGeometry& scene,
   if (facing.passage.width_m < kNarrowest_m || facing.passage.width_m > kWidest_m) {
     return std::nullopt;
   }
-  // Both edges of the second face lie opposite those of the first, and its air is on this side.
+  // The edges of the second face must be opposite those of the first, with its air on this side.
   const DiffractionEdge& opposite = edges[second.edges[0]];
   const Vector3 into_air = point_on_edge(opposite, 0.0, 1.0) - opposite.origin_m;
   if (dot(facing.over, into_air) > 0.0) return std::nullopt;

@@ -14,14 +14,14 @@ constexpr int kFiner = 2;  // grid points per sample
 constexpr int kWidth = 8;  // grid points that a pulse is spread over
 constexpr double kShape = 2.3 * kWidth;
 
-// The spreading function, on [-1, 1]: close to the best concentrated one, and cheap.
+// The spreading function, on [-1, 1]: nearly optimally concentrated, and cheap.
 double spread(double place) {
   const double inside = 1.0 - place * place;
   return inside <= 0.0 ? 0.0 : std::exp(kShape * (std::sqrt(inside) - 1.0));
 }
 
-// One over its Fourier transform. The integrand and its derivatives vanish at both ends as far as
-// a float can tell, so that the trapezoidal rule is exact.
+// One over its Fourier transform. The integrand and its derivatives vanish at both ends to a
+// float's precision, so that the trapezoidal rule is exact.
 double correction(double radians_per_point) {
   constexpr int kSteps = 48;
   double sum = 0.0;

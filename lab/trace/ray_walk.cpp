@@ -20,16 +20,16 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr std::uint64_t kRayKey = 1;
 constexpr std::uint64_t kLatticeKey = 2;
 
-// Below this share of its first energy, one ray in `kThinning` goes on and carries the others'.
+// Below this share of its first energy, one ray in `kThinning` continues with the energy of all.
 constexpr float kFaint = 1e-6F;
 constexpr float kThinning = 10.0F;
 
-// Energies of rays are kept within this factor of what is expected.
+// Energies of rays are kept within this factor of the expected energy.
 constexpr float kWindow = 2.0F;
-constexpr float kLeastGoingOn = 0.01F;  // of rays with too little, this share at least
+constexpr float kLeastGoingOn = 0.01F;  // of rays with too little energy, at least
 constexpr int kMostParts = 16;          // of one ray, at one bounce
 
-// A listener's sphere, for what comes off mirrors.
+// A listener's sphere, for rays after specular reflections.
 struct Ear {
   Float3 position{};
   float radius_m = 0.0F;
@@ -83,7 +83,7 @@ class Walk {
   WalkTally tally_;
 };
 
-// The largest sphere that no surface cuts, within reason: the larger, the more rays it catches.
+// The largest sphere within limits that no surface cuts: larger ones catch more rays.
 Ear make_ear(const SceneGeometry& scene, const Vector3& position) {
   constexpr double kSmallest_m = 0.15;
   constexpr double kLargest_m = 0.75;
@@ -110,7 +110,7 @@ Walk::Walk(const WalkSetup& setup, const WalkTask& task)
       bins_per_m_(static_cast<float>(1.0 / setup.bin_m)),
       next_ray_(task.first_ray) {
   for (const Vector3& position : setup.listeners) ears_.push_back(make_ear(scene_, position));
-  // All tasks of a source turn the lattice of its first directions by the same angle.
+  // The lattice of first directions is turned by the same angle in all tasks of a source.
   RandomStream random(setup.options->seed, {kLatticeKey, task.stream});
   lattice_azimuth_rad_ = random.uniform(0.0, 2.0 * kPi);
   tally_.late.assign(ears_.size(), EnergyHistogram(setup.bins, setup.bin_s));
@@ -136,8 +136,8 @@ WalkTally Walk::run() {
   }
 }
 
-// The first directions lie on a spiral lattice, each at random within its own ring, so that they
-// cover the sphere more evenly than chance would and are still without bias.
+// First directions are on a spiral lattice, each random within its own ring: they cover the sphere
+// more evenly than independent ones and are still unbiased.
 void Walk::start(Lane& lane, int ray) {
   const TraceOptions& options = *setup_.options;
   lane = Lane{};
@@ -205,8 +205,8 @@ void Walk::advance(int index) {
   lane.entered = nullptr;
 }
 
-// Counts a ray that came off a mirror where it passes through the sphere around a listener: the
-// sphere's mean energy density is the sum of energy times length inside, over the volume.
+// Counts a specularly reflected ray that passes through the sphere around a listener: the mean
+// energy density is the sum of energy times length inside, over the volume.
 void Walk::listen_along(const Lane& lane, float distance_m) {
   if (lane.leg == Leg::direct || lane.leg == Leg::diffuse) return;
   for (std::size_t listener = 0; listener < ears_.size(); ++listener) {
@@ -221,7 +221,7 @@ void Walk::listen_along(const Lane& lane, float distance_m) {
     const float inside_m =
         std::min(along_m + half_m, distance_m) - std::max(along_m - half_m, 0.0F);
     if (inside_m <= 0.0F) continue;
-    // As from the image of the source, or of the place of the last diffuse reflection.
+    // Distance from the image of the source, or of the last diffuse reflection.
     const float straight_m = lane.travelled_m - lane.turned_m + along_m;
     const float image_m = std::sqrt(straight_m * straight_m + std::max(aside_squared, 0.0F));
     const bool is_arrival =
@@ -232,7 +232,7 @@ void Walk::listen_along(const Lane& lane, float distance_m) {
   }
 }
 
-// Next-event estimation: what the places that the rays have hit send straight to a listener.
+// Next-event estimation: sound from the points that rays have hit straight to a listener.
 void Walk::send_diffuse(std::size_t listener) {
   const Ear& ear = ears_[listener];
   std::array<float, kPacketSize> scales;
@@ -283,7 +283,7 @@ bool Walk::through_walls(int index, std::size_t listener, BandArray& energy) con
                          kTransmissiveLayer, energy);
 }
 
-// A survey counts a ray wherever it is on its way.
+// A survey counts a ray at every step of its path.
 void Walk::note_alive(const Lane& lane, float distance_m) {
   const auto step_m = static_cast<float>(kAliveStep_m);
   const auto first = static_cast<std::size_t>(std::ceil(lane.travelled_m / step_m));
@@ -295,8 +295,8 @@ void Walk::note_alive(const Lane& lane, float distance_m) {
   }
 }
 
-// What a ray carries over what the survey expects: the mean over bands. Expectations do not fall
-// below -60 dB: rays there become fewer.
+// Energy of a ray relative to the survey's expectation, mean over bands. Expectations are limited
+// to -60 dB, below which rays become fewer.
 float Walk::weight(const Lane& lane) const {
   const EnergyAlive& expected = *task_.expected;
   const auto place = static_cast<std::size_t>(lane.travelled_m / static_cast<float>(kAliveStep_m));
@@ -312,7 +312,7 @@ float Walk::weight(const Lane& lane) const {
   return bands > 0 ? sum * static_cast<float>(setup_.rays) / static_cast<float>(bands) : 1.0F;
 }
 
-// After a bounce the ray goes on, alone, in several parts, or not at all.
+// After a bounce the ray continues as one, in several parts, or not at all.
 void Walk::branch(int index) {
   Lane& lane = lanes_[index];
   if (lane.passing) {
@@ -338,7 +338,7 @@ void Walk::go_through(Lane& lane, int index) {
   for (int axis = 0; axis < 3; ++axis) lane.origin[axis] -= offset_m_ * normals_[index][axis];
 }
 
-// Draws how the ray goes on, and weighs it so that each band keeps its energy on average.
+// Draws how the ray continues, with weights that keep the energy of each band on average.
 void Walk::turn(Lane& lane, int index) {
   const BounceFacet& facet = *facets_[index];
   const BounceSurface& surface = scene_.surface(facet);

@@ -40,7 +40,7 @@ Windows window_energies(const PointResponse& response, double duration_s) {
 
 double level_db(double energy) { return energy > 0.0 ? 10.0 * std::log10(energy) : -kInfinity; }
 
-// Decibels per window that a band falls by in the second half; the line of least squares.
+// Decay of a band in the second half, in dB per window, by least squares.
 double fall_db(const Windows& windows, int band) {
   double n = 0.0;
   double sum_x = 0.0;

@@ -23,7 +23,7 @@ ResponseShape make_shape(const RenderOptions& options) {
   return shape;
 }
 
-// When the first sound of a response arrives, sharp or late; infinity if none does.
+// Time of the first sound of a response, an arrival or late energy; infinity if there is none.
 double first_sound_s(const PointResponse& response) {
   double first_s = std::numeric_limits<double>::infinity();
   if (!response.arrivals.empty()) first_s = response.arrivals.front().delay_s;
@@ -36,8 +36,8 @@ double first_sound_s(const PointResponse& response) {
   return first_s;
 }
 
-// Filters without phase ring ahead of what they filter: silence up to 6 ms before the first sound,
-// faded in over the next 3.
+// Zero-phase filters ring ahead: silence up to 6 ms before the first sound, faded in over the next
+// 3 ms.
 void silence_before(const PointResponse& response, Waveform& waveform) {
   constexpr double kLead_s = 0.006;
   constexpr double kFade_s = 0.003;

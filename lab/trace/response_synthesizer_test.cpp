@@ -24,7 +24,7 @@ PointResponse one_arrival(double delay_s, const Vector3& direction, const BandAr
 TEST(ResponseSynthesizer, ArrivalIsTheHeadsResponseAtItsSample) {
   const HrtfSet hrtf = HrtfSet::load(kRate_hz);
   const ResponseSynthesizer synthesizer({.sample_rate_hz = kRate_hz, .duration_s = 0.1});
-  // At a whole sample after the head's own delay, no fraction is left.
+  // At a whole sample after the head's own delay there is no fractional delay.
   const double centre = hrtf.centre_delay_samples();
   const int place = 400;
   const Vector3 direction{0.6, 0.8, 0.0};
@@ -47,7 +47,7 @@ TEST(ResponseSynthesizer, ArrivalsPastTheInterpolatedOnesAreAsLoud) {
   const ResponseSynthesizer synthesizer({.sample_rate_hz = kRate_hz, .duration_s = 0.2});
   PointResponse response = one_arrival(0.1, {0.0, 1.0, 0.0}, all_bands(1.0F));
   const Waveform first = synthesizer.binaural(response, {}, hrtf, 0);
-  // 256 silent ones before it.
+  // 256 silent arrivals before it.
   const Arrival arrival = response.arrivals[0];
   response.arrivals.assign(256, arrival);
   for (Arrival& silent : response.arrivals) silent.gain = all_bands(0.0F);
@@ -85,7 +85,7 @@ double largest_db(const Waveform& waveform, double from_s, double to_s) {
 TEST(ResponseSynthesizer, LoneSoundRingsNeitherAheadNorOn) {
   const HrtfSet hrtf = HrtfSet::load(kRate_hz);
   const ResponseSynthesizer synthesizer({.sample_rate_hz = kRate_hz, .duration_s = 0.4});
-  // 34 m through air at 20 degrees: 8 kHz has lost 3.6 dB, and falls between two samples.
+  // 34 m through air at 20 degrees: 3.6 dB less at 8 kHz. The delay is between two samples.
   const BandArray air = {1.0F, 1.0F, 0.998F, 0.99F, 0.98F, 0.96F, 0.89F, 0.66F};
   const double delay_s = 0.1000213;
   const PointResponse response = one_arrival(delay_s, {0.6, 0.8, 0.0}, air);
@@ -94,7 +94,7 @@ TEST(ResponseSynthesizer, LoneSoundRingsNeitherAheadNorOn) {
                                 synthesizer.ambisonic(response, {}, 2, 0)};
   for (const Waveform& waveform : responses) {
     EXPECT_EQ(largest_db(waveform, 0.0, delay_s - 0.006), -INFINITY);
-    // The pulse's own flanks, which the fade to silence cuts.
+    // The flanks of the pulse, where the fade to silence cuts them.
     EXPECT_LT(largest_db(waveform, 0.0, delay_s - 0.004), -80.0) << waveform.channels();
     EXPECT_LT(largest_db(waveform, delay_s + 0.05, 0.4), -100.0) << waveform.channels();
   }

@@ -11,8 +11,8 @@
 namespace earpoint {
 namespace {
 
-// Below this a plane is smaller than the first Fresnel zone of most of the audible range at the
-// distances of a room, and does not act as a mirror.
+// Smaller planes are below the first Fresnel zone for most audible frequencies at room distances
+// and do not act as mirrors.
 constexpr double kSmallestMirrorSquareMetres = 0.25;
 
 std::vector<BounceSurface> make_surfaces(const Scene& scene) {
@@ -61,7 +61,7 @@ using PlaneKey = std::array<int, 4>;
 PlaneKey plane_key(const Vector3& normal, double offset_m) {
   constexpr double kNormalSteps = 100.0;
   constexpr double kOffsetSteps_per_m = 100.0;
-  // Both sides of a plane are one plane: the first component that is not zero is positive.
+  // Both sides of a plane are one plane, so the first non-zero component is made positive.
   const bool flip =
       normal.x < -1e-6 || (std::abs(normal.x) <= 1e-6 &&
                            (normal.y < -1e-6 || (std::abs(normal.y) <= 1e-6 && normal.z < 0.0)));
@@ -111,7 +111,8 @@ SceneGeometry::SceneGeometry(const Scene& scene)
       instance_layers_(make_instance_layers(scene)),
       transmits_(std::any_of(surfaces_.begin(), surfaces_.end(),
                              [](const BounceSurface& surface) { return surface.transmits; })),
-      // A float's step at the room's far end is 6e-8 of the coordinate; a hit is good to a few.
+      // A float's step at the room's far end is 6e-8 of the coordinate; a hit is precise to a few
+      // steps.
       surface_offset_m_(1e-4 + 1e-6 * largest_coordinate_m(mesh_)),
       rays_(mesh_, make_layers(mesh_, surfaces_, instance_layers_)) {
   mesh_.normals.clear();

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kShortestBlock = 2048;
 
-// Both complex factors by parts: std::complex looks for infinities.
+// Both complex factors by parts, as std::complex tests for infinities.
 void add_product(std::span<const std::complex<float>> a, std::span<const std::complex<float>> b,
                  std::span<std::complex<float>> sum) {
   for (std::size_t i = 0; i < sum.size(); ++i) {

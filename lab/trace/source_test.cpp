@@ -55,8 +55,8 @@ TEST(Directivity, MeanEnergyIsTheIntegralOverTheSphere) {
   }
   // The table's straight lines lie above the curve by up to 2e-4 of it.
   EXPECT_NEAR(Directivity::about_front(cardioid).mean_energy()[0], 1.0F / 3.0F, 3e-4F);
-  // Half the sphere, above the horizon, as a table over azimuth and elevation: the row of the
-  // horizon has 1/2, and the lines to it change nothing of the mean.
+  // The half-sphere above the horizon as a table over azimuth and elevation: the row of the horizon
+  // has 1/2, and interpolation to it does not change the mean.
   const Directivity above(1, 3, {all_bands(0.0F), all_bands(0.5F), all_bands(1.0F)});
   EXPECT_NEAR(above.mean_energy()[0], 0.5F, 1e-4F);
 }

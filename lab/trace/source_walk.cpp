@@ -7,8 +7,8 @@
 namespace earpoint {
 namespace {
 
-// The rays of a source are walked in this many shares, whatever the number of threads, and their
-// energies are added in order: the sum's last bits do not depend on who was first.
+// The rays of a source are traced in this number of shares, independent of the number of threads,
+// and added in order, so that the sum does not depend on timing.
 constexpr int kShares = 8;
 
 constexpr int kLeastSurvey = 100;  // rays
@@ -25,7 +25,7 @@ void add(const WalkTally& tally, WalkTally& total) {
   }
 }
 
-// Walks in shares; adds those of each source up in order.
+// Traces the shares and adds those of each source in order.
 // @param expected  [source], or empty for a first survey
 // @param pass      each draws its own random numbers
 std::vector<WalkTally> walk_shares(const WalkSetup& setup, std::span<const Source> sources,
@@ -53,8 +53,8 @@ std::vector<WalkTally> walk_shares(const WalkSetup& setup, std::span<const Sourc
   return totals;
 }
 
-// The survey's energies as far as enough rays tell of them; from there on they fall as before. Too
-// low a guess would split rays without end.
+// The survey's energies while there are enough rays; from there on they decay at the same rate. Too
+// low an estimate would split rays without end.
 EnergyAlive expected_energies(WalkTally survey) {
   constexpr double kEnoughRays = 20.0;
   EnergyAlive energies = std::move(survey.alive);
@@ -62,7 +62,7 @@ EnergyAlive expected_energies(WalkTally survey) {
   while (known + 1 < energies.size()) {
     double sum = 0.0;
     for (const float band : energies[known + 1]) sum += static_cast<double>(band);
-    // As many rays of equal energy would have this sum and these squares.
+    // This number of rays of equal energy would have the same sum and sum of squares.
     if (sum * sum < kEnoughRays * survey.alive_squares[known + 1]) break;
     ++known;
   }
@@ -91,7 +91,7 @@ std::vector<WalkTally> walk_sources(const WalkSetup& setup, std::span<const Sour
   survey.rays = std::max(std::min(setup.rays, kLeastSurvey), setup.rays / kSurveyShare);
   std::vector<EnergyAlive> expected;
   std::int64_t rays_cast = 0;
-  // The first survey loses sight of what decays slowly; guided by it, the second does not.
+  // The first survey loses slowly decaying energy; the second, guided by the first, does not.
   for (const std::uint64_t pass : {1U, 2U}) {
     std::vector<EnergyAlive> found;
     for (WalkTally& tally : walk_shares(survey, sources, expected, pass, pool)) {

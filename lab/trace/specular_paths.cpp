@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kShares = 16;  // of the work, whatever the number of threads
 
-// Two images closer than this are one, seen through triangles of one wall that differ by rounding.
+// Closer images are one, mirrored at triangles of one wall that differ by rounding.
 constexpr double kSameImage_m = 5e-3;
 
 Vector3 mirror_point(const BounceFacet& facet, const Vector3& point) {
@@ -41,7 +41,7 @@ ImageKey image_key(const ImageSource& image) {
           image.reflections};
 }
 
-// Of images in one small cell, one is kept.
+// Keeps one of the images in each small cell.
 void drop_duplicates(std::vector<ImageSource>& images) {
   const auto before = [](const ImageSource& a, const ImageSource& b) {
     return image_key(a) < image_key(b);
@@ -77,8 +77,8 @@ void follow_ray(const SceneGeometry& scene, const Source& source, const MirrorLi
   }
 }
 
-// Shorter ways have no direction: what mirrors a source onto a listener stands between them, so
-// that nothing comes that way.
+// Shorter paths have no direction: the mirror is between source and listener, so that there is no
+// sound.
 constexpr double kNoWay_m = 1e-6;
 
 // The path from the listener back to the source.
@@ -133,8 +133,8 @@ bool BackwardPath::follow(const Vector3& listener, const ImageSource& image,
 
 using Hits = std::array<std::optional<TriangleHit>, kPacketSize>;
 
-// What the listener's rays to some images first meet, all at once: neighbours in the list lie in
-// much the same direction.
+// First hits of the listener's rays to some images, in packets: neighbours in the list have similar
+// directions.
 Hits first_hits(const SceneGeometry& scene, const Vector3& listener,
                 std::span<const ImageSource> images) {
   SoundRayPacket packet;
@@ -165,7 +165,7 @@ bool same_path(const Arrival& a, const Arrival& b, double speed_m_per_s) {
          norm(a.direction - b.direction) * a.delay_s * speed_m_per_s < 4.0 * kSameImage_m;
 }
 
-// By delay. An image on the border of two cells may have come through twice.
+// Sorted by delay, without duplicates: an image on the border of two cells may be there twice.
 std::vector<Arrival> sorted_once(std::vector<Arrival> arrivals, double speed_m_per_s) {
   std::stable_sort(arrivals.begin(), arrivals.end(),
                    [](const Arrival& a, const Arrival& b) { return a.delay_s < b.delay_s; });

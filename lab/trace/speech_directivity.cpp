@@ -11,8 +11,8 @@ constexpr int kAngles = 13;  // every 15 degrees, from the front to the back
 constexpr int kMeasuredBands = 7;
 
 // Level in dB relative to the front, octave bands from 125 Hz to 8 kHz: Monson, Hunter and Story,
-// JASA 132(1), 433-441 (2012), doi 10.1121/1.4725963, Table I, normal speech. Taken from
-// a transcription, which another one equals to the last digit; the paper itself was not at hand.
+// JASA 132(1), 433-441 (2012), doi 10.1121/1.4725963, Table I, normal speech. Taken from a
+// transcription, which agrees with a second one in every digit; not compared with the paper itself.
 constexpr std::array<std::array<double, kMeasuredBands>, kAngles> kLevels_db = {{
     {0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0},
     {0.8, 0.7, 0.6, -0.2, -1.0, -1.7, -1.0},

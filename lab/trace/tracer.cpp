@@ -16,8 +16,8 @@
 namespace earpoint {
 namespace {
 
-// Late energy is kept in bins of this width: finer than the ear's resolution of a tail, and than
-// the 10 ms in which decays are judged.
+// Width of the bins of late energy: finer than what is audible in a tail, and than the 10 ms
+// windows for decays.
 constexpr double kBin_s = 0.002;
 
 void check_options(const TraceOptions& options) {
@@ -28,7 +28,7 @@ void check_options(const TraceOptions& options) {
   check_air(options.air);
 }
 
-// Nearer to a point source the level grows without end.
+// Closer to a point source the level grows without limit.
 void check_apart(std::span<const Source> sources, std::span<const Vector3> listeners) {
   constexpr double kLeast_m = 1e-3;
   for (const Source& source : sources) {
@@ -40,7 +40,7 @@ void check_apart(std::span<const Source> sources, std::span<const Vector3> liste
   }
 }
 
-// The straight way, through whatever lets sound through.
+// The straight path, through everything that transmits sound.
 void add_direct(const SceneGeometry& scene, const Source& source, const Vector3& listener,
                 const Propagation& propagation, PointResponse& response) {
   const Vector3& source_m = source.world_from_source.position_m;
@@ -53,7 +53,7 @@ void add_direct(const SceneGeometry& scene, const Source& source, const Vector3&
   response.sees_source = true;
 }
 
-// Sharp arrivals of one source at all listeners.
+// Discrete arrivals of one source at all listeners.
 class ArrivalFinder {
  public:
   ArrivalFinder(const SceneGeometry& scene, std::span<const Vector3> listeners,
@@ -104,8 +104,8 @@ class ArrivalFinder {
   std::int64_t rays_cast_ = 0;
 };
 
-// How far mirror rays are trusted to find every image source: out to where an opening of this area
-// catches three of them.
+// Distance up to which mirror rays find every image source: where an opening of this area catches
+// three of them.
 MirrorLimits mirror_limits(const TraceOptions& options, double speed_m_per_s) {
   constexpr double kOpeningSquareMetres = 4.0;
   const double reach_m = std::sqrt(options.mirror_rays * kOpeningSquareMetres / (3.0 * 4.0 * kPi));
@@ -115,7 +115,7 @@ MirrorLimits mirror_limits(const TraceOptions& options, double speed_m_per_s) {
           .min_purity = 0.03};
 }
 
-// All of a bin's energy has come the same way, within the width of the bin.
+// All energy of a bin has travelled the same distance, to within the width of the bin.
 void absorb_in_air(const Propagation& propagation, EnergyHistogram& late) {
   for (int bin = 0; bin < late.bins(); ++bin) {
     const double distance_m = (bin + 0.5) * late.bin_s() * propagation.speed_m_per_s;
@@ -148,7 +148,7 @@ TraceResult trace(const AcousticScene& scene, std::span<const Source> sources,
   ArrivalFinder finder(geometry, listeners, options, setup.mirrors);
   for (std::size_t i = 0; i < sources.size(); ++i) {
     WalkTally& tally = tallies[i];
-    // Rays that were thinned out stand for others too: a few of them may add up to a little more.
+    // Rays after thinning represent several, so that the sum may slightly exceed 1.
     result.escape_fraction.push_back(
         tally.emitted > 0.0 ? std::min(1.0, tally.escaped / tally.emitted) : 0.0);
     check_escape(geometry, sources[i].world_from_source.position_m, result.escape_fraction.back(),

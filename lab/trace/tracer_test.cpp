@@ -75,7 +75,7 @@ TEST(Tracer, ScatteringMovesEnergyFromTheMirrorToTheLateField) {
   const PointResponse scattered = trace_one(rough, omni({0, 0, 1}), {2, 0, 1}, {.rays = 2000});
   EXPECT_EQ(late_energy(mirrored, 3), 0.0);
   EXPECT_EQ(scattered.arrivals.size(), 1U);
-  // Lambert's law, summed over a fine grid of the floor.
+  // Lambert's law, summed over a fine grid on the floor.
   double expected = 0.0;
   constexpr double kStep = 0.02;
   for (double x = -20.0; x < 20.0; x += kStep) {
@@ -94,7 +94,7 @@ TEST(Tracer, ScatteringMovesEnergyFromTheMirrorToTheLateField) {
 TEST(Tracer, WallsPassWhatTheyTransmitAndNoMore) {
   Scene scene = open_air();
   add_block(scene, {1, -20, -20}, {1.1, 20, 20}, material(1.0F, 0.0F, 0.01F));
-  // What comes round the wall's ends, over 40 m, is left out.
+  // Without diffraction around the wall's ends, over 40 m.
   const TraceOptions straight{.diffracts = false};
   const PointResponse response = trace_one(scene, omni({0, 0, 0}), {2, 0, 0}, straight);
   ASSERT_EQ(response.arrivals.size(), 1U);
@@ -116,8 +116,8 @@ TEST(Tracer, WallsPassWhatTheyTransmitAndNoMore) {
 }
 
 TEST(Tracer, TransmittedSoundIsScatteredBehindTheWallToo) {
-  // Behind a wall that passes a quarter, a diffuse floor sends a quarter of what it sends without
-  // the wall, whose two faces count once.
+  // Behind a wall that transmits a quarter, a diffuse floor scatters a quarter of the energy. The
+  // wall's two faces count once.
   Scene open = open_air();
   add_block(open, {1, -20, -2}, {20, 20, -1}, material(0.0F, 1.0F));
   Scene walled = open;
@@ -125,7 +125,7 @@ TEST(Tracer, TransmittedSoundIsScatteredBehindTheWallToo) {
   const TraceOptions options{.rays = 2000};
   const double without = late_energy(trace_one(open, omni({0, 0, 0}), {3, 0, 0}, options), 3);
   const double with = late_energy(trace_one(walled, omni({0, 0, 0}), {3, 0, 0}, options), 3);
-  // The rays that pass are drawn: about 2000 / 4 / 4 of them. 15 %.
+  // Rays pass by chance: about 2000 / 4 / 4 of them, with a standard error of 9 %.
   EXPECT_NEAR(with * 4.0 / without, 1.0, 0.15);
 }
 
@@ -162,7 +162,7 @@ TEST(Tracer, DirectivityWeighsWhatLeavesTheSource) {
 }
 
 TEST(Tracer, ReverberationGetsTheMeanOfTheDirectivity) {
-  // Walls that reflect all and scatter it: after some bounces nothing tells of the first direction.
+  // Walls that scatter nearly all sound: after some bounces the first direction does not matter.
   const Scene room = make_shoebox({5, 4, 3}, all_bands(0.02F), all_bands(1.0F));
   Source source = omni({1, 1, 1});
   const PointResponse omnidirectional = trace_one(room, source, {3, 3, 2});
@@ -176,7 +176,7 @@ TEST(Tracer, ReverberationGetsTheMeanOfTheDirectivity) {
       with += static_cast<double>(speech.late.bin_energy(bin)[band]);
       without += static_cast<double>(omnidirectional.late.bin_energy(bin)[band]);
     }
-    // The same rays with other weights: what is left of chance is about 1 %.
+    // The same rays with other weights: the ratio has a standard error of about 1 %.
     EXPECT_NEAR(with / without, static_cast<double>(mean[band]),
                 0.04 * static_cast<double>(mean[band]))
         << band;
@@ -200,7 +200,7 @@ TEST(Tracer, SoundComesFromTheSideOfTheReflector) {
     for (int bin = 0; bin < response.late.bins(); ++bin) {
       energy += static_cast<double>(response.late.at(bin, sector)[3]);
     }
-    // Sectors are about 40 degrees wide, so that one may reach over the border.
+    // Sectors are about 40 degrees wide, so that one may extend across the border.
     if (sector_direction(sector).y < -0.5) {
       EXPECT_EQ(energy, 0.0) << sector;
     }
@@ -209,7 +209,7 @@ TEST(Tracer, SoundComesFromTheSideOfTheReflector) {
 }
 
 TEST(Tracer, MeasuresWhatEscapes) {
-  // A box that swallows all sound, without its ceiling.
+  // A fully absorbing box without its ceiling.
   Scene scene = make_shoebox({6, 5, 3}, all_bands(1.0F), all_bands(1.0F));
   scene.mesh.triangles.resize(10);
   scene.mesh.triangle_material.resize(10);
@@ -249,7 +249,7 @@ TEST(Tracer, RefusesASourceInTheListenersPlace) {
   EXPECT_THROW(trace_one(room, omni({1, 1, 1}), {1, 1, 1.0005}), InputError);
 }
 
-// Places that are likely to divide by zero: in planes, on edges and corners, mirrored, equal.
+// Places that may cause divisions by zero: in planes, on edges and corners, mirrored, equal.
 class OddPlaces {
  public:
   explicit OddPlaces(const Mesh& mesh) : mesh_(mesh), random_(7) {}
@@ -316,7 +316,7 @@ TEST(Tracer, TenThousandOddPairsGiveFiniteResponsesOrARefusal) {
       ASSERT_LT(norm(to - from), 1e-3);
     }
   }
-  // Two of seven kinds, and now and then a corner twice.
+  // Two of seven kinds are refused, and sometimes the same corner twice.
   EXPECT_GT(refused, 2000);
 }
 
@@ -332,7 +332,7 @@ std::string refusal_of(const Scene& scene, const Vector3& source_m) {
 TEST(Tracer, SaysWhySoundEscapes) {
   const Scene closed = make_shoebox({6, 5, 3}, all_bands(0.2F), all_bands(0.3F));
   EXPECT_NE(refusal_of(closed, {9, 2, 1}).find("is outside the walls"), std::string::npos);
-  // Half of the rays from a wall's plane begin behind it, or all if rounding has it so.
+  // Half of the rays from a wall's plane begin behind it, or all by rounding.
   EXPECT_NE(refusal_of(closed, {3, 2, 0}).find("the source: is on a surface"), std::string::npos)
       << refusal_of(closed, {3, 2, 0});
   Scene open = closed;

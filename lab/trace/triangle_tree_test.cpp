@@ -10,7 +10,7 @@
 namespace earpoint {
 namespace {
 
-// How far a ray inside a box goes.
+// Length of a ray inside a box up to the wall.
 double to_wall_m(const Vector3& lengths, const Vector3& origin, const Vector3& direction) {
   const auto along = [](double length, double o, double d) {
     return d == 0.0 ? 1e30 : ((d > 0.0 ? length : 0.0) - o) / d;
@@ -23,7 +23,7 @@ class TriangleTreeTest : public ::testing::Test {
  protected:
   const Vector3 lengths_{6, 5, 3};
   Scene scene_ = make_shoebox(lengths_, all_bands(0.0F), all_bands(0.0F));
-  // The two triangles of the ceiling let sound through.
+  // The two triangles of the ceiling are in a layer of their own.
   std::vector<LayerMask> layers_ = {1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 2, 2};
   TriangleTree tree_{scene_.mesh, layers_};
   RandomStream random_{3};
@@ -78,7 +78,7 @@ TEST_F(TriangleTreeTest, PacketsFindWhatSingleRaysFind) {
 }
 
 TEST_F(TriangleTreeTest, OfWallsThatLieOnEachOtherTheLastOneIsMet) {
-  // The box twice: the copies' triangles come after the originals' and coincide with them.
+  // The box twice: the copies' triangles come after the originals and coincide with them.
   Mesh doubled = scene_.mesh;
   const std::size_t triangles = doubled.triangles.size();
   for (std::size_t i = 0; i < triangles; ++i) doubled.triangles.push_back(doubled.triangles[i]);

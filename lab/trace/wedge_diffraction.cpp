@@ -16,12 +16,12 @@ namespace {
 constexpr int kParts = 3;
 using Parts = std::array<double, kParts>;
 
-// Secondary sources are gathered by their time of arrival into bins of this length: a phase error
-// of 0.04 of a period at 8 kHz, shared between two bins.
+// Secondary sources are summed in bins of this length by their time of arrival: a phase error of
+// 0.04 periods at 8 kHz, as each is shared between two bins.
 constexpr double kBin_m = 0.0035;
 
 // Steps along the edge grow with the distance from the apex. The first is integrated in closed
-// form: near a shadow boundary the integrand peaks there, however narrowly.
+// form, as near a shadow boundary the integrand has a narrow peak there.
 constexpr double kFirstStep = 1e-3;  // of the nearer end's radius
 constexpr double kGrowth = 0.12;
 constexpr double kCoarsestStep_m = 0.01;
@@ -78,13 +78,13 @@ class Integrand {
   }
 
  private:
-  // Moves a turn of half a circle, where sound starts to pass, to the side where it does.
+  // Moves a turn of half a circle off the shadow boundary, to the lit side if sound passes.
   [[nodiscard]] static double off_boundary(double turn_rad, bool passes) {
     if (std::abs(turn_rad - kPi) > kOnBoundary_rad) return turn_rad;
     return passes ? kPi - kOnBoundary_rad : kPi + kOnBoundary_rad;
   }
 
-  // Of the imaginary angle between source and receiver, as a point of the edge has it.
+  // Hyperbolic cosine of the imaginary angle between source and receiver, at a point of the edge.
   [[nodiscard]] double cosh_angle(double z) const {
     const double in_m = std::hypot(source_.radius_m, z - source_.z_m);
     const double out_m = std::hypot(receiver_.radius_m, z - receiver_.z_m);
@@ -141,7 +141,7 @@ class BinnedResponse {
   std::vector<Parts> bins_;
 };
 
-// On the unfolded plane the shortest way is straight.
+// On the unfolded plane the shortest path is straight.
 double unbounded_apex_z(const EdgePoint& source, const EdgePoint& receiver) {
   return source.z_m +
          (receiver.z_m - source.z_m) * source.radius_m / (source.radius_m + receiver.radius_m);

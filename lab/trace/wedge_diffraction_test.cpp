@@ -14,7 +14,7 @@ namespace {
 constexpr double kSpeed = 343.2;
 const EdgeInterval kLong[] = {{-60.0, 60.0}};
 
-// The mean over the octave, as the tracer means it.
+// The mean over the octave, as the tracer computes it.
 double utd_level_db(double open_angle, double source_angle, double source_m, double receiver_angle,
                     double receiver_m, int band) {
   double energy = 0.0;
@@ -57,7 +57,7 @@ TEST(WedgeDiffraction, IsHalfTheDirectSoundOnTheShadowBoundary) {
     // off the boundary takes 4 % at 8 kHz.
     EXPECT_NEAR(sound[band] * 5.0F, 0.5F, band < 4 ? 0.09F : 0.05F) << band;
   }
-  // In front of the boundary it takes half away.
+  // In front of the boundary it removes half.
   const EdgePoint lit{3.0, kPi / 3.0 + kPi - 1e-3, 0.0};
   EXPECT_NEAR(gains(wedge, source, lit, kLong)[5] * 5.0F, -0.5F, 0.05F);
 }
@@ -72,7 +72,7 @@ TEST(WedgeDiffraction, FollowsTheUniformTheoryBehindWedges) {
                                       {1.8, receiver_angle, 0.0}, kLong);
         for (int band = 3; band < kOctaveBands; ++band) {
           const double level_db = 20.0 * std::log10(static_cast<double>(sound[band]));
-          // The uniform theory is asymptotic: 500 Hz is a wave of 0.7 m, on ways of 2 m.
+          // The uniform theory is asymptotic: at 500 Hz the wave is 0.7 m, on paths of 2 m.
           EXPECT_NEAR(level_db,
                       utd_level_db(open_angle, source_angle, 2.5, receiver_angle, 1.8, band), 0.3)
               << open_angle << " " << source_angle << " " << behind << " band " << band;
@@ -90,7 +90,7 @@ TEST(WedgeDiffraction, OnTheShadowBoundaryItTakesTheSideOfTheStraightSound) {
     const bool touches = std::abs(off_rad) < kOnBoundary_rad;
     const float free = gains(wedge, source, receiver, kLong, {.straight = true})[5];
     const float blocked = gains(wedge, source, receiver, kLong, {.straight = false})[5];
-    // Half of 1/5, however near the boundary is; the reflection adds 0.013 on either side.
+    // Half of 1/5, however close the boundary is; the reflection adds 0.013 on either side.
     EXPECT_NEAR(free, touches || off_rad < 0.0 ? -0.1F : 0.1F, 0.016F) << off_rad;
     EXPECT_NEAR(blocked, touches || off_rad > 0.0 ? 0.1F : -0.1F, 0.016F) << off_rad;
   }
@@ -109,7 +109,7 @@ TEST(WedgeDiffraction, IsReciprocal) {
   const BandArray a = gains(wedge, here, there, door);
   const BandArray b = gains(wedge, there, here, door);
   for (int band = 0; band < kOctaveBands; ++band) {
-    // Floats of up to 0.1, of which the last bit is 7e-9, over a few hundred steps of opposite
+    // Floats of up to 0.1, with a last bit of 7e-9, summed over a few hundred steps in opposite
     // order.
     EXPECT_NEAR(a[band], b[band], 1e-7F);
     EXPECT_GT(std::abs(a[band]), 1e-3F) << "there is a sound";

@@ -33,7 +33,7 @@ double octave_energy(const Scene& scene, const Vector3& listener, double centre_
   return energy(band_of(response.channel(0), kRate_hz, centre_hz, 1.0));
 }
 
-// Both sides of the door as endless half-planes; the rims above and below are not between source
+// Both sides of the door as endless half-planes; the upper and lower rims are not between source
 // and listener.
 double reference_energy(const Vector3& listener, double centre_hz) {
   const double speed_m_per_s = speed_of_sound_m_per_s({});

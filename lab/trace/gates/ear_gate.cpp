@@ -25,7 +25,7 @@ struct Direction {
   std::string_view name;
   Vector3 towards;
 };
-// On the median plane, where the ears' differences say nothing, and at the sides.
+// On the median plane, where interaural differences vanish, and at the sides.
 constexpr std::array<Direction, 6> kDirections = {{{"front", {1, 0, 0}},
                                                    {"back", {-1, 0, 0}},
                                                    {"front above", {0.7071, 0, 0.7071}},
@@ -44,7 +44,7 @@ Waveform response_from(const Scene& scene, const Vector3& towards, const EulerAn
   return synthesizer.binaural(traced.responses[0][0], quaternion_from_euler(head), hrtf, 0);
 }
 
-// Where a signal first exceeds a tenth of its peak.
+// The time at which a signal first exceeds a tenth of its peak.
 double onset_ms(std::span<const float> signal) {
   float peak = 0.0F;
   for (const float sample : signal) peak = std::max(peak, std::abs(sample));
@@ -88,7 +88,7 @@ GateRow side_row(const Direction& direction, double sign, const HrtfSet& hrtf) {
   const Waveform ears = response_from(open_air(), direction.towards, {}, hrtf);
   const double time_ms = onset_ms(ears.channel(1)) - onset_ms(ears.channel(0));
   const double level_db = level_difference_db(ears);
-  // A head of 18 cm delays sound from the side by 0.5 to 0.8 ms and shadows 4 kHz by 5 dB at least.
+  // A head of 18 cm delays sound from the side by 0.5 to 0.8 ms and shadows 4 kHz by at least 5 dB.
   return {.gate = fmt::format("source on the {}: the left ear is ahead by, and louder at 4 kHz by",
                               direction.name),
           .measured = fmt::format("{:+.2f} ms, {:+.1f} dB", time_ms, level_db),
@@ -122,12 +122,12 @@ GateRow colour_row(const HrtfSet& hrtf) {
               "direction's own measured HRTF, and to the nearest other's",
           .measured = fmt::format("at most {:.2f} dB, at least {:.2f} dB", largest_own_db,
                                   smallest_other_db),
-          // The measured direction lies a few degrees off, and the air takes the highest octave.
+          // The measured direction is a few degrees off, and air attenuates the highest octave.
           .limit = "the first less than half the second",
           .passed = largest_own_db < 0.5 * smallest_other_db};
 }
 
-// A turned head hears the world turned the other way.
+// Turning the head is the same as turning the world the other way.
 GateRow turn_row(const HrtfSet& hrtf) {
   struct Turn {
     EulerAngles head;
@@ -161,7 +161,7 @@ GateRow turn_row(const HrtfSet& hrtf) {
           .passed = worst_db < -60.0};
 }
 
-// Reflections and late field too come from their sides.
+// Reflections and the late field also come from the right sides.
 GateRow room_row(const HrtfSet& hrtf) {
   Scene room = make_shoebox({6, 5, 3}, all_bands(0.4F), all_bands(0.5F));
   for (auto& [x, y, z] : room.mesh.positions) {

@@ -19,7 +19,7 @@ double band_weight(double octaves_away, double half_width) {
 
 std::vector<double> band_of(std::span<const float> response, int sample_rate_hz, double centre_hz,
                             double octaves) {
-  // As much room again for the filter's ringing, which goes round the end.
+  // Zero-padded to twice the length, for the filter's ringing.
   const int size = fast_fft_size(2 * static_cast<int>(response.size()));
   RealFft<double> fft(size);
   std::vector<double> signal(size);

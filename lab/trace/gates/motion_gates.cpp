@@ -110,7 +110,7 @@ GateRow doppler_row(ThreadPool& pool) {
   options.air_absorbs = false;
   const Waveform heard =
       trace_motion(AcousticScene(open_air()), omni({}), motion, tone, kRate_hz, {}, options, pool);
-  // How far the phase turns between two stretches of a tenth of a second, a second apart.
+  // Phase change between two stretches of a tenth of a second, a second apart.
   const double expected_hz = kTone_hz / (1.0 - kNearer_m_per_s / 343.2);
   const auto phase_at = [&](double time_s) {
     const auto first = static_cast<std::size_t>(time_s * kRate_hz);

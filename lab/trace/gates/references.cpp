@@ -13,7 +13,7 @@
 namespace earpoint::gates {
 namespace {
 
-// Where the k-th mirror cell of a wall pair holds the image of a coordinate.
+// The image of a coordinate in the k-th mirror cell of a wall pair.
 double image_coordinate(int cell, double length_m, double coordinate_m) {
   return cell % 2 == 0 ? cell * length_m + coordinate_m : (cell + 1) * length_m - coordinate_m;
 }
@@ -44,7 +44,7 @@ std::array<double, 3> random_from_wall(int axis, double inward, RandomStream& ra
   return direction;
 }
 
-// The wall that a particle meets next, and how far away.
+// The wall that a particle hits next, and its distance.
 struct WallHit {
   int axis = 0;
   double distance_m = 0.0;
@@ -62,7 +62,7 @@ WallHit next_wall(const std::array<double, 3>& lengths, const Particle& particle
   return hit;
 }
 
-// Where along the way the sphere lies.
+// The part of the path inside the sphere.
 struct Chord {
   double middle_m = 0.0;
   double length_m = 0.0;
@@ -88,7 +88,7 @@ Chord sphere_chord(const Particle& particle, const std::array<double, 3>& centre
 // Energy lost per metre to the air.
 double air_per_m(double db_per_m) { return db_per_m * std::log(10.0) / 10.0; }
 
-// The growth per metre at which a transport that grows with it makes up for the absorption.
+// The growth per metre at which the eigenvalue of transport balances the absorption.
 template <typename Eigenvalue>
 double balance(double absorption, Eigenvalue eigenvalue) {
   double low = 0.0;

@@ -134,7 +134,7 @@ std::vector<GateRow> reverberation_gate(ThreadPool& pool) {
     const TraceResult traced = trace(scene, {&from, 1}, listeners, options, pool);
     const ResponseSynthesizer synthesizer(
         {.sample_rate_hz = kRate_hz, .duration_s = options.duration_s});
-    // A fast decay holds few periods of a low band: more draws of its noise.
+    // A fast decay has few periods of a low band: more draws of its noise.
     const std::uint64_t draws = absorption < 0.3F ? 4 : 24;
     std::vector<Waveform> responses;
     for (std::size_t i = 0; i < listeners.size(); ++i) {
@@ -149,7 +149,7 @@ std::vector<GateRow> reverberation_gate(ThreadPool& pool) {
     for (int band = kFirstBand; band <= kLastBand; ++band) {
       const double centre_hz = kOctaveBandCentresHz[band];
       const double eyring_s = eyring_time_s(box, band);
-      // A decay faster than this is the filter's own (ISO 3382-2, 7.3).
+      // Faster decays are those of the filter itself (ISO 3382-2, 7.3).
       if (centre_hz / std::sqrt(2.0) * eyring_s < 16.0) continue;
       const double found_s =
           decay_time_s(summed_decay(responses, centre_hz), kRate_hz, -5.0, -35.0);

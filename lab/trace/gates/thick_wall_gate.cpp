@@ -28,7 +28,7 @@ AcousticMaterial rigid() {
 /// A wall along the plane x = 0 that ends at y = 0, or a doorway in it.
 struct Plan {
   double thickness_m = 0.0;
-  double doorway_m = 0.0;  ///< 0: nothing above the wall's end
+  double doorway_m = 0.0;  ///< 0: a wall's end instead of a doorway
   PlanePoint source;
   std::vector<PlanePoint> listeners;
   int steps = 0;  ///< of the wave solver's grid, over the wall's thickness
@@ -118,7 +118,7 @@ std::vector<PlanePoint> column(double x, double from_y, double to_y, int count) 
   return points;
 }
 
-// Half the grid's step changes the solver's answer by this much.
+// Change of the solver's result with half the grid's step.
 GateRow resolution(const Plan& plan) {
   const std::vector<SolvedLevels> coarse = solve(plan, 2.0 * plan.thickness_m / plan.steps);
   const std::vector<SolvedLevels> fine = solve(plan, plan.thickness_m / plan.steps);
@@ -135,7 +135,7 @@ GateRow resolution(const Plan& plan) {
           .passed = worst_db < 0.2};
 }
 
-/// A listener that is moved in steps of a millimetre.
+/// A listener that moves in steps of a millimetre.
 struct Scan {
   std::string name;
   Scene scene;
@@ -150,7 +150,7 @@ std::vector<Scan> scans() {
     return scene_of({.thickness_m = thickness_m, .source = {}, .listeners = {}});
   };
   const auto with_door = [](double thickness_m) { return wall_with_door(Door::open, thickness_m); };
-  // Over the planes of both edges' faces and the shadow lines of either edge.
+  // Across the planes of both edges' faces and the shadow boundaries of either edge.
   return {{"a wall's end, 0.1 m thick, source over it",
            wall_end(0.1),
            {-2, 0.1, 0},
@@ -230,7 +230,7 @@ std::vector<GateRow> thick_wall_gate(ThreadPool& pool) {
     plan.listeners = column(thickness_m + 1.2, -0.9, 0.9, 7);
     rows.push_back(against_waves(plan, pool));
   }
-  // From straight before the opening to a source that hardly sees into it.
+  // From straight in front of the opening to a source that hardly sees into it.
   for (const double thickness_m : {0.05, 0.1, 0.2, 0.3}) {
     for (const PlanePoint& source :
          {PlanePoint{-2.5, 0.45}, PlanePoint{-1.5, -0.3}, PlanePoint{-1.0, -0.8}}) {

@@ -11,7 +11,7 @@
 namespace earpoint::gates {
 namespace {
 
-// Decays are taken off the energies themselves, so that no draw of noise blurs them.
+// Decays are measured on the energies themselves, without random noise.
 constexpr double kBin_s = 0.002;
 constexpr int kBand = 5;  // 2 kHz; the walls are the same in all, the air is left out
 
@@ -100,7 +100,7 @@ std::vector<GateRow> uneven_gate(ThreadPool& pool, Effort effort) {
   const int seeds = quick ? 6 : 24;
   std::vector<GateRow> rows;
 
-  // What swallows sound is one wall; late sound is what misses it.
+  // One wall absorbs the sound; late sound is what misses that wall.
   const Box room{.lengths_m = {6, 5, 3}, .absorption = {}, .air_db_per_m = {}};
   const BoxWalls walls{.absorption = {0.05, 0.99, 0.05, 0.05, 0.05, 0.05}, .scattering = 0.1};
   const Vector3 source{1.3, 1.4, 1.5};

@@ -11,8 +11,8 @@
 namespace earpoint::gates {
 namespace {
 
-constexpr double kMargin_m = 0.4;  // between what is asked for and the layers
-constexpr double kLayer_m = 1.2;   // that swallow
+constexpr double kMargin_m = 0.4;  // between the places of interest and the absorbing layers
+constexpr double kLayer_m = 1.2;   // thickness of the absorbing layers
 constexpr double kDuration_s = 0.07;
 
 // Courant's limit in the plane is sqrt(1/2).
@@ -37,7 +37,7 @@ class Grid {
       high = {std::max(high.x, point.x), std::max(high.y, point.y)};
     }
     constexpr double kBeyond_m = kMargin_m + kLayer_m;
-    // Sides of blocks fall on the sides of cells.
+    // The sides of blocks coincide with sides of cells.
     first_x_ = static_cast<int>(std::floor((low.x - kBeyond_m) / step_m));
     first_y_ = static_cast<int>(std::floor((low.y - kBeyond_m) / step_m));
     width_ = static_cast<int>(std::ceil((high.x + kBeyond_m) / step_m)) - first_x_;
@@ -105,8 +105,8 @@ class Grid {
     return static_cast<std::size_t>(y) * width_ + x;
   }
 
-  // What a time step leaves of waves across the layer (Berenger, 1994): damping that grows with the
-  // square of the depth in the layer.
+  // Factor by which a time step damps waves across the layer (Berenger, 1994); damping grows with
+  // the square of the depth in the layer.
   [[nodiscard]] float keep(int cell, int count, double speed_m_per_s) const {
     const double depth = 1.0 - std::min(cell + 0.5, count - cell - 0.5) * step_m_ / kLayer_m;
     constexpr double kLoss = 9.0;  // nepers, there and back
@@ -164,7 +164,7 @@ class Grid {
   int width_ = 0;
   int height_ = 0;
   std::vector<float> pressure_;
-  std::vector<float> pressure_x_;  // the part of it that waves along x make
+  std::vector<float> pressure_x_;  // the part from waves along x
   std::vector<float> towards_x_;   // velocities, in units of pressure
   std::vector<float> towards_y_;
   std::vector<float> open_x_;  // 0 in and on blocks
@@ -173,7 +173,7 @@ class Grid {
   std::vector<float> keep_y_;
 };
 
-// A time signal's spectrum at a complex wave number: a wave e^(-i k x) that dies away.
+// A time signal's spectrum at a complex wave number, for waves e^(-i k x) that decay.
 std::complex<double> spectrum_at(const std::vector<double>& signal, double time_step_s,
                                  std::complex<double> wave_number, double speed_m_per_s) {
   const std::complex<double> step =
@@ -187,9 +187,10 @@ std::complex<double> spectrum_at(const std::vector<double>& signal, double time_
   return sum;
 }
 
-// The sound of a point source where all is endless along z, from that of a line source: the
-// integral over the wave number along z, what is left of which runs in the plane (Duhamel, JASA 99,
-// 1996). Along a contour on which waves die away; with 24 points it is exact to 1e-6 in free field.
+// The sound of a point source in a scene that is endless along z, from that of a line source: an
+// integral over the wave number along z, with the rest of the wave number in the plane (Duhamel,
+// JASA 99, 1996). The contour is one on which waves decay; 24 points are exact to 1e-6 in free
+// field.
 double point_source_energy(const std::vector<double>& line_source,
                            const std::vector<double>& pulses, double time_step_s,
                            double frequency_hz, double speed_m_per_s) {
