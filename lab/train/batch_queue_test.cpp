@@ -20,7 +20,7 @@ TEST(BatchQueue, GivesBatchesInOrderWhoeverIsFirst) {
   BatchQueue queue(
       5,
       [](std::int64_t number) {
-        // Every third takes longer than its successors.
+        // Every third batch takes longer than the ones after it.
         if (number % 3 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(3));
         return numbered(number);
       },

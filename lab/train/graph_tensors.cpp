@@ -8,7 +8,7 @@
 namespace earpoint {
 namespace {
 
-/// Where the tensor does not lie in order in this memory, the visitor sees a copy.
+/// If the tensor is not contiguous or not in CPU memory, the visitor gets a copy.
 void visit(const at::Tensor& tensor, const Learner::Visitor& visitor) {
   const at::NoGradGuard no_gradients;
   const at::Tensor values = tensor.to(at::kCPU).contiguous();

@@ -19,12 +19,12 @@ namespace {
 
 using Shapes = std::map<std::string, std::vector<std::int64_t>>;
 
-/// Where an untrained estimator of reverberation time begins.
+/// Initial output of an estimator of reverberation time.
 constexpr double kUsualT60_s = 0.5;
-/// An untrained network that finds people is sure of nobody: few cells hold one.
+/// Initial logit of people in a cell: most cells have none.
 constexpr float kUnsure = -3.0F;
 constexpr double kSmallOutput = 0.01;
-/// Of what tells the places of a picture apart.
+/// Size of the position embedding of a picture.
 constexpr double kPositionSize = 0.02;
 
 /// How the values of one tensor are drawn.
@@ -40,7 +40,7 @@ bool is_batch_norm(const Shapes& shapes, std::string_view name) {
   return shapes.contains(std::string(layer_of(name)) + ".running_mean");
 }
 
-/// Numbers that one output of the layer is made of.
+/// Number of inputs of one output of the layer.
 double fan_in(const std::vector<std::int64_t>& weight) {
   double product = 1.0;
   for (std::size_t axis = 1; axis < weight.size(); ++axis) {
@@ -85,7 +85,8 @@ Rule vam_rule(const Shapes& shapes, const std::string& name) {
   if (name == "output.bias") return {Rule::Kind::constant, 0.0};
   const std::vector<std::int64_t>& weight = shapes.at(std::string(layer_of(name)) + ".weight");
   if (name.starts_with("visual_encoder.")) return resnet_rule(weight);
-  // A transposed convolution has its inputs on the first axis, and hears each by one or two taps.
+  // A transposed convolution has its inputs on the first axis; each output gets one or two taps of
+  // each input.
   if (name.starts_with("decoder.")) {
     return {Rule::Kind::uniform, 1.0 / std::sqrt(2.0 * static_cast<double>(weight[0]))};
   }
@@ -180,7 +181,7 @@ VamWeights initial_vam_weights(const VamDescription& description, std::uint64_t 
   for (const auto& [name, shape] : shapes) {
     weights.tensors[name] = draw(vam_rule(shapes, name), shape, RandomStream(seed, {index++}));
   }
-  // The sound itself, past all layers.
+  // Passes the sound itself, past all layers.
   const Tensor& output = weights.at("output.weight");
   std::vector<float> values(static_cast<std::size_t>(output.elements()));
   const std::int64_t inputs = output.shape[1];

@@ -31,7 +31,7 @@ double largest(const Tensor& tensor) {
   return found;
 }
 
-/// Of thousands of uniform numbers the largest lies within a few per cent of the bound.
+/// The largest of thousands of uniform numbers is within a few per cent of the bound.
 void expect_bound(const ViGasWeights& weights, const std::string& name, double bound) {
   EXPECT_LE(largest(weights.at(name)), bound * (1 + 1e-6)) << name;  // rounding to float
   EXPECT_GE(largest(weights.at(name)), 0.95 * bound) << name;
@@ -64,7 +64,8 @@ TEST(InitialWeights, TrunkKeepsTheVarianceOfGradients) {
   const auto values = weights.at("visual_encoder.5.0.conv1.weight").as<float>();
   for (const float value : values) sum += static_cast<double>(value) * value;
   const double expected = 2.0 / (128 * 9);
-  // 73 728 draws: the variance is good to sqrt(2 / 73 728), half a per cent.
+  // 73 728 draws: the variance has a standard error of sqrt(2 / 73 728), half a per cent; four
+  // times that.
   EXPECT_NEAR(sum / static_cast<double>(values.size()), expected, 0.02 * expected);
 }
 

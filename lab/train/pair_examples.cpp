@@ -20,9 +20,10 @@
 namespace earpoint {
 namespace {
 
-// What the released loader clamps the delay to; the way is at most 4 m longer.
+// The limit of the released loader for the delay: 4 m of distance.
 constexpr double kLargestShift = 200.0;
-/// Of pairs outside of the limits: if only 2 % are within, one example in 10^8 finds none.
+/// Draws for one example within the limits: if only 2 % are within, one in 10^8 examples finds
+/// none.
 constexpr std::uint64_t kMostDraws = 1000;
 // The seed of validation pairs that are drawn because there is no list.
 constexpr std::uint64_t kValidationDraw = 1;
@@ -34,7 +35,7 @@ bool is_silent(std::span<const float> sound) {
   return std::ranges::all_of(sound, [](float sample) { return sample == 0.0F; });
 }
 
-/// The target's sound as much earlier as GCC-PHAT finds it later than the source's.
+/// Moves the target's sound earlier by its delay to the source, found by GCC-PHAT.
 void align_target(PairSample& sample) {
   const std::vector<float> source = mean_of_channels(sample.source);
   const std::vector<float> target = mean_of_channels(sample.target);
@@ -82,7 +83,7 @@ struct PairExamples::State {
       : options(std::move(pair_options)),
         encode(std::move(encoder)),
         val(soundspaces_options(options.data, "val")),
-        // Validation is the same whatever training looks like, so that runs can be compared.
+        // Validation does not depend on the options of training, so that runs can be compared.
         val_sampler(val, options.cache_bytes / 4, ResponseDelays::dropped, options.target) {
     const std::size_t cache_bytes = options.cache_bytes / (1 + options.more_data.size());
     train.push_back(std::make_unique<TrainingClips>(options.data, options, cache_bytes));
@@ -101,7 +102,7 @@ struct PairExamples::State {
     if (validation.empty()) throw InputError(where, "holds no pair");
   }
 
-  /// Where a window of the speaker's speech begins.
+  /// The beginning of a window of the speaker's speech.
   [[nodiscard]] std::ptrdiff_t draw_start(const PairSampler& sampler,
                                           const SoundSpacesSpeaker& speaker,
                                           RandomStream& random) const {
@@ -153,7 +154,7 @@ struct PairExamples::State {
     return {*train[folder], train[folder]->data.clips()[index]};
   }
 
-  /// The same places and responses, but a window of any speech of the folder's split.
+  /// The same positions and responses with any speech of the folder's split.
   [[nodiscard]] PairSample other_words(const Drawn& drawn, SoundSpacesChoice choice,
                                        RandomStream& random) const {
     const auto& [from, clip] = drawn;
@@ -166,7 +167,7 @@ struct PairExamples::State {
     return from.sampler.sample(retold, choice, options.samples);
   }
 
-  /// Whether a pair is one of those that are to be learned.
+  /// Whether a pair is within the limits for training.
   [[nodiscard]] bool is_wanted(const PairSample& sample) const {
     if (options.farthest_move_m &&
         norm(sample.source_from_target.position_m) > *options.farthest_move_m) {
@@ -177,7 +178,7 @@ struct PairExamples::State {
                energy(sample.source.planar()) * std::pow(10.0, *options.most_gain_db / 10.0);
   }
 
-  /// @return nothing for a pair that is not to be learned
+  /// @return nothing for a pair outside the limits
   [[nodiscard]] std::optional<PairSample> training_sample(std::uint64_t number,
                                                           std::uint64_t attempt) const {
     RandomStream random(options.seed, {kDraw, number, attempt});
@@ -189,18 +190,18 @@ struct PairExamples::State {
     if (!is_wanted(sample)) return std::nullopt;
     add_room(sample, RandomStream(options.seed, {kNoise, number}).next());
     if (options.alignment == Alignment::gcc_phat) align_target(sample);
-    // Drawn in any case, so that the other draws are the same with and without.
+    // Always drawn, so that other draws do not depend on the option.
     const bool is_mirrored = random.index(2) == 1;
     if (options.mirror && is_mirrored) sample = mirrored(sample);
     spoil_view(sample, from, random);
     return sample;
   }
 
-  /// Takes away what a user's camera may not show.
+  /// Degrades the view as a user's camera may.
   void spoil_view(PairSample& sample, const TrainingClips& from, RandomStream& random) const {
     const bool is_spoilt = random.uniform() < options.spoilt_pictures;
     const bool is_hidden = random.uniform() < options.hidden_boxes;
-    // Drawn only if asked for: the other draws are then those of before.
+    // Drawn only with the option, so that other draws stay as they were without it.
     if (options.wide_pictures > 0.0 && random.uniform() < options.wide_pictures) {
       widen_picture(sample);
     }

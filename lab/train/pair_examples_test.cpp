@@ -52,7 +52,7 @@ class PairExamplesTest : public ::testing::Test {
 TEST_F(PairExamplesTest, AnySpeechIsHeardAtTheSamePlaces) {
   PairOptions any = options();
   any.any_speech = true;
-  // Later draws differ.
+  // The draw for mirroring comes after those of the speech and would differ.
   any.mirror = false;
   PairOptions own = any;
   own.any_speech = false;
@@ -89,7 +89,7 @@ TEST_F(PairExamplesTest, ANumberIsAnExampleAndSeedsDiffer) {
 
 TEST_F(PairExamplesTest, DrawsEveryPairAndSpeaker) {
   const PairExamples source = examples(options());
-  std::set<std::pair<double, double>> pairs;  // told by where the target is seen
+  std::set<std::pair<double, double>> pairs;  // by the position of the target from the source
   for (std::uint64_t n = 0; n < 120; ++n) {
     const Vector3 seen = source.training_sample(n).source_from_target.position_m;
     pairs.emplace(seen.x, std::abs(seen.y));
@@ -137,8 +137,8 @@ TEST_F(PairExamplesTest, SpoilsPicturesAndHidesBoxesAsOftenAsAskedAndChangesNoth
     seen += one.speaker_box ? 1 : 0;
     boxes += one.speaker_box && !two.speaker_box ? 1 : 0;
   }
-  // Of 200 draws 100 +- 7 are spoilt; of those an eighth may get their own picture back from
-  // another place. Of those seen a quarter loses the box, +- 6.
+  // 100 +- 7 of 200 draws are spoilt; an eighth of them may get their own picture again. A quarter
+  // of the visible ones loses the box, +- 6.
   EXPECT_GT(pictures, 60);
   EXPECT_LT(pictures, 125);
   EXPECT_GT(boxes, seen / 4 - 25);
@@ -156,7 +156,7 @@ TEST_F(PairExamplesTest, ShowsPicturesAsACameraOfAnotherShapeTakesThem) {
     const PairSample one = plain.training_sample(n);
     const PairSample two = cut.training_sample(n);
     EXPECT_TRUE(std::ranges::equal(one.source.planar(), two.source.planar()));
-    // Of 64 rows 36 are left, 14 on either side are grey.
+    // 36 of 64 rows are left, with 14 grey rows on either side.
     for (const int y : {0, 13, 50, 63}) EXPECT_EQ(two.picture->at(5, y, 0), 128);
     for (const int y : {14, 49}) {
       EXPECT_EQ(two.picture->at(5, y, 0), one.picture->at(5, y, 0));
@@ -182,7 +182,7 @@ TEST_F(PairExamplesTest, DrawsClipsOfAllFoldersAlikeAndValidatesOnTheFirst) {
   joined.data = folder_;
   joined.more_data = {other};
   const PairExamples both = examples(joined);
-  // Told by where the target is: which folder's pairs there are.
+  // Positions of targets show which folder pairs are from.
   const auto places_of = [](const PairExamples& source, int draws) {
     std::multiset<double> places;
     for (int n = 0; n < draws; ++n) {
@@ -231,7 +231,7 @@ TEST_F(PairExamplesTest, GccPhatTakesOutTheWaysDifference) {
   aligned.alignment = Alignment::gcc_phat;
   const PairExamples later = examples(kept);
   const PairExamples together = examples(aligned);
-  // Of the two ears' mean, which is what alignment looks at.
+  // Delay of the mean of both ears, which alignment uses.
   const auto delay_of = [](const PairSample& sample) {
     const auto mean = [](const Waveform& sound) {
       std::vector<float> samples(sound.channel(0).begin(), sound.channel(0).end());
@@ -243,7 +243,7 @@ TEST_F(PairExamplesTest, GccPhatTakesOutTheWaysDifference) {
   double kept_delay = 0.0;
   for (std::uint64_t n = 0; n < 10; ++n) {
     kept_delay = std::max(kept_delay, delay_of(later.training_sample(n)));
-    // To whole samples.
+    // Alignment is to whole samples.
     EXPECT_LT(delay_of(together.training_sample(n)), 1.0) << n;
   }
   EXPECT_GT(kept_delay, 5.0);
@@ -267,7 +267,7 @@ TEST_F(PairExamplesTest, SeparationTakesAmbientSoundOut) {
   };
   // A 20 Hz noise has some ten independent values in half a second: good to 3 dB.
   EXPECT_NEAR(noise(noisy), -20.0, 3.0);
-  // Above 80 Hz lies about a sixth of its energy.
+  // About a sixth of its energy is above 80 Hz.
   EXPECT_LT(noise(separated), -25.0);
 }
 
@@ -294,7 +294,7 @@ TEST_F(PairExamplesTest, ValidationIsTheFrozenListEvenlySpread) {
   few.validation_pairs = 0;
   const PairExamples all = examples(few);
   ASSERT_EQ(all.validations(), 6U);
-  // Whole seconds, aligned, whatever training looks like.
+  // Whole seconds, aligned, regardless of the options of training.
   EXPECT_EQ(all.validation(0)->source.size(), 32000U);
   few.alignment = Alignment::none;
   few.seed = 9;

@@ -48,7 +48,7 @@ Bounds bounds_of(const std::vector<CurvePoint>& curve, double most_clips) {
   return bounds;
 }
 
-/// Means of as many points as a panel has columns, at most.
+/// Means of points, at most `most` of them: one per column of a panel.
 std::vector<CurvePoint> thinned(const std::vector<CurvePoint>& curve, std::size_t most) {
   std::vector<CurvePoint> means;
   const std::size_t each = (curve.size() + most - 1) / std::max<std::size_t>(most, 1);

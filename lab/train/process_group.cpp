@@ -21,7 +21,7 @@ namespace {
 
 using c10d::ProcessGroupGloo;
 
-/// The first line of what went wrong: c10 appends a stack.
+/// The first line of an error, as c10 appends a stack trace.
 std::string first_line(const std::exception& error) {
   const std::string text = error.what();
   return text.substr(0, text.find('\n'));
@@ -42,12 +42,12 @@ std::chrono::milliseconds milliseconds(double seconds) {
       std::chrono::duration<double>(seconds));
 }
 
-/// Where other processes can reach this one.
+/// The network device by which other processes reach this one.
 std::shared_ptr<::gloo::transport::Device> device_for(const ProcessPlace& place) {
   if (place.local_processes == place.processes) {
     return ProcessGroupGloo::createDeviceForHostname("127.0.0.1");
   }
-  // As PyTorch has it.
+  // The variable that PyTorch uses.
   const char* interface = std::getenv("GLOO_SOCKET_IFNAME");
   return interface != nullptr ? ProcessGroupGloo::createDeviceForInterface(interface)
                               : ProcessGroupGloo::createDefaultDevice();

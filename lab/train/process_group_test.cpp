@@ -15,7 +15,7 @@
 namespace earpoint {
 namespace {
 
-/// A port of this machine that nobody listens on.
+/// A free port of this machine.
 std::uint16_t free_port() {
   const int socket = ::socket(AF_INET, SOCK_STREAM, 0);
   sockaddr_in address{};
@@ -118,7 +118,7 @@ TEST(ProcessPlace, IsReadFromLaunchers) {
   EXPECT_TRUE(torchrun->is_kept_by_launcher);
   EXPECT_EQ(torchrun->key_prefix, "/worker/attempt_1");
 
-  // All on one machine: they know where to meet.
+  // All on one machine: no address is needed.
   const auto mpi = place_in({{"OMPI_COMM_WORLD_SIZE", "2"},
                              {"OMPI_COMM_WORLD_RANK", "1"},
                              {"OMPI_COMM_WORLD_LOCAL_SIZE", "2"}});
@@ -133,7 +133,7 @@ TEST(ProcessPlace, IsReadFromLaunchers) {
   ASSERT_TRUE(srun.has_value());
   EXPECT_EQ(srun->rank, 2);
   EXPECT_EQ(srun->local_processes, 3);
-  // A batch script's shell, which starts nothing by itself, is alone.
+  // The shell of a batch script is a single process.
   EXPECT_FALSE(place_in({{"SLURM_NTASKS", "3"}, {"SLURM_PROCID", "0"}}).has_value());
 }
 

@@ -14,7 +14,7 @@ namespace {
 
 using Variables = std::function<std::optional<std::string>(const std::string&)>;
 
-/// What a launcher calls things. An empty name: it does not tell.
+/// A launcher's environment variables; empty if it has none for a value.
 struct Launcher {
   const char* size;
   const char* rank;

@@ -11,10 +11,10 @@
 namespace earpoint {
 namespace {
 
-// As the released draw of pairs.
+// The seed of the released draw of pairs.
 constexpr std::uint32_t kValidationSeed = 0;
 
-/// What a configuration asks for must be there in recordings.
+/// Refuses options that recordings cannot satisfy.
 PairOptions checked(PairOptions options) {
   if (!options.more_data.empty()) {
     throw InputError(options.more_data.front().string(),

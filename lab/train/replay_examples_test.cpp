@@ -91,7 +91,7 @@ TEST_F(ReplayExamplesTest, ExamplesAreTheLoadersNumbers) {
 }
 
 TEST_F(ReplayExamplesTest, AlignmentMovesTheSourceToTheTarget) {
-  // Camera 2 hears everything 20 samples later; the band-pass of both is the same.
+  // Camera 2 has all sound 20 samples later; both have the same band-pass.
   const auto distance = [&](Alignment alignment) {
     const TrainingExample example = ReplayExamples(options(alignment), pose_of).training(1);
     double sum = 0.0;
@@ -147,7 +147,7 @@ TEST_F(ReplayExamplesTest, TheNearMicrophoneStandsForDrySpeechOnTimeAndAsLoudAsT
   write_near_sounds(folder_, {"SC-1022/0"});
   const ReplayDataset dataset(replay_options(folder_, "train"));
   const ReplayClip& clip = dataset.clips()[0];
-  // Both ears of camera 1 hear noises of their own, the left one that of the near microphone.
+  // The ears of camera 1 have independent noise; the left one is that of the near microphone.
   const PairSample sample = replay_pair(dataset, clip, {0, 1}, false);
   const Waveform voice = near_voice(dataset, clip, sample.source);
   double difference = 0.0;
@@ -157,7 +157,8 @@ TEST_F(ReplayExamplesTest, TheNearMicrophoneStandsForDrySpeechOnTimeAndAsLoudAsT
     difference += std::pow(voice.channel(0)[i] - left, 2);
     level += left * left;
   }
-  // Ears differ in level by chance, by a hundredth or so; a sample off is another noise.
+  // The level match differs by chance between ears, by a hundredth or so in amplitude. One sample
+  // of delay would be a different noise.
   EXPECT_LT(difference, 1e-3 * level);
 }
 
@@ -222,7 +223,7 @@ TEST_F(ReplayExamplesTest, GtfNamesTheClipThatHasNoNearMicrophone) {
 }
 
 TEST_F(ReplayExamplesTest, NetworksOfThePublishedSizeAreCheckpointsOfTheReleasedCode) {
-  // From downloads without a list of pairs, each in its own encodings.
+  // From downloads without pair lists, each with its own pose encoding.
   for (const char* name : {"vigas-soundspaces", "vigas-replay"}) {
     const TrainConfig config = read_train_config(fs::path(EARPOINT_SOURCE_DIR) / "configs" /
                                                  (std::string(name) + ".json"));

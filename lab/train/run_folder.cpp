@@ -31,7 +31,7 @@ std::string text_of(const RunState& state) {
       .dump();
 }
 
-/// A configuration without what may change when a run goes on.
+/// A configuration without the values that may change when a run is resumed.
 Json without_limits(const std::string& config) {
   Json json = Json::parse(config, nullptr, false);
   if (!json.is_object()) return json;

@@ -49,7 +49,7 @@ class TaskKinds : public ::testing::Test {
   }
   void TearDown() override { fs::remove_all(folder_); }
 
-  /// Trains to the end and gives the best weights.
+  /// Trains to the end and returns the best weights.
   [[nodiscard]] SafetensorsFile trained(const std::string& text) const {
     const TrainConfig config = train_config_from_json(text, "config");
     const TrainingTask task =
@@ -188,7 +188,7 @@ TEST(ViGasExample, SaysWhereTheSpeakerIsFromTheTarget) {
   sample.source = Waveform(2, 16000, 16000);
   sample.target = Waveform(2, 16000, 16000);
   sample.speaker_m = {2, 0, 0};
-  // Beside the speaker, 1 m to their left as the source sees it, and turned to the right.
+  // Beside the speaker, 1 m to the left as seen from the source, and turned to the right.
   sample.source_from_target = {{2, 1, 0}, quaternion_from_euler({.yaw_rad = -0.5 * kPi})};
   ViGasDescription d;
   d.pose_encoding = PoseEncoding::full;
@@ -199,7 +199,7 @@ TEST(ViGasExample, SaysWhereTheSpeakerIsFromTheTarget) {
   EXPECT_NEAR(place[1], 0.0, 1e-6);
   EXPECT_NEAR(place[2], 0.0, 1e-6);             // at 1 m
   EXPECT_NEAR(place[3], -std::log(2.0), 1e-6);  // half as far as from the source
-  // Turned back by a quarter, the speaker is to the right.
+  // With the head turned back by 90 degrees, the speaker is to the right.
   sample.source_from_target.orientation = {};
   EXPECT_NEAR(vigas_example(d, sample).inputs.at("place")[1], -1.0, 1e-6);
 }

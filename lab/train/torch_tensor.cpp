@@ -14,7 +14,7 @@ namespace earpoint {
 at::Device device_named(const std::string& name) {
   try {
     const at::Device device(name);
-    // Fails where LibTorch was built without it or no such card is there.
+    // Fails if LibTorch was built without this device or the machine has none.
     static_cast<void>(at::zeros({1}, at::TensorOptions().device(device)));
     return device;
   } catch (const c10::Error&) {

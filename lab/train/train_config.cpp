@@ -27,7 +27,7 @@ constexpr std::string_view kFormat = "earpoint-train-1";
 constexpr int kDepth = 4;
 constexpr int kLongestChain = 8;
 
-/// Reads keys that may be left out, and holds them to a range.
+/// Reads optional keys and checks their ranges.
 class Section {
  public:
   Section(const Json& json, std::string where) : reader_(json, where), where_(std::move(where)) {}
@@ -119,7 +119,7 @@ Json parsed(std::string_view json, std::string_view where) {
   return parse_strict_json(json, where, kDepth);
 }
 
-/// The configuration with everything that it extends, which it overrides key by key.
+/// The configuration merged into the one that it extends, key by key.
 Json merged(const fs::path& path, int chain) {
   Json json = parsed(read_text_file(path), path.string());
   if (!json.is_object() || !json.contains("extends")) return json;
@@ -172,13 +172,13 @@ void add_inputs(ViGasDescription& d, bool sees_box) {
   if (sees_box) d.inputs.push_back({"bboxes", 4});
 }
 
-/// The published network's for the data set whose poses are encoded so.
+/// The published network's encoder for the data set with this pose encoding.
 ImageEncoderDescription published_encoder(PoseEncoding encoding) {
   if (encoding == PoseEncoding::replay) return {384, 216, 8};
   return {256, 256, 8};
 }
 
-/// @param encoder  what is left out has its values
+/// @param encoder  defaults for missing keys
 ImageEncoderDescription encoder_from(const Json& json, const std::string& where,
                                      ImageEncoderDescription encoder) {
   Section section(json, where);

@@ -76,7 +76,7 @@ TEST(TrainConfig, ExtendsOverridesKeyByKeyAndNullCounts) {
   const ViGasConfig network = vigas_config_from_json(config.network, "x", true);
   EXPECT_EQ(network.description.channels, 16);
   EXPECT_FALSE(network.description.image_encoder.has_value());
-  // What was resolved says the same without its base.
+  // The merged text gives the same without its base.
   EXPECT_EQ(train_config_from_json(config.text, "x").text, config.text);
 
   write_file(folder / "loop.json", std::string_view(R"({"extends": "loop.json"})"));

@@ -28,7 +28,7 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// Where the gradients of several processes come together. Without a group it does nothing.
+/// Combines the gradients of several processes. Without a group it does nothing.
 class Exchange {
  public:
   Exchange(ProcessGroup* group, int clips) : group_(group) {
@@ -54,11 +54,11 @@ class Exchange {
     if (group_ != nullptr) group_->sum(values);
   }
 
-  /// Makes this process's gradients and statistics those of all clips of the step.
+  /// Averages gradients and statistics over all clips of the step.
   /// @param share  of the step's clips that this process has
   void average(Learner& learner, double share) {
     if (group_ == nullptr) return;
-    // In one piece: a message costs more than its numbers.
+    // In one message, as latency costs more than size.
     numbers_.clear();
     const auto take = [&](std::span<float> values) {
       for (const float value : values) numbers_.push_back(value * static_cast<float>(share));
@@ -131,7 +131,7 @@ class Run {
     return join(examples);
   }
 
-  /// Nothing, or why no further step is taken.
+  /// The reason to stop, or nothing.
   [[nodiscard]] std::optional<TrainingEnd> reached_end() const {
     if (state_.step >= plan_.steps) return TrainingEnd::steps;
     if (plan_.minutes && state_.seconds >= 60.0 * *plan_.minutes) return TrainingEnd::minutes;
@@ -141,7 +141,7 @@ class Run {
     return std::nullopt;
   }
 
-  /// Of the run, 0 to 1: by steps, or by the clock if that ends it earlier.
+  /// Progress of the run, 0 to 1: by steps, or by the clock if that ends it earlier.
   [[nodiscard]] double run_progress() const {
     double part = static_cast<double>(state_.step) / static_cast<double>(plan_.steps);
     if (plan_.minutes) part = std::max(part, state_.seconds / (60.0 * *plan_.minutes));
@@ -167,7 +167,7 @@ class Run {
     progress_.advance(static_cast<double>(plan_.batch));
   }
 
-  /// All processes go by the first one's clock, so that they end at the same step.
+  /// All processes use the first one's clock, so that they end at the same step.
   void read_clock() {
     state_.seconds = exchange_.from_first(seconds_before_ + seconds_since(start_));
   }

@@ -122,7 +122,7 @@ TEST_F(TrainerTest, ARunThatWasKilledGoesOnAsIfItHadNotBeen) {
   int status = 0;
   ASSERT_EQ(::waitpid(child, &status, 0), child);
   ASSERT_TRUE(WIFSIGNALED(status));
-  // A kill may leave lines that no checkpoint knows, and half of one.
+  // A killed process may leave lines after the last checkpoint, and half a line.
   const std::string steps = text("killed/steps.csv");
   EXPECT_EQ(std::ranges::count(steps, '\n'), 5);
   write_file(folder_ / "killed/steps.csv", steps + "5,123,0.1\n6,12");
@@ -139,7 +139,7 @@ TEST_F(TrainerTest, ResumeRefusesAnotherConfigurationButAllowsMoreSteps) {
 }
 
 TEST_F(TrainerTest, EndsWhenNothingImprovesAndWhenTimeIsUp) {
-  // At such a rate the second step destroys what the first one found.
+  // At this rate the second step undoes the first.
   const TrainingSummary tired =
       run("tired", R"("steps": 500, "validate_every": 1, "patience": 3, "learning_rate": 0.5)");
   EXPECT_EQ(tired.end, TrainingEnd::patience);
@@ -150,7 +150,7 @@ TEST_F(TrainerTest, EndsWhenNothingImprovesAndWhenTimeIsUp) {
 }
 
 TEST_F(TrainerTest, KeepsTheLastWeightsWhereToldTo) {
-  // At such a rate every step after the first makes it worse.
+  // At this rate every step after the first increases the error.
   const std::string plan = R"("steps": 4, "validate_every": 1, "learning_rate": 0.5)";
   const TrainingSummary best = run("best", plan);
   ASSERT_LT(best.best_step, 4);

@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The numbers of a line, or none if one of them is not whole.
+/// The numbers of a line, or none if one of them is invalid.
 std::vector<double> numbers_in(std::string_view line) {
   std::vector<double> numbers;
   while (true) {
@@ -49,7 +49,7 @@ NumberLog::NumberLog(fs::path path, const std::string& columns, std::int64_t las
     std::size_t start = text.find('\n');
     while (start != std::string::npos) {
       const std::size_t end = text.find('\n', start + 1);
-      if (end == std::string::npos) break;  // a line without an end may have lost some of it
+      if (end == std::string::npos) break;  // a line without an end may be incomplete
       std::vector<double> row =
           numbers_in(std::string_view(text).substr(start + 1, end - start - 1));
       start = end;

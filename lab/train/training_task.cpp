@@ -19,7 +19,7 @@
 namespace earpoint {
 namespace {
 
-/// Mouths are not nearer than this to an ear.
+/// Smallest distance from mouth to ear.
 constexpr double kNearest_m = 0.25;
 
 ViGasWeights starting_weights(const ViGasConfig& config, std::uint64_t seed,
@@ -82,8 +82,8 @@ TrainingTask vigas_task(const TrainConfig& config, std::string_view where,
   return task;
 }
 
-/// What ConditioningProbe asks: cosine and sine of the speaker's azimuth at the target, logarithm
-/// of the distance there in metres, and by how much that is larger than at the source.
+/// Targets of ConditioningProbe: cosine and sine of the speaker's azimuth at the target, logarithm
+/// of the distance there in metres, and its difference to the source.
 std::vector<float> place_of(const PairSample& sample) {
   const Spherical seen = spherical_from_cartesian(
       transform_point(inverse(sample.source_from_target), sample.speaker_m));

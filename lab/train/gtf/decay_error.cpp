@@ -16,7 +16,7 @@ namespace earpoint {
 namespace {
 
 // At 16 kHz.
-constexpr std::int64_t kAhead = 64;       // 4 ms: a network may put an ear's sound too early
+constexpr std::int64_t kAhead = 64;       // 4 ms: a network may render an ear too early
 constexpr std::int64_t kLength = 4800;    // 300 ms are summed
 constexpr std::int64_t kCompared = 2400;  // 150 ms are compared
 constexpr std::int64_t kStep = 80;        // every 5 ms
@@ -27,7 +27,7 @@ at::Tensor power(const at::Tensor& spectrum) {
   return at::view_as_real(spectrum).square().sum(at::IntArrayRef({-1}));
 }
 
-/// Energy of the response from then on, in dB of the whole: [clips][2][kCompared / kStep].
+/// Energy of the response after each step, in dB re the whole: [clips][2][kCompared / kStep].
 at::Tensor decay_db(const at::Tensor& dry_spectrum, const at::Tensor& sound, std::int64_t size) {
   const at::Tensor strength = power(dry_spectrum);
   const at::Tensor floor = strength.mean(at::IntArrayRef({2}), true) * kRegularisation + 1e-12;

@@ -21,7 +21,7 @@ std::vector<float> noise(std::int64_t count, double size, std::uint64_t seed) {
   return values;
 }
 
-/// Initial weights with kernels, gains and phases that all take part.
+/// Initial weights with random kernels, gains and phases, so that all have an effect.
 GtfWeights stirred(const GtfDescription& d) {
   GtfWeights weights = initial_gtf_weights(d, HrtfSet::load(GtfDescription::kSampleRateHz), 3);
   std::uint64_t seed = 100;
@@ -61,7 +61,7 @@ void expect_engines_prediction(const GtfDescription& d, bool is_seen, std::int64
   std::vector<float> found(expected.size());
   engine.synthesize(batch.source, found);
   for (std::size_t i = 0; i < found.size(); ++i) {
-    // Two float32 implementations, values of order 0.1 to 1; what is asked for is 1e-4.
+    // Two float32 implementations, values of order 0.1 to 1; the requirement is 1e-4.
     ASSERT_NEAR(found[i], expected[i], tolerance) << i;
   }
 }
@@ -93,8 +93,9 @@ TEST(GtfEngine, RendersWhatTheLearnerPredictsWithRoundsOfPhasesAndATexture) {
   d.phase_rounds = 2;
   d.texture = true;
   d.ear_delays = true;
-  d.dry_voice = true;  // which rendering does not look at
-  // Rounds pass on to neighbours what rounding makes of the phase of a bin that is nearly nothing.
+  d.dry_voice = true;  // which rendering ignores
+  // In bins of almost no energy rounding decides the phase, which phase rounds spread to
+  // neighbours.
   expect_engines_prediction(d, true, 5123, 1e-4);
 }
 

@@ -8,7 +8,7 @@
 namespace earpoint {
 namespace {
 
-/// Across the pictures of the published layout.
+/// Horizontal field of view of pictures in the published layout.
 constexpr double kFov_rad = 0.5 * kPi;
 
 std::vector<float> floats(std::initializer_list<double> values) {

@@ -92,10 +92,10 @@ HWY_INLINE Vector inner_turned(Complex a, Complex b) {
   return hn::NegMulAdd(a.im, b.re, hn::Mul(a.re, b.im));
 }
 
-/// One vector of frames of both ears, as they are before and after they are moved.
+/// One vector of frames of both ears, before and after the change of phase.
 struct Mixed {
-  Complex voiced[2];  ///< the source's ears turned to the speaker
-  Complex moved[2];   ///< both of them together, turned to the target's ears
+  Complex voiced[2];  ///< the source's ears with the delay to the speaker removed
+  Complex moved[2];   ///< both of them together, with the target's delays
   Complex rest[2];    ///< of the phase: the source's ears, moved or not
   Complex mixed[2];
   Vector length[2];  ///< of mixed
@@ -180,7 +180,7 @@ void mix_row_back(const BinRows& rows, const BinTurns& turns, std::ptrdiff_t row
       hn::StoreU(hn::IfThenElseZero(is_within, hn::Mul(by_magnitude, magnitude)), d,
                  by_gain[ear] + t);
 
-      // A phase changes only across itself, but for what keeps its length finite.
+      // A phase has a gradient only perpendicular to itself, except for the floor of its length.
       const Complex across = plus(slope, scaled(phase, hn::Neg(by_magnitude)));
       const Complex by_mixed = scaled(across, hn::Mul(magnitude, near));
       const Vector half = hn::Set(d, 0.5F);
@@ -264,7 +264,7 @@ KernelInputs::KernelInputs(const KernelShape& shape, const FrameExtent& extent,
   for (const double tail_s : shape.tails_s) {
     const auto kept = static_cast<float>(
         std::exp(-double{GtfDescription::kHop} / (GtfDescription::kSampleRateHz * tail_s)));
-    // Several rows at a time: each waits for its own last mean.
+    // Several rows at a time, as each step needs the last mean of its own row.
     constexpr std::ptrdiff_t kTogether = kBins;
     std::vector<float> means(kTogether);
     for (std::ptrdiff_t first = 0; first < kEars * kBins; first += kTogether) {

@@ -246,7 +246,7 @@ class FilterPass : public torch::autograd::Function<FilterPass> {
   }
 };
 
-/// Zeros behind axis `axis`, up to whole vectors.
+/// Pads axis `axis` with zeros to whole vectors.
 at::Tensor filled_up(const at::Tensor& x, std::int64_t axis) {
   const std::int64_t size = x.size(axis);
   const std::int64_t missing =

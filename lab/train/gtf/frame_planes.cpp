@@ -89,7 +89,7 @@ void pass_of_two(std::ptrdiff_t stride, const float* in_re, const float* in_im, 
   }
 }
 
-/// Two ears of one bin out of the transform of left + i right, and the other way round.
+/// One bin of both ears from the transform of left + i right, and the inverse.
 void split_bin(const float* re, const float* im, std::ptrdiff_t bin, std::ptrdiff_t mirror,
                float scale, float* const* planes, std::ptrdiff_t at) {
   const Lanes d;
@@ -171,7 +171,7 @@ const Tables& tables() {
   return kTables;
 }
 
-/// kFrameStep frames, sample by sample, and where the passes put them in turns.
+/// kFrameStep frames, interleaved, and the second buffer of the passes.
 struct Block {
   std::vector<float> re = std::vector<float>(kSize * kFrameStep);
   std::vector<float> im = re;
@@ -219,7 +219,7 @@ void cut(const FrameExtent& extent, const float* sound, std::ptrdiff_t first, Bl
   }
 }
 
-/// The windowed frames from `first` on are added to the sound.
+/// Adds the windowed frames from `first` on to the sound.
 void paste(const FrameExtent& extent, const Block& from, std::ptrdiff_t first, float* sound) {
   const std::vector<float>& window = tables().window;
   const std::ptrdiff_t count = std::min(kFrameStep, extent.frames() - first);
@@ -277,7 +277,7 @@ void to_sound(const FrameExtent& extent, const float* spectrum, float scale, flo
   }
 }
 
-/// One over what the squared windows add up to; kept from call to call.
+/// One over the sum of the squared windows; kept between calls.
 const std::vector<float>& window_shares(const FrameExtent& extent) {
   thread_local std::vector<float> sums;
   if (std::ssize(sums) == extent.samples) return sums;
@@ -316,7 +316,7 @@ void synthesise(const FrameExtent& extent, const float* spectrum, float* sound) 
 }
 
 void analyse_back(const FrameExtent& extent, const float* by_spectrum, float* by_sound) {
-  // The real part of the sum over half of the spectrum: the other half mirrors it.
+  // The real part of the sum over half of the spectrum, which the other half mirrors.
   to_sound(extent, by_spectrum, 0.5F, 2.0F, by_sound);
 }
 

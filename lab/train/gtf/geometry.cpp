@@ -41,7 +41,7 @@ at::Tensor seen_after_turn(const at::Tensor& point, const at::Tensor& yaw_rad) {
   return at::cat({c * x + s * y, c * y - s * x, axis(point, 2)}, 1);
 }
 
-/// A table over all azimuths, read between its rows.
+/// A table over all azimuths, interpolated between its rows.
 at::Tensor read_table(const at::Tensor& table, const at::Tensor& azimuth_rad) {
   const std::int64_t rows = table.size(0);
   const at::Tensor at_row =

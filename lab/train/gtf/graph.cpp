@@ -87,7 +87,7 @@ at::Tensor GtfGraph::encode_towards(const at::Tensor& map, const at::Tensor& tar
   const int side = static_cast<int>(map.size(3));
   std::vector<GtfSight> places(std::size_t{2} * description_.sight_points);
   const auto count = static_cast<std::int64_t>(places.size());
-  // Reading a map between its pixels is a product with what each of them counts.
+  // Interpolation of a map between its pixels is a product with the weight of each pixel.
   at::Tensor shares = at::zeros({clips, count, std::int64_t{side} * side});
   at::Tensor is_seen = at::zeros({clips, count, 1});
   auto share = shares.accessor<float, 3>();
@@ -115,7 +115,7 @@ SpeakerPlace GtfGraph::locate(const at::Tensor& picture, const at::Tensor& box,
   if (picture.defined()) known.push_back(picture);
   const auto side = [&](std::int64_t i) { return box.narrow(1, i, 1); };
   const at::Tensor seen = side(0);
-  // The camera sees 90 degrees across.
+  // The camera has a horizontal field of view of 90 degrees.
   const at::Tensor azimuth = (1 - (side(1) + side(3))).atan() * seen;
   if (description_.box) {
     const at::Tensor height = (side(4) - side(2)) * seen;
@@ -130,7 +130,7 @@ SpeakerPlace GtfGraph::locate(const at::Tensor& picture, const at::Tensor& box,
   at::Tensor x = at::silu(linear("locator.0", at::cat(known, 1)));
   x = linear("locator.2", at::silu(linear("locator.1", x)));
 
-  // The direction starts from the box where there is one.
+  // The direction starts from the box, if there is one.
   const auto output = [&](std::int64_t i) { return x.narrow(1, i, 1); };
   const at::Tensor front = output(0) + gtf::kTrustInBox * seen * azimuth.cos();
   const at::Tensor left = output(1) + gtf::kTrustInBox * seen * azimuth.sin();

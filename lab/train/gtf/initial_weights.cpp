@@ -94,7 +94,7 @@ void add_head_tables(const HrtfSet& head, std::map<std::string, Tensor>& tensors
   tensors["head.diffuse_power"] = make_tensor<float>(diffuse_powers(head), {kEars, D::kHeadBands});
 }
 
-/// Every ear passes on its own frame as it is.
+/// Kernels that pass each ear's own frame unchanged.
 std::vector<float> identity_kernels(const D& d) {
   std::vector<float> bias(static_cast<std::size_t>(kEars) * kEars * d.taps() * d.bands);
   for (int ear = 0; ear < kEars; ++ear) {
@@ -110,7 +110,7 @@ bool starts_at_zero(std::string_view name) {
          name.ends_with(".norm.bias");
 }
 
-/// 1 / sqrt(numbers that one output of the layer is made of).
+/// 1 / sqrt(inputs of one output of the layer).
 double bound_of(const std::map<std::string, Shape>& shapes, const std::string& name) {
   const Shape& weight = shapes.at(name.substr(0, name.rfind('.')) + ".weight");
   double inputs = 1.0;
@@ -163,7 +163,7 @@ GtfWeights with_sight_points(GtfWeights weights, int sight_points, std::uint64_t
     weights.tensors[name] =
         make_tensor<float>(draw(shapes, name, RandomStream(seed, {index++})), shapes.at(name));
   }
-  // What is new comes last among the conditions, and counts nothing at first.
+  // New conditions are last and have weights of zero at first.
   Tensor& joined = weights.tensors.at("conditioning.0.weight");
   const Shape& wider = shapes.at("conditioning.0.weight");
   std::vector<float> values(static_cast<std::size_t>(wider[0] * wider[1]));

@@ -22,8 +22,8 @@ namespace earpoint {
 
 namespace {
 
-/// Few, so that threads have parts to share; enough to be worth a pass through the graph. The same
-/// whatever the number of threads, and with it the numbers.
+/// Few clips, so that there are parts for all threads, but enough for an efficient pass.
+/// Independent of the number of threads, so that results are too.
 constexpr std::int64_t kClipsOfPart = 4;
 
 GtfDescription described(GtfDescription description, const GtfLearnerOptions& options) {
@@ -40,7 +40,7 @@ struct GtfLearner::State {
         graph(weights),
         magnitude(GtfDescription::kHop, at::kCPU) {}
 
-  /// The estimator of the options, which does not learn.
+  /// The estimator of the options, with fixed weights.
   [[nodiscard]] static std::optional<Rt60Graph> frozen(const GtfLearnerOptions& options) {
     const bool is_heard = options.loss.reverberation > 0 ||
                           (options.natural_loss && options.natural_loss->reverberation > 0);
@@ -102,7 +102,7 @@ struct GtfLearner::State {
     return all;
   }
 
-  /// The parts' gradients become one, summed in the order of the parts.
+  /// Sums the gradients of the parts, in the order of the parts.
   void sum_gradients(std::int64_t parts) {
     const at::NoGradGuard no_gradients;
     for (auto& [name, parameter] : graph.parameters()) {
@@ -121,7 +121,7 @@ struct GtfLearner::State {
     return (batch.clips + kClipsOfPart - 1) / kClipsOfPart;
   }
 
-  /// Parts take turns in the texture that they are asked for.
+  /// Parts alternate between the two textures.
   [[nodiscard]] bool is_natural(std::int64_t step, std::ptrdiff_t part) const {
     return options.natural_loss.has_value() && (step + part) % 2 == 1;
   }
@@ -192,7 +192,7 @@ std::vector<double> GtfLearner::errors(const TrainingBatch& batch) {
 double GtfLearner::compute_gradients(const TrainingBatch& batch) {
   State& state = *state_;
   const auto parts = static_cast<std::size_t>(State::parts_of(batch));
-  // What the targets add up to must be known before the first loss.
+  // The sum over all targets is needed before the first loss.
   std::vector<at::Tensor> spectra(parts);
   std::vector<double> loudness(parts);
   state.each_part(batch, [&](std::ptrdiff_t part, const TrainingBatch& clips, GtfGraph&) {

@@ -18,7 +18,7 @@ namespace {
 
 using namespace gtf_test;
 
-/// What one loss adds to the sum of an untrained network.
+/// The contribution of one loss to the sum, for an untrained network.
 double added_loss(const GtfDescription& d, const GtfLearnerOptions& with,
                   const GtfLearnerOptions& without, const TrainingBatch& batch) {
   const GtfWeights weights = initial_gtf_weights(d, head(), 1);
@@ -35,7 +35,7 @@ TEST(GtfLearner, TheDryVoiceIsComparedWithWhatWasSpoken) {
     with.loss.dry_voice = 1.0;
     return added_loss(d, with, {}, clip);
   };
-  // The untrained network takes the mean of both ears' magnitudes for the voice.
+  // The untrained network gives the mean magnitude of both ears as the voice.
   std::copy_n(batch.source.begin(), kSamples, batch.source.begin() + kSamples);
   batch.inputs["dry"].assign(batch.source.begin(), batch.source.begin() + kSamples);
   const double same = dry_loss(batch);
@@ -44,7 +44,7 @@ TEST(GtfLearner, TheDryVoiceIsComparedWithWhatWasSpoken) {
 }
 
 TEST(GtfLearner, ModulationCountsGapsThatAreFilled) {
-  // The untrained network gives back its input: noise in four bursts with silence between.
+  // The untrained network returns its input: noise in four bursts with silence between.
   const GtfDescription d = small();
   TrainingBatch bursts = batch_for(d, 1);
   for (std::int64_t i = 0; i < 2 * kSamples; ++i) {
@@ -60,21 +60,21 @@ TEST(GtfLearner, ModulationCountsGapsThatAreFilled) {
     with.loss.modulation = 1.0;
     return added_loss(d, with, without, batch);
   };
-  // Bursts rise by 40 dB over the floor for half of the time, a spread of 2 nepers; noise varies by
-  // half a neper. What is left between copy and truth comes from phases that are mixed.
+  // Bursts are 40 dB above the floor for half of the time, a spread of 2 nepers; noise varies by
+  // half a neper. The difference between copy and truth comes from mixed phases.
   EXPECT_GT(modulation(filled), 1.0);
   EXPECT_LT(modulation(bursts), 0.3 * modulation(filled));
 }
 
 TEST(GtfLearner, DecayCountsReverberationThatIsMissing) {
-  // The untrained network gives back its input, the dry speech itself.
+  // The untrained network returns its input, the dry speech itself.
   const GtfDescription d = small();
   TrainingBatch copy = batch_for(d, 1);
   copy.inputs["dry"].assign(copy.source.begin(), copy.source.begin() + kSamples);
   std::copy_n(copy.source.begin(), kSamples, copy.source.begin() + kSamples);
   copy.target = copy.source;
   TrainingBatch reverberant = copy;
-  // Half of the energy comes 60 ms later: the curve lies at -3 dB from the direct sound until then.
+  // Half of the energy comes 60 ms later: until then the curve is at -3 dB after the direct sound.
   for (std::int64_t i = 2 * kSamples - 1; i >= 0; --i) {
     if (i % kSamples >= 960) reverberant.target[i] += reverberant.target[i - 960];
   }
@@ -88,7 +88,7 @@ TEST(GtfLearner, DecayCountsReverberationThatIsMissing) {
 }
 
 TEST(GtfLearner, ReverberationTimesCountAsTheEstimatorHearsThem) {
-  // The untrained network gives back its input as far as its phases let it.
+  // The untrained network returns its input, except for mixed phases.
   const GtfDescription d = small();
   constexpr std::int64_t kSecond = Rt60Description::kWindowSamples;
   const GtfWeights weights = initial_gtf_weights(d, head(), 1);

@@ -36,8 +36,8 @@ TEST(InitialGtfWeights, TablesHearTheNearEarEarlierAndLouder) {
   // At 3 to 5 kHz the head casts a shadow of well over 6 dB.
   constexpr int kBand = 6;
   EXPECT_GT(power[(2 * kLeft) * 8 + kBand], 4 * power[(2 * kLeft + 1) * 8 + kBand]);
-  // The default set is diffuse-field equalised: below the highest bands an ear picks up as much
-  // as a microphone, up to the equalisation's smoothing.
+  // The default set is diffuse-field equalised: below the highest bands an ear has the level of a
+  // microphone, up to the smoothing of the equalisation.
   const auto diffuse = weights.at("head.diffuse_power").as<float>();
   for (int band = 1; band < 7; ++band) EXPECT_NEAR(diffuse[band], 1.0F, 0.3F) << band;
 }
@@ -49,7 +49,7 @@ TEST(GtfLearner, StartsAsACopyOfTheMagnitudes) {
   batch.target = batch.source;
   const double copied = learner.errors(batch)[0];
   batch.target.assign(batch.target.size(), 0.0F);
-  // What is left: small random kernels and phases that are half the speaker's.
+  // The difference comes from small random kernels and phases that are half the speaker's.
   EXPECT_LT(copied, 0.5 * learner.errors(batch)[0]);
 }
 
@@ -65,11 +65,11 @@ TEST(GtfLearner, LouderInGivesLouderOut) {
   }
 }
 
-// The table's left stays on the left: the network's expectation, before it has learned anything.
+// Left in the table is left at the output, before any training.
 TEST(GtfLearner, MovesTheSpeakerToTheSideThatGeometryTells) {
   GtfDescription d = small();
   GtfWeights weights = initial_gtf_weights(d, head(), 1);
-  // All phase is the speaker's.
+  // The phase is all the speaker's.
   weights.tensors["phase.bias"] = make_tensor<float>(
       std::vector<float>(static_cast<std::size_t>(2 * d.bands), 20.0F), {2 * d.bands});
   GtfLearner learner(weights);
@@ -82,7 +82,7 @@ TEST(GtfLearner, MovesTheSpeakerToTheSideThatGeometryTells) {
     // The listener turns so that the speaker is at that azimuth.
     batch.inputs["target_yaw_rad"] = {static_cast<float>(bearing_rad - azimuth_rad)};
     const std::vector<float> heard = learner.predict(batch);
-    // Which lag of the right ear fits best.
+    // The lag of the right ear with the highest correlation.
     int best = 0;
     double most = -1e9;
     for (int lag = -20; lag <= 20; ++lag) {
@@ -157,8 +157,8 @@ TEST(GtfLearner, GradientIsTheSlopeOfTheLossWithPhaseRoundsTexturesAndADryVoice)
   GtfDescription d = small();
   d.phase_rounds = 2;
   d.ear_delays = d.texture = d.dry_voice = true;
-  // Two parts, one of either texture. The phases of bins that are nearly nothing turn far within a
-  // step; gtf_passes_test holds the gradient of the rounds to 0.2 %.
+  // Two parts, one of each texture. In bins of almost no energy the phase turns far within a step;
+  // gtf_passes_test checks the gradient of phase rounds to 0.2 %.
   expect_slope(d, 6, 0.05);
 }
 
@@ -176,7 +176,7 @@ TEST(GtfLearner, RendersAsBeforeWithSightPointsThatAreNew) {
   const std::vector<float> expected = GtfLearner(before).predict(batch);
   const std::vector<float> found = GtfLearner(after).predict(batch);
   for (std::size_t i = 0; i < found.size(); ++i) {
-    // Zeros are added to float32 sums whose order may change.
+    // Only zeros are added, but the order of float32 sums may change.
     ASSERT_NEAR(found[i], expected[i], 1e-5) << i;
   }
 }
@@ -185,7 +185,7 @@ TEST(GtfLearner, TheWayToTheTargetCountsWhereThePictureShowsIt) {
   GtfDescription d = small();
   d.sight_points = 2;
   GtfWeights weights = stirred(d);
-  // The picture tells nothing but by its sight points.
+  // The picture has an effect only through its sight points.
   for (const char* name : {"picture.output.weight", "picture.output.bias"}) {
     Tensor& tensor = weights.tensors.at(name);
     tensor = make_tensor<float>(
@@ -210,17 +210,17 @@ TEST(GtfLearner, LearnsATextureForEachOfItsLosses) {
   clip.target = clip.source;
   GtfLearnerOptions options;
   options.natural_loss = options.loss;
-  // What a natural texture is, a test may choose: one that is 6 dB too loud.
+  // In this test the natural texture is 6 dB louder.
   GtfLearner learner(initial_gtf_weights(d, head(), 1), options);
   TrainingBatch louder = clip;
   for (float& sample : louder.target) sample *= 2.0F;
   for (int step = 0; step < 120; ++step) {
-    // One clip is one part: the steps take turns.
+    // One clip is one part, whose texture alternates with the steps.
     learner.compute_gradients(step % 2 == 0 ? clip : louder);
     learner.apply_gradients(0.01);
   }
   const auto energy_of = [&](double texture) { return energy(learner.predict(clip, texture)); };
-  // 4 of power when it has learned all of it.
+  // A factor of 4 in power once it is fully learned.
   EXPECT_GT(energy_of(1.0), 2.0 * energy_of(0.0));
 }
 
@@ -269,7 +269,7 @@ TEST(GtfLearner, GoesOnFromItsCheckpointAsIfNeverStopped) {
 TEST(GtfLearner, LearnsOneClipByHeart) {
   const GtfDescription d = small();
   TrainingBatch clip = batch_for(d, 1);
-  // The ears change places, one softer.
+  // The ears are exchanged and have gains of 0.5 and 0.8.
   for (std::int64_t i = 0; i < kSamples; ++i) {
     clip.target[i] = 0.5F * clip.source[kSamples + i];
     clip.target[kSamples + i] = 0.8F * clip.source[i];
@@ -282,7 +282,7 @@ TEST(GtfLearner, LearnsOneClipByHeart) {
       learner.apply_gradients(learning_rate);
     }
   }
-  // Magnitudes can be learned; phases stay a mixture of the ears', so frames interfere.
+  // Magnitudes can be learned. Phases stay a mixture of both ears, so that frames interfere.
   EXPECT_LT(learner.errors(clip)[0], 0.35 * first);
 }
 

@@ -51,7 +51,7 @@ at::Tensor place_error(const SpeakerPlace& speaker, const GtfTruth& truth) {
 }  // namespace
 
 at::Tensor dry_magnitudes(const at::Tensor& dry) {
-  // A transform takes two ears: the second one hears nothing.
+  // The transform needs two ears: the second one is silent.
   const at::Tensor sounds = at::stack({dry, at::zeros_like(dry)}, 1);
   return spectrum_planes(sounds)
       .select(1, 0)

@@ -25,7 +25,7 @@ using Lanes = hn::CappedTag<float, kFrameStep>;
 using Vector = hn::Vec<Lanes>;
 
 constexpr float kPowerFloor = 1e-8F;
-// Magnitudes below it do not count on the logarithmic scale: the floor of a quiet room.
+// Smaller magnitudes do not count on the logarithmic scale: the noise floor of a quiet room.
 constexpr float kQuietMagnitude = 0.02F;
 constexpr float kSpreadFloor = 1e-4F;
 
@@ -34,7 +34,7 @@ HWY_INLINE float total(Vector v) {
   const Lanes d;
   return hn::GetLane(hn::SumOfLanes(d, v));
 }
-/// What is a frame, of the lanes from t on.
+/// Mask of the lanes from t on that are frames.
 HWY_INLINE auto frames_from(std::ptrdiff_t t, std::ptrdiff_t frames) {
   return hn::FirstN(Lanes(), static_cast<std::size_t>(frames > t ? frames - t : 0));
 }
@@ -66,7 +66,7 @@ HWY_INLINE Vector signed_weight(float weight, Vector x) {
   return hn::IfThenElseZero(hn::Ne(x, hn::Zero(d)), hn::CopySign(hn::Set(d, weight), x));
 }
 
-/// Magnitudes of one ear and the gradient by those that were found.
+/// Magnitudes of one ear, and the gradient by the found ones.
 struct EarRows {
   float* found;
   float* right;
@@ -98,7 +98,8 @@ double magnitude_terms(const BinPair& bin, int ear, const RowWeights& weights, s
   return double{weights.magnitude} * total(sum) + double{weights.log_magnitude} * total(log_sum);
 }
 
-/// Spread of a row's level over time. @param off  receives how far each frame is from the mean
+/// Spread of a row's level over time. @param off  receives the deviation of each frame from the
+/// mean
 float spread_of(const float* magnitudes, float floor, std::ptrdiff_t frames, std::ptrdiff_t row,
                 float* off) {
   const Lanes d;
@@ -126,7 +127,7 @@ double modulation_term(const RowWeights& weights, std::ptrdiff_t frames, std::pt
   const float wanted = spread_of(rows.right, weights.modulation_floor, frames, row, off);
   const float spread = spread_of(rows.found, weights.modulation_floor, frames, row, off);
   const float sign = spread > wanted ? 1.0F : spread < wanted ? -1.0F : 0.0F;
-  // Deviations from the mean add up to nothing: the mean adds nothing to the slope.
+  // Deviations from the mean add up to zero, so that the mean does not contribute to the gradient.
   const Vector factor =
       hn::Set(d, sign * weights.modulation / (static_cast<float>(frames) * spread));
   for (std::ptrdiff_t t = 0; t < row; t += lanes()) {
@@ -138,8 +139,7 @@ double modulation_term(const RowWeights& weights, std::ptrdiff_t frames, std::pt
   return double{weights.modulation} * std::abs(spread - wanted);
 }
 
-/// From the slopes by the magnitudes to those by the spectrum, with those of the phase between the
-/// ears.
+/// From gradients by magnitudes to gradients by the spectrum, with those of the interaural phase.
 double phase_term(const BinPair& bin, const RowWeights& weights, std::ptrdiff_t frames,
                   std::ptrdiff_t row, const EarRows* ears, float* const* slopes) {
   const Lanes d;

@@ -1,5 +1,5 @@
-// The fused passes of gtf against the same formulas as LibTorch operations, whose gradients
-// LibTorch finds by itself.
+// The fused passes of gtf against the same formulas in LibTorch operations and their automatic
+// gradients.
 #include "filter_pass.h"
 #include "frame_planes.h"
 #include "phase_pass.h"
@@ -43,7 +43,7 @@ namespace {
 using D = GtfDescription;
 
 constexpr std::int64_t kClips = 2;
-// 20 frames: rows have 12 floats beyond them.
+// 20 frames: rows have 12 more floats of padding.
 constexpr std::int64_t kSamples = 3123;
 constexpr std::int64_t kFrames = 1 + kSamples / D::kHop;
 
@@ -94,7 +94,7 @@ at::Tensor planes_of(const at::Tensor& spectrum) {
 
 at::Tensor frames_of(const at::Tensor& planes) { return planes.narrow(-1, 0, kFrames); }
 
-/// Has the passes compute by one instruction set of those that this processor has.
+/// Runs the passes with one instruction set of those that this processor has.
 class OnEveryInstructionSet : public testing::TestWithParam<std::int64_t> {
  protected:
   void SetUp() override { hwy::SetSupportedTargetsForTest(GetParam()); }
@@ -143,7 +143,7 @@ TEST_P(FramePlanes, GradientsAreThoseOfTheTransforms) {
   expect_same(frames_of(by_planes), planes.grad(), "by spectrum");
 }
 
-/// Channels that are no whole vectors.
+/// Numbers of channels that do not fill whole vectors.
 TrunkTensors trunk_tensors(std::int64_t features, std::int64_t channels) {
   TrunkTensors tensors;
   tensors.input_weight = learned(noise({channels, features}, 0.2, 1));
@@ -191,7 +191,7 @@ TEST_P(TrunkPass, ValueAndGradientAreThoseOfItsConvolutions) {
   }
 }
 
-/// What filter_pass() is given beside the sound.
+/// The arguments of filter_pass() except the sound.
 struct FilterTensors {
   at::Tensor state, kernel_weight, kernel_still, gain_weight, gain_still, share, source_s, target_s;
 
@@ -200,7 +200,7 @@ struct FilterTensors {
             at::constant_pad_nd(noise({kClips, d.channels, kFrames}, 1.0, 20), {0, row - kFrames})),
         kernel_weight(noise({4 * d.taps() * d.bands, d.channels}, 0.05, 21)),
         kernel_still(noise({kClips, 4 * d.taps() * d.bands}, 0.3, 22)),
-        // Some gains lie beyond what they are clamped to.
+        // Some gains are beyond the limits at which they are clamped.
         gain_weight(noise({2 * D::kBins, d.channels}, 0.4, 23)),
         gain_still(noise({kClips, 2 * D::kBins}, 0.5, 24)),
         share(noise({kClips, 2, d.bands}, 1.0, 25).sigmoid()),
@@ -291,7 +291,7 @@ void expect_the_formula(bool ear_delays) {
   const char* const names[] = {"state",      "kernel weight", "kernel still", "gain weight",
                                "gain still", "share",         "source delay", "target delay"};
   for (std::size_t i = 0; i < ours.all().size(); ++i) {
-    // Delays: thousands of terms of either sign, multiplied by frequencies, nearly add up to zero.
+    // Delays: thousands of terms of either sign, multiplied by frequencies, almost cancel.
     expect_same(ours.all()[i]->grad(), theirs.all()[i]->grad(), names[i], i < 6 ? 1e-4 : 1e-3);
   }
 }
@@ -328,7 +328,7 @@ TEST_P(PhasePass, ValueAndGradientAreThoseOfGriffinLim) {
     const at::Tensor weights = noise({kClips, 2, kSamples}, 1.0, 51);
     (found * weights).sum().backward();
     (right * weights).sum().backward();
-    // Where a bin is nearly nothing, rounding decides its phase: the rounds pass that on.
+    // In bins of almost no energy rounding decides the phase, which the rounds spread.
     expect_same(frames_of(ours.grad()), theirs.grad(), "by spectrum", 2e-3);
   }
 }
@@ -378,7 +378,7 @@ TEST_P(SpectralLoss, SharesAddUpToTheFormulaAndItsGradient) {
     }
     // Float32 means of 20,000 values.
     EXPECT_NEAR(loss, right.item<double>(), 1e-5 * right.item<double>());
-    // Where magnitudes nearly agree rounding decides a sign: a bin of 257 among a few hundred.
+    // Where magnitudes are nearly equal rounding decides a sign: one bin in a few hundred.
     expect_same(ours.grad(), theirs.grad(), "by sound", 1e-3);
   }
 }

@@ -24,7 +24,7 @@ using Lanes = hn::CappedTag<float, kFrameStep>;
 using Vector = hn::Vec<Lanes>;
 
 using gtf::kPowerFloor;
-constexpr float kLeastPower = 1e-12F;  // of what comes in: its slope is finite at zero
+constexpr float kLeastPower = 1e-12F;  // of the input, for a finite gradient at zero
 constexpr float kMomentum = GtfDescription::kPhaseMomentum;
 
 struct Complex {
@@ -52,7 +52,7 @@ HWY_INLINE Complex pushed(Complex heard, Complex before) {
           hn::MulAdd(momentum, hn::Sub(heard.im, before.im), heard.im)};
 }
 
-/// One ear: `count` values of the real parts, imaginary parts `imaginary` floats behind.
+/// One ear: `count` real parts, with the imaginary parts `imaginary` floats later.
 void turn(const PhaseRound& round, std::ptrdiff_t count, std::ptrdiff_t imaginary, float* turned) {
   const Lanes d;
   for (std::ptrdiff_t i = 0; i < count; i += static_cast<std::ptrdiff_t>(hn::Lanes(d))) {

@@ -28,7 +28,7 @@ class PhasePass : public torch::autograd::Function<PhasePass> {
     const FrameExtent e{samples};
     const std::int64_t clips = spectrum.size(0);
     at::Tensor sound = at::empty({clips, kEars, samples});
-    // What every round's transform gave.
+    // The spectrum after each round's transform.
     const at::Tensor heard = at::empty({clips, rounds, e.spectrum()});
     std::vector<float> turned(static_cast<std::size_t>(e.spectrum()));
     for (std::int64_t clip = 0; clip < clips; ++clip) {
@@ -74,14 +74,14 @@ class PhasePass : public torch::autograd::Function<PhasePass> {
         train::synthesise_back(e, by_samples.data(), by_turned.data());
         by_heard.swap(by_before);
       }
-      // The start was heard before the first round, and what that round began with.
+      // The start is both the spectrum before the first round and the input of that round.
       for (std::ptrdiff_t i = 0; i < e.spectrum(); ++i) to[i] += by_turned[i] + by_heard[i];
     }
     return {by_spectrum, {}, {}};
   }
 
  private:
-  /// What was heard a round earlier; before the first that is the start.
+  /// The spectrum one round earlier; before the first round it is the start.
   static const float* before(const FrameExtent& e, const float* start, const float* heard,
                              std::int64_t round) {
     return round == 0 ? start : heard - e.spectrum();

@@ -39,7 +39,7 @@ struct LagTables {
   }
 };
 
-/// What one clip's passes over its spectrum find.
+/// Results of the passes over one clip's spectrum.
 struct Found {
   float* magnitude;  ///< [2][bins][row]
   float* power;      ///< [2][bands][row]
@@ -118,14 +118,14 @@ SoundFeatures sound_features(const GtfDescription& description, const at::Tensor
            {of(heard.magnitude, clip), of(power, clip), of(common, clip), of(mean_cross, clip)});
   }
 
-  // Band by band: power of each ear, and what the ears have in common.
+  // Per band: power of each ear, and the ears' coherence.
   const at::Tensor scale = (power.select(1, 0) * power.select(1, 1) + gtf::kCrossFloor).sqrt();
   const at::Tensor likeness = common / scale.unsqueeze(1);
   heard.features = at::cat({(power + gtf::kBandFloor).log().div(gtf::kBandLogScale).flatten(1, 2),
                             likeness.flatten(1, 2)},
                            1);
 
-  // The window as a whole: loud frames count more.
+  // For the whole window: loud frames have more weight.
   constexpr std::int64_t kTime[] = {-1};
   const at::IntArrayRef over_time(kTime);
   at::Tensor loudness = power.sum(at::IntArrayRef({1}));

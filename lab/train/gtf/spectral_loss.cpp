@@ -25,7 +25,7 @@ using train::FrameExtent;
 using train::kBins;
 using train::RowWeights;
 
-/// Of a clip's mean magnitude: what lies below is silence to the depth of modulation.
+/// Share of a clip's mean magnitude below which the depth of modulation counts it as silence.
 constexpr double kDepth = 1e-2;
 
 template <class Float>
@@ -39,7 +39,7 @@ const float* of_clip(const at::Tensor& tensor, std::int64_t clip) {
   return tensor.data_ptr<float>() + clip * tensor.stride(0);
 }
 
-/// One clip's loss; its slopes by the spectrum.
+/// One clip's loss and its gradient by the spectrum.
 double clip_loss(const FrameExtent& extent, const float* found, const float* right,
                  RowWeights weights, float* slopes) {
   if (weights.modulation > 0.0F) {
@@ -118,7 +118,7 @@ at::Tensor spectral_loss(const GtfLossWeights& weights, const at::Tensor& sound,
   const double rows = static_cast<double>(sound.size(0) * kEars * kBins) / share.clips;
   const double values = rows * static_cast<double>(extent.frames());
   RowWeights row;
-  // Summed over the ears, as the metric has it.
+  // Summed over the ears, like the metric.
   row.magnitude = static_cast<float>(2.0 / values);
   row.log_magnitude = static_cast<float>(weights.log_magnitude / values);
   row.modulation = static_cast<float>(weights.modulation / rows);

@@ -24,7 +24,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// @param weights  of what `json` does not name
+/// @param weights  for keys that `json` lacks
 GtfLossWeights loss_from(const Json& json, const std::string& where, GtfLossWeights weights) {
   constexpr double kMost = 1000.0;
   JsonObjectReader reader(json, where);
@@ -47,13 +47,13 @@ GtfLossWeights loss_from(const Json& json, const std::string& where, GtfLossWeig
   return weights;
 }
 
-/// What a network's section holds beside its description.
+/// The parts of a network's section besides its description.
 struct GtfStart {
   GtfLossWeights loss;
   std::optional<GtfLossWeights> natural_loss;
   std::optional<std::string> init;        ///< a weight file to start from
   std::optional<std::string> estimator;   ///< the weight file of one of reverberation time
-  std::optional<GtfTrainingRange> range;  ///< of the data; nothing: as the weights have it
+  std::optional<GtfTrainingRange> range;  ///< of the data; nothing: as in the weights
 };
 
 /// Takes the path at `key` out of the network's section. @param what  it is the path of

@@ -26,7 +26,7 @@ HWY_INLINE std::ptrdiff_t lanes() { return static_cast<std::ptrdiff_t>(hn::Lanes
 HWY_INLINE Vector sigmoid(Vector x) {
   const Lanes d;
   const Vector one = hn::Set(d, 1.0F);
-  // Beyond 80 nothing is left of it, and e^x stays finite.
+  // The result vanishes beyond 80, and e^x stays finite.
   return hn::Div(one, hn::Add(one, hn::Exp(d, hn::Min(hn::Neg(x), hn::Set(d, 80.0F)))));
 }
 

@@ -37,7 +37,7 @@ struct Extent {
   std::int64_t clips, features, channels, row, layers;
   std::vector<std::int64_t> dilations;
 
-  /// Zeros before the first frame: what the farthest tap sees.
+  /// Zeros before the first frame, as many as the farthest tap reads.
   [[nodiscard]] std::int64_t before() const {
     return whole_steps((kTaps - 1) * *std::ranges::max_element(dilations));
   }
@@ -54,7 +54,7 @@ Extent extent_of(const at::Tensor& features, const at::Tensor& weights,
           features.size(2), weights.size(0),  std::move(dilations)};
 }
 
-/// What a clip's passes keep.
+/// The values that a clip's forward pass keeps.
 struct Kept {
   at::Tensor inputs;  ///< [clips][channels][row]: of the first silu
   at::Tensor states;  ///< [clips][layers][channels][before + row]: what each layer reads
@@ -126,7 +126,7 @@ class TrunkPass : public torch::autograd::Function<TrunkPass> {
     at::Tensor by_biases = at::zeros({e.layers, e.channels});
     at::Tensor by_films = at::empty_like(films);
     at::Tensor by_state = at::empty({e.channels, e.row});
-    // Zeros behind the last frame: taps that see it from there.
+    // Zeros after the last frame, for taps that reach past it.
     at::Tensor by_sums = at::zeros({e.channels, e.long_row()});
     at::Tensor across = at::empty({e.long_row(), std::max(e.channels, e.features)});
     float* slope = by_state.data_ptr<float>();
@@ -177,7 +177,7 @@ class TrunkPass : public torch::autograd::Function<TrunkPass> {
   }
 };
 
-/// Zeros behind the last axis, up to whole steps.
+/// Pads the last axis with zeros to whole steps.
 at::Tensor filled_up(const at::Tensor& x) {
   const std::int64_t missing = whole_steps(x.size(-1)) - x.size(-1);
   return missing == 0 ? x : at::constant_pad_nd(x, {0, missing});

@@ -15,13 +15,13 @@ namespace {
 
 using D = PeopleDescription;
 
-// Who is less visible, or smaller, need not be found.
+// Less visible or smaller people need not be found.
 constexpr double kLeastVisible = 0.3;
 constexpr double kLeastHeight_px = 12.0;
 constexpr double kLeastWidth_px = 4.0;
-// Of a person's box, what the part of a picture must keep.
+// Share of a person's box that a part of the picture must keep.
 constexpr double kLeastKept = 0.3;
-// Standard deviation of the bell around a middle, as a part of the box, and at least in cells.
+// Standard deviation of the bell around a middle, as a share of the box, and its minimum in cells.
 constexpr double kBellPart = 0.12;
 constexpr double kLeastBell_cells = 0.6;
 constexpr float kLeastBoxWeight = 0.3F;
@@ -49,7 +49,7 @@ std::vector<LabelledPerson> people_within(const std::vector<LabelledPerson>& peo
   return within;
 }
 
-/// The largest part of a picture whose proportions are `aspect` times a view's; in fractions.
+/// The largest part of a picture with `aspect` times the proportions of a view, in fractions.
 Box largest_part(const Image& picture, int width, int height, double aspect) {
   const double wanted = aspect * width / height;
   const double has = static_cast<double>(picture.width()) / picture.height();
@@ -85,13 +85,13 @@ void mirror(PeopleView& view) {
   }
 }
 
-/// Other light and another camera's colours.
+/// Changes the light and the camera's colours.
 void recolour(ImagePlanes& planes, RandomStream& random) {
   const double gamma = std::exp(random.uniform(-0.5, 0.5));
   const double gain = std::exp(random.uniform(-0.35, 0.25));
   const float saturation =
       random.uniform() < 0.1 ? 0.0F : static_cast<float>(random.uniform(0.5, 1.4));
-  // Powers from a table, finer than a picture's steps.
+  // Powers from a table that is finer than a picture's steps.
   constexpr int kEntries = 1024;
   std::array<std::array<float, kEntries + 1>, 3> tables{};
   for (auto& table : tables) {
@@ -116,7 +116,7 @@ void recolour(ImagePlanes& planes, RandomStream& random) {
   }
 }
 
-/// A mean over three pixels along each axis, the edges left as they are.
+/// Mean over three pixels along each axis, except at the edges.
 void blur(ImagePlanes& planes) {
   const auto mean_of_three = [&](std::ptrdiff_t step) {
     const std::vector<float> from = planes.values;
@@ -128,7 +128,7 @@ void blur(ImagePlanes& planes) {
   mean_of_three(planes.width);
 }
 
-/// Noise of a camera: even, of that standard deviation.
+/// Adds camera noise, uniform, with standard deviation `level`.
 void add_noise(ImagePlanes& planes, double level, RandomStream& random) {
   const auto width = static_cast<float>(level * std::sqrt(12.0));
   constexpr float kStep = 1.0F / 65536.0F;

@@ -15,7 +15,7 @@ constexpr int kHeight = 32;
 constexpr int kColumns = kWidth / PeopleDescription::kCell;
 constexpr std::size_t kCells = std::size_t{kColumns} * (kHeight / PeopleDescription::kCell);
 
-/// A picture in which a white person stands before black.
+/// A picture of a white person on black.
 Image person_picture(const Box& box) {
   Image picture(2 * kWidth, 2 * kHeight, 3);
   for (int y = 0; y < picture.height(); ++y) {
@@ -74,7 +74,7 @@ TEST(PeopleExample, VariedBoxesStayAroundThePerson) {
     if (view.people.empty()) continue;
     ++seen;
     const Box& box = view.people[0].box;
-    // Within the box it is brighter than the mean of the view, unless the box is all of it.
+    // The box is brighter than the rest of the view, unless it is the whole view.
     double inside = 0.0;
     double outside = 0.0;
     int inside_count = 0;

@@ -21,7 +21,7 @@ namespace {
 
 using D = PeopleDescription;
 
-// Gradients of one step together are at most that long: single pictures full of people pull hard.
+// Limit of the norm of a step's gradient, as single pictures full of people have large gradients.
 constexpr double kLongestGradient = 10.0;
 
 std::vector<TruePerson> true_people(std::span<const float> rows) {

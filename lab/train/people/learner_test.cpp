@@ -49,7 +49,7 @@ TrainingBatch bright_people(int views, std::uint64_t seed) {
 TEST(PeopleLearner, SeesAsTheEngineDoes) {
   PeopleLearner learner(initial_people_weights(kSmall, 3), kWidth, kHeight);
   const TrainingBatch batch = bright_people(2, 1);
-  for (int step = 0; step < 3; ++step) {  // so that nothing is as it was drawn
+  for (int step = 0; step < 3; ++step) {  // so that no weight has its initial value
     learner.compute_gradients(batch);
     learner.apply_gradients(1e-2);
   }
@@ -64,7 +64,7 @@ TEST(PeopleLearner, SeesAsTheEngineDoes) {
         3, kHeight, kWidth, {first, first + static_cast<std::ptrdiff_t>(pixels)}};
     const auto map = engine.run(planes);
     ASSERT_EQ(map.size(), maps.size() / 2);
-    // Twenty float32 layers, twice in different order.
+    // Two implementations of twenty float32 layers that sum in different order.
     for (std::size_t i = 0; i < map.size(); ++i) {
       EXPECT_NEAR(map[i], maps[view * map.size() + i], 1e-4 * largest) << i;
     }
@@ -91,7 +91,7 @@ TEST(PeopleLearner, GradientIsTheSlopeOfTheLoss) {
     };
     constexpr float kStep = 2e-3F;
     const double slope = (loss_with(kStep) - loss_with(-kStep)) / (2.0 * kStep);
-    // Second-order terms of a step that is large enough to stand out of float32's rounding.
+    // Second-order terms of a step that is large against float32's rounding.
     EXPECT_NEAR(slope, *at, 0.05 * std::abs(*at) + 1e-3) << name;
   }
 }

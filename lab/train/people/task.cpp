@@ -48,7 +48,7 @@ PictureOptions picture_options(std::string_view text, std::string_view where) {
   return options;
 }
 
-/// Pictures of `train`, varied, and of `val` as they are.
+/// Pictures of `train` with random changes, and of `val` unchanged.
 class PictureExamples : public ExampleLoader {
  public:
   PictureExamples(const TaskOptions& options, const PictureOptions& pictures, std::uint64_t seed)

@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::int64_t kSecond = Rt60Description::kWindowSamples;
 
-/// [clips][2][seconds], noise that dies away by 60 dB within `t60_s` of every second.
+/// [clips][2][seconds], noise that decays by 60 dB within `t60_s` in every second.
 at::Tensor fading_noise(std::int64_t clips, std::int64_t seconds, double t60_s,
                         std::uint64_t seed) {
   RandomStream random(seed);
@@ -55,7 +55,8 @@ TEST(Rt60Graph, HearsEverySecondOfEveryEar) {
       sum += error;
     }
   }
-  // Each of the four counts for a quarter; 1e-6 is float32's rounding of times below some seconds.
+  // Each of the four has a weight of a quarter; 1e-6 is float32's rounding of times up to some
+  // seconds.
   EXPECT_NEAR(sum, error_s(graph, other, right), 1e-6);
 }
 
@@ -67,8 +68,8 @@ TEST(Rt60Graph, GradientByTheSoundIsTheSlopeOfTheError) {
   const at::Tensor gradient = found.grad();
   const double steepness = std::sqrt(gradient.square().sum().item<double>());
   ASSERT_GT(steepness, 0.0);
-  // Uphill by so little that quiet bins change by little, too, and enough to stand out of rounding:
-  // from 1e-4 to 1e-5 of the sound the slope is the same.
+  // A step along the gradient that is small for quiet bins too, but large against rounding: from
+  // 1e-4 to 1e-5 of the sound the slope is the same.
   const double length = 3e-5 * std::sqrt(found.detach().square().sum().item<double>());
   const at::Tensor step = gradient * (length / steepness);
   const double difference =

@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::ptrdiff_t kSamples = Rt60Description::kWindowSamples;
 
-/// Noise that fades at several paces, and how fast it does.
+/// Noise with several reverberation times, and those times.
 TrainingBatch fading_noise(int clips, std::uint64_t seed) {
   std::vector<TrainingExample> examples;
   for (int clip = 0; clip < clips; ++clip) {
@@ -43,7 +43,7 @@ TEST(Rt60Learner, EstimatesAsTheEngineDoes) {
     Rt60Estimator engine(learner.weights());
     for (std::size_t clip = 0; clip < found.size(); ++clip) {
       const auto second = std::span(batch.source).subspan(clip * kSamples, kSamples);
-      // Eighteen float32 layers, twice in different order.
+      // Two implementations of eighteen float32 layers that sum in different order.
       EXPECT_NEAR(engine.estimate_second_s(second), found[clip], 1e-4);
     }
     EXPECT_NE(found[0], found[1]);
@@ -70,7 +70,7 @@ TEST(Rt60Learner, GradientIsTheSlopeOfTheLoss) {
     };
     constexpr float kStep = 1e-2F;
     const double slope = (loss_with(kStep) - loss_with(-kStep)) / (2.0 * kStep);
-    // Second-order terms of a step that is large enough to stand out of float32's rounding.
+    // Second-order terms of a step that is large against float32's rounding.
     EXPECT_NEAR(slope, *at, 0.05 * std::abs(*at)) << name;
   }
 }

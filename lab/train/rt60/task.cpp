@@ -21,7 +21,7 @@ namespace {
 
 struct SpeechOptions {
   int responses = 1500;          ///< that are kept of each split
-  int validation_seconds = 256;  ///< evenly over the responses
+  int validation_seconds = 256;  ///< spread evenly over the responses
 };
 
 SpeechOptions speech_options(std::string_view text, std::string_view where) {
@@ -39,7 +39,7 @@ SpeechOptions speech_options(std::string_view text, std::string_view where) {
   return options;
 }
 
-/// Seconds of speech in known rooms: varied ones of `train`, those of `val` as they are.
+/// Seconds of speech in known rooms: with random changes for `train`, unchanged for `val`.
 class SpeechExamples : public ExampleLoader {
  public:
   SpeechExamples(const std::filesystem::path& data, const SpeechOptions& options,

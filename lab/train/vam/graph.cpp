@@ -21,7 +21,7 @@
 namespace earpoint {
 namespace {
 
-/// The same numbers after every token's own. @param tokens  [clips][tokens][width]
+/// Appends the pose to every token. @param tokens  [clips][tokens][width]
 at::Tensor with_pose(const at::Tensor& tokens, const at::Tensor& pose) {
   return at::cat({tokens, pose.unsqueeze(1).expand({tokens.size(0), tokens.size(1), pose.size(1)})},
                  2);

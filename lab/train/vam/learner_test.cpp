@@ -31,7 +31,7 @@ VamDescription small() {
   return d;
 }
 
-/// Noise, quieter and lopsided at the target.
+/// Noise, quieter and with a level difference at the target.
 PairSample pair(std::uint64_t seed) {
   RandomStream random(seed);
   PairSample sample;
@@ -57,7 +57,7 @@ TrainingBatch pairs(std::uint64_t count) {
   return join(examples);
 }
 
-/// All layers at work: the layers that start at zero are moved.
+/// A learner after two steps, so that layers that start at zero have an effect.
 VamLearner stepped_learner(const TrainingBatch& batch) {
   VamLearner learner(initial_vam_weights(small(), 3));
   for (int step = 0; step < 2; ++step) {

@@ -13,7 +13,7 @@ namespace {
 
 constexpr const char* kWeight = "conditioning_probe.weight";
 constexpr const char* kBias = "conditioning_probe.bias";
-/// Energy beside which a change of level does not count: 60 dB below a clip at full scale.
+/// Energy below which changes of level do not count: 60 dB below full scale.
 constexpr double kQuietPower = 1e-6;
 
 /// Natural logarithm of the ears' amplitudes: [clips][audio channels].

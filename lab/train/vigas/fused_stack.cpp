@@ -13,10 +13,10 @@
 namespace earpoint::train {
 namespace {
 
-/// Samples that are computed at a time: a multiple of the kernels' blocks of rows.
+/// Samples that are computed together: a multiple of the kernels' blocks of rows.
 constexpr std::ptrdiff_t kTileRows = 96;
 
-/// The floats are kept from pass to pass; what they hold is not.
+/// The memory is kept between passes, but not its contents.
 void grow(AlignedFloats& floats, std::ptrdiff_t size) {
   if (floats.size() < size) floats = AlignedFloats(size);
 }
@@ -25,7 +25,7 @@ void fill_rows(const float* row, std::ptrdiff_t columns, float* to, std::ptrdiff
   for (std::ptrdiff_t i = 0; i < rows; ++i) std::copy_n(row, columns, to + i * columns);
 }
 
-/// What one thread works in, for one tile.
+/// The buffers of one thread, for one tile.
 struct Scratch {
   explicit Scratch(const StackShape& shape)
       : rows(kTileRows * shape.channels),
@@ -45,7 +45,7 @@ struct Scratch {
 
 }  // namespace
 
-/// A tile of a clip, and who works on it.
+/// A tile of a clip and the thread that works on it.
 struct Part {
   std::ptrdiff_t clip = 0;
   std::ptrdiff_t slot = 0;   ///< of the gradients that are passed on from layer to layer
@@ -82,7 +82,8 @@ struct FusedStack::State {
                                         std::ptrdiff_t columns);
 
   Scratch& of(const Part& part) { return scratch[static_cast<std::size_t>(part.thread)]; }
-  /// Row 0 of the clip; what layer `index` reads. Without keeping, layers share two planes.
+  /// Row 0 of the clip in the input of layer `index`. Unless they are kept, layers share two
+  /// planes.
   float* x(const Part& part, std::ptrdiff_t index) {
     const std::ptrdiff_t plane =
         kept ? part.clip * shape.layers() + index : part.clip * 2 + index % 2;
@@ -161,7 +162,7 @@ void FusedStack::State::for_phases(std::ptrdiff_t phases, const Work& work) {
                 .thread = thread};
   };
   if (clips % threads == 0) {
-    // Clip by clip: what one phase writes the next finds in the cache.
+    // Clip by clip, so that each phase finds the results of the last in the cache.
     loop(clips, [&](std::ptrdiff_t begin, std::ptrdiff_t end, int thread) {
       for (std::ptrdiff_t clip = begin; clip < end; ++clip) {
         for (std::ptrdiff_t phase = 0; phase < phases; ++phase) {
@@ -195,7 +196,7 @@ const float* FusedStack::State::audio_rows(const Part& part, const float* sounds
   return to;
 }
 
-/// One product for each tap that sees any sound. Rows beyond the clip's ends are zeros.
+/// One product for each tap that reads any sound. Rows beyond the clip's ends are zeros.
 /// @param plane      row 0 of what is read, `width` wide
 /// @param forwards   taps read where the convolution does, else where it writes
 /// @param matrices   [taps][width][columns]
@@ -299,7 +300,7 @@ void FusedStack::State::head_back(const Part& part) {
   add_rows(skip(part), c, part.rows, c, to.skip_bias);
 }
 
-/// The gradients by the gates of a layer and by its weights.
+/// Computes the gradients by the gates of a layer and by its weights.
 void FusedStack::State::gates_back(const Part& part, std::ptrdiff_t layer) {
   const std::ptrdiff_t c = shape.channels;
   const StackParameters<float>& to = gradient(part);
@@ -328,7 +329,7 @@ void FusedStack::State::gates_back(const Part& part, std::ptrdiff_t layer) {
   }
 }
 
-/// The gradient by what a layer reads, when those by its gates are there.
+/// Computes the gradient by a layer's input from those by its gates.
 void FusedStack::State::layer_back(const Part& part, std::ptrdiff_t layer) {
   const std::ptrdiff_t c = shape.channels;
   float* rows = by_x(part);

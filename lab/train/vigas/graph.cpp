@@ -24,7 +24,7 @@ at::Tensor shifted(const at::Tensor& x, std::int64_t offset) {
   return at::constant_pad_nd(x.narrow(2, 0, kept), {-offset, 0});
 }
 
-/// The taps of a layer that see any sound, as offsets into its input.
+/// A tap of a layer that reads any sound, with its offset into the input.
 struct Tap {
   std::int64_t index = 0;
   std::int64_t offset = 0;

@@ -16,16 +16,16 @@
 namespace earpoint {
 namespace {
 
-/// What the ears' sounds are multiplied by on their way in: tanh bends them by a third of the
-/// square of what is left, and the optimizer's steps weigh the less the larger it is.
+/// Gain of the ears' sounds at the input. The distortion of tanh is a third of the squared
+/// amplitude; a larger gain reduces the relative size of the optimizer's steps.
 constexpr double kScale = 0.3;
-/// Size of what joins other channels to the ears', relative to a full mixture.
+/// Leakage of other channels into the ears', relative to a full mixture.
 constexpr double kLeak = 0.05;
 /// How strongly the conditioning vector moves the ears' gates at first.
 constexpr double kSway = 0.1;
 /// The gates halve a small sound: sigmoid(0).
 constexpr double kGateGain = 0.5;
-/// Of a target's coordinates about the source.
+/// Standard deviation of the target's coordinates around the source.
 constexpr double kPoseSpread_m = 2.0;
 
 /// One layer's weights, filled element by element.
@@ -37,7 +37,7 @@ class Layer {
     taps_ = weight_.shape.size() > 2 ? weight_.shape[2] : 1;
   }
 
-  /// @param value  by output, input and tap; the layers that join the inputs have one tap
+  /// @param value  by output, input and tap; layers that fuse the inputs have one tap
   void fill(const std::function<double(std::int64_t, std::int64_t, std::int64_t)>& value) {
     const std::vector<std::int64_t> shape = weight_.shape;
     std::vector<float> values;
@@ -93,7 +93,7 @@ class IdentityMaker {
     layer.fill([&](auto out, auto in, auto tap) { return value(layer, out, in, tap); });
   }
 
-  /// A layer of one tap that carries the ears' channels on, `gain` times, and mixes the others.
+  /// A layer of one tap that passes the ears' channels with `gain` and mixes the others.
   void carry(const std::string& name, double gain, double mixing_gain) {
     fill(name, [&](Layer& layer, auto out, auto in, auto) {
       if (!is_ear(out)) return layer.mixture(mixing_gain);
@@ -102,11 +102,11 @@ class IdentityMaker {
     });
   }
 
-  /// Leaks of all layers add up.
+  /// Leakage per layer, as the layers add up.
   double leak() const { return kLeak / std::sqrt(d_.layers()); }
 
-  /// Every kind of input counts the same, however many numbers and whatever spread it has, and z
-  /// has the size of one: a box of four numbers would else drown beside the picture.
+  /// All kinds of input have equal weight, for any number of values and any spread, and z has the
+  /// size of one. Otherwise a box of four numbers would have no effect beside the picture.
   void make_fusion() {
     std::vector<double> gains;
     for (const ConditioningInput& input : d_.inputs) {
@@ -131,10 +131,10 @@ class IdentityMaker {
     fill(name + "conv.w_g", [&](Layer& layer, auto out, auto, auto) {
       return layer.mixture(is_ear(out) ? leak() : 1.0);
     });
-    // A constant beside so small a sound would drown it.
+    // A constant would dominate such small sounds.
     fill(name + "conv.v_f", [](Layer&, auto, auto, auto) { return 0.0; });
     fill(name + "conv.v_g", [](Layer& layer, auto, auto, auto) { return layer.mixture(kSway); });
-    // What a layer adds is halved with what it adds to: 3 + 1 parts of energy in 4 keep it level.
+    // The gates halve a layer's output and its input: 3 + 1 parts of energy in 4 keep the level.
     if (index + 1 < d_.layers()) {
       carry(name + "residual", 1.0 / kGateGain, std::sqrt(3.0) / kGateGain);
     }

@@ -41,7 +41,7 @@ TrainingBatch noise_batch() {
   return batch;
 }
 
-/// Size of the difference in parts of the input's.
+/// Size of the output's difference from the input, relative to the input.
 double change(const ViGasDescription& description, std::uint64_t seed) {
   const TrainingBatch batch = noise_batch();
   ViGasLearner learner(identity_vigas_weights(description, seed));
@@ -56,8 +56,8 @@ double change(const ViGasDescription& description, std::uint64_t seed) {
 }
 
 TEST(IdentityWeights, GiveBackTheInputNearlyUnchanged) {
-  // The leaks add 5 %; the gates' sway is a tenth of a vector whose size varies by half from seed
-  // to seed, on gains that it changes by half as much. It is not to be zero, either.
+  // Leakage adds 5 %. The condition moves the gates by a tenth of a vector whose size varies by
+  // half between seeds, which changes gains by half as much. The change must not be zero, either.
   for (const std::uint64_t seed : {1, 2, 3}) {
     EXPECT_LT(change(network(1, 10, 32), seed), 0.12) << seed;
     EXPECT_LT(change(network(3, 10, 64), seed), 0.12) << seed;
@@ -70,7 +70,7 @@ TEST(IdentityWeights, EveryKindOfInputCountsAlike) {
   d.inputs.push_back({"visual_feat", 72});
   const ViGasWeights weights = identity_vigas_weights(d, 1);
   const std::span<const float> fusion = weights.at("fusion.0.weight").as<float>();
-  std::vector<double> energy;  // that each kind brings to the hidden layer
+  std::vector<double> energy;  // of each kind of input in the hidden layer
   std::size_t column = 0;
   for (const ConditioningInput& input : d.inputs) {
     const double spread = input.name == "tgt_pose" ? 2.0 : 1.0;
@@ -82,7 +82,8 @@ TEST(IdentityWeights, EveryKindOfInputCountsAlike) {
     }
     energy.push_back(sum);
   }
-  // Sums of 192 squares and more: 10 % of a standard deviation each.
+  // Sums of 192 squares or more: a standard error of 10 % each; 40 % is three times that of a
+  // ratio.
   for (const double sum : energy) EXPECT_NEAR(sum / energy[0], 1.0, 0.4);
 }
 

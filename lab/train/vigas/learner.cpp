@@ -48,7 +48,7 @@ struct ViGasLearner::State {
     return inputs;
   }
 
-  /// The network, and the probe beside it where it is asked.
+  /// The network's tensors, with those of the probe if it is used.
   [[nodiscard]] LearnedTensors learned() const {
     return options.place > 0 ? LearnedTensors(graph.tensors(), probe.parameters())
                              : LearnedTensors(graph.tensors());

@@ -58,7 +58,7 @@ TrainingBatch batch_for(const ViGasDescription& d, std::int64_t clips) {
   return batch;
 }
 
-/// Initial weights leave the gates at constants: here every layer takes part.
+/// Random weights, as initial ones leave the gates constant: every layer has an effect.
 ViGasWeights stirred(const ViGasDescription& d) {
   ViGasWeights weights = initial_vigas_weights(d, 3);
   std::uint64_t seed = 100;
@@ -119,7 +119,7 @@ TEST(ViGasLearner, PredictsWhatTheEngineRendersFromThePastOnly) {
 
 TEST(ViGasLearner, PredictsWhatTheEngineRendersBeyondTheClipsEnds) {
   ViGasDescription d = small();
-  d.layers_per_block = 7;  // 3^6 > 640: side taps see nothing but zeros
+  d.layers_per_block = 7;  // 3^6 > 640: side taps read only zeros
   expect_engines_prediction(d);
 }
 
@@ -177,7 +177,7 @@ TEST(ViGasLearner, GoesOnFromItsCheckpointAsIfNeverStopped) {
   EXPECT_TRUE(resumed.weights().tensors == unbroken.weights().tensors);
 }
 
-/// The same, where the conditioning vector is asked what it knows.
+/// Resuming also works with the probe of the conditioning vector.
 TEST(ViGasLearner, GoesOnWithItsProbe) {
   const ViGasDescription d = small();
   TrainingBatch batch = batch_for(d, 2);
@@ -204,7 +204,7 @@ TEST(ViGasLearner, GoesOnWithItsProbe) {
                InputError);
 }
 
-/// The sounds tell nothing of the place, so only the probe's question can have taught it.
+/// The sounds do not depend on the place, so only the probe's loss can teach it.
 TEST(ViGasLearner, LearnsWhatItsProbeAsks) {
   const ViGasDescription d = small();
   constexpr int kClips = 8;
@@ -222,7 +222,7 @@ TEST(ViGasLearner, LearnsWhatItsProbeAsks) {
     learner.apply_gradients(0.01);
     last = learner.compute_gradients(batch);
   }
-  // What the probe asks is nearly all of the loss.
+  // The probe's part is nearly all of the loss.
   EXPECT_LT(last, 0.1 * first);
 }
 
@@ -253,7 +253,7 @@ TEST(ViGasLearner, FirstStepWithSoundIsAsLongAsTheFirstStepOfAll) {
   EXPECT_TRUE(stack() == before);  // no sound, no gradient
   step();
   const Tensor after = stack();
-  // Adam's first step goes by the learning rate, whatever the gradient.
+  // Adam's first step is the learning rate for any gradient.
   for (std::int64_t i = 0; i < before.elements(); ++i) {
     EXPECT_NEAR(std::abs(after.as<float>()[i] - before.as<float>()[i]), 0.01, 1e-4);
   }
@@ -292,7 +292,7 @@ TEST(ViGasLearner, LearnsOneClipByHeart) {
   d.layers_per_block = 4;
   d.channels = 16;
   TrainingBatch clip = batch_for(d, 1);
-  // The right ear hears the left ear's sound softly and later, and the other way round.
+  // Each ear gets the other ear's sound, softer and later.
   for (std::int64_t i = 0; i < kSamples; ++i) {
     const std::int64_t earlier = std::max<std::int64_t>(0, i - 7);
     clip.target[i] = 0.5F * clip.source[kSamples + earlier];
@@ -307,7 +307,7 @@ TEST(ViGasLearner, LearnsOneClipByHeart) {
       last = learner.compute_gradients(clip);
     }
   }
-  // What is left is the optimizer's restlessness: 28 dB below the magnitudes' first error.
+  // The rest is noise of the optimizer: 28 dB below the first error of magnitudes.
   EXPECT_LT(last, 0.04 * first);
 }
 

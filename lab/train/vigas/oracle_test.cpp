@@ -31,9 +31,9 @@ constexpr double kReleasedRate = 0.001;
 constexpr double kWaveformTolerance = 2e-5;
 // The same for gradients, in parts of a tensor's largest.
 constexpr double kGradientTolerance = 8e-6;
-// By how much one rectified unit whose input is zero within rounding, open here and shut there, may
-// turn the gradients below it; relative. Seen: 0.017 with AVX2 and SSE4.1, 7e-6 with AVX-512. A
-// wrong gradient is off by its own size.
+// Relative change of the gradients below one rectified unit whose input is zero within rounding, so
+// that it is open in one implementation and shut in the other. Measured: 0.017 with AVX2 and
+// SSE4.1, 7e-6 with AVX-512. A wrong gradient is off by its own size.
 constexpr double kOneUnit = 0.05;
 // Of a mean of thousands of such differences; relative.
 constexpr double kLossTolerance = 2e-6;
@@ -50,7 +50,7 @@ bool is_near(std::span<const float> found, std::span<const float> expected, doub
   });
 }
 
-/// Root-mean-square of the difference in parts of what is expected.
+/// Root mean square of the difference, relative to the expected values.
 double relative_distance(std::span<const float> found, std::span<const float> expected) {
   double difference = 0.0;
   double whole = 0.0;
@@ -78,7 +78,7 @@ void expect_prediction(const ViGasWeights& weights, const fs::path& folder) {
   expect_near(prediction, outputs.tensors.at("pred").as<float>(), kWaveformTolerance, "pred");
 }
 
-/// Every gradient that the file holds.
+/// Compares every gradient in the file.
 void expect_gradients(const ViGasLearner& learner, const SafetensorsFile& expected) {
   const auto gradients = learner.gradients();
   for (const auto& [key, tensor] : expected.tensors) {
@@ -90,7 +90,8 @@ void expect_gradients(const ViGasLearner& learner, const SafetensorsFile& expect
   }
 }
 
-/// Three steps of Adam on one batch, as the manifest has their losses and the file the parameters.
+/// Compares three steps of Adam on one batch with the losses in the manifest and the parameters in
+/// the file.
 void expect_three_steps(ViGasLearner& learner, const TrainingBatch& batch, const Json& manifest,
                         const SafetensorsFile& expected) {
   for (const Json& loss : manifest.at("losses_steps")) {
@@ -105,8 +106,8 @@ void expect_three_steps(ViGasLearner& learner, const TrainingBatch& batch, const
     const std::string name = key.substr(key.find('/') + 1);
     if (!key.starts_with("param_after3/") || !weights.tensors.contains(name)) continue;
     ++compared;
-    // A gradient near zero may point either way by rounding alone, and Adam moves by the rate
-    // whatever its size: such an element may end up twice three steps away. Few do.
+    // A gradient near zero may have either sign by rounding, and Adam steps by the rate for any
+    // size: such an element may be two times three steps away. Few are.
     const auto found = weights.at(name).as<float>();
     const auto wanted = tensor.as<float>();
     std::ptrdiff_t far = 0;
@@ -145,7 +146,7 @@ TEST(ViGasLearnerOracle, ThreeStepsOfAdamAreTheReleasedCodes) {
                      read_safetensors(kOurs / "mini_gradients.safetensors"));
 }
 
-/// Networks that lie with the large reference files.
+/// Networks of the large reference files.
 class LargeViGasLearnerOracle : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -153,8 +154,8 @@ class LargeViGasLearnerOracle : public ::testing::Test {
     if (folder_.empty()) GTEST_SKIP() << "EARPOINT_ORACLE_DIR is not set";
   }
 
-  /// The small network with an image trunk has no manifest of its own: its trunk is the released
-  /// network's, the rest that of the network without trunk, all with its own seed.
+  /// The small network with an image trunk has no manifest: the trunk has the released network's
+  /// shapes, the rest those of the network without trunk, with a seed of its own.
   [[nodiscard]] ViGasWeights tiny_with_trunk() const {
     Json manifest = json_of(folder_ / "C_tiny_noresnet/manifest.json");
     manifest["seed"] = 131;
@@ -170,7 +171,7 @@ class LargeViGasLearnerOracle : public ::testing::Test {
     return make_oracle_vigas(path);
   }
 
-  /// Whether rectified units stand between that parameter and the trunk's last block.
+  /// Whether there are rectified units between that parameter and the trunk's last block.
   [[nodiscard]] static bool is_below_units(const std::string& name) {
     return name.starts_with("visual_encoder.") && !name.starts_with("visual_encoder.7.1.");
   }

@@ -59,7 +59,7 @@ at::Tensor padded(const at::Tensor& matrices, std::int64_t rows, std::int64_t co
                              {0, columns - matrices.size(-1), 0, rows - matrices.size(-2)});
 }
 
-/// All parameters of the stack one after the other, in the order of StackSizes.
+/// Packs all parameters of the stack in the order of StackSizes.
 class Packing {
  public:
   Packing(const ViGasDescription& description, const StackShape& shape, const GraphTensors& tensors)
@@ -156,7 +156,7 @@ train::StackParameters<const float> parameters_in(const StackSizes& sizes, const
           p.skip_bias, p.first,      p.first_bias, p.second,   p.second_bias,   p.constants};
 }
 
-/// The matrices in `all` the other way round.
+/// The matrices in `all`, transposed.
 struct Transposed {
   Transposed(const StackShape& shape, const StackSizes& sizes, const at::Tensor& all) {
     std::int64_t begin = 0;
@@ -181,7 +181,7 @@ struct Transposed {
   at::Tensor gate, residual, skip, first, second;
 };
 
-/// The stack and its memory, shared by the graph and what it made.
+/// The stack and its memory, shared by the graph and its outputs.
 struct StackMemory : torch::CustomClassHolder {
   explicit StackMemory(const ViGasDescription& description) : shape(shape_of(description)) {}
 
@@ -221,7 +221,7 @@ struct StackFunction : torch::autograd::Function<StackFunction> {
                                                  const torch::autograd::variable_list& by_output) {
     const auto memory =
         c10::static_intrusive_pointer_cast<StackMemory>(context->saved_data["memory"].toCapsule());
-    // The memory is still that of this node's forward pass.
+    // The memory must still be that of this node's forward pass.
     EARPOINT_CHECK(context->saved_data["passes"].toInt() == memory->passes);
     const auto saved = context->get_saved_variables();
     const at::Tensor& source = saved[0];

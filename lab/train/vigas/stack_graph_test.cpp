@@ -28,7 +28,7 @@ struct Case {
   int kernel_size = 3;
   bool acausal = true;
   std::int64_t clips = 2;
-  std::int64_t samples = 250;  ///< no whole number of tiles
+  std::int64_t samples = 250;  ///< not a whole number of tiles
   int threads = 2;
 };
 
@@ -59,13 +59,13 @@ struct Outcome {
   std::map<std::string, at::Tensor> gradients;
 };
 
-/// A prediction, and the gradient of its product with noise.
+/// A prediction, and the gradients of its product with noise.
 Outcome run(const Case& c, StackKind kind) {
   at::set_num_threads(c.threads);
   ViGasWeights weights = initial_vigas_weights(network_of(c), 3);
   std::uint64_t seed = 100;
   for (auto& [name, tensor] : weights.tensors) {
-    // Of a size that keeps sounds near 1: nothing is saturated.
+    // Scaled so that sounds stay near 1 and gates are not saturated.
     const double inputs = static_cast<double>(tensor.elements() / tensor.shape[0]);
     tensor = from_torch(noise(tensor.shape, seed++) * (1.0 / std::sqrt(inputs)));
   }
