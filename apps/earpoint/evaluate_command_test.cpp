@@ -108,7 +108,7 @@ TEST_F(EvaluateCommandTest, TableAndLimitAreForPeople) {
   const ProgramOutcome outcome = evaluate(folder_ / "data", {"--methods", "input", "--limit", "3"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
   EXPECT_NE(outcome.output.find("Mag"), std::string::npos);
-  // Spread over the list, one pair of every conversation.
+  // Pairs are spread over the list: one of every conversation.
   EXPECT_NE(outcome.output.find("3 clips of 3 conversations"), std::string::npos) << outcome.output;
 }
 
@@ -188,7 +188,7 @@ TEST_F(EvaluateCommandTest, BrokenPairsAreNamedAndSkippedOnlyWhenAsked) {
             std::ssize(json.at("skipped")));
 }
 
-/// A small ViGAS network, of other random numbers for every seed.
+/// A small ViGAS network with random weights.
 void write_network(const fs::path& path, const std::string& name) {
   earpoint::ViGasDescription description;
   description.pose_encoding = earpoint::PoseEncoding::full;

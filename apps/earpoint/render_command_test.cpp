@@ -37,7 +37,7 @@ class RenderCommand : public ::testing::Test {
     folder_ = fs::path(testing::TempDir()) / ("render_command_" + name);
     fs::remove_all(folder_);
     fs::create_directories(folder_);
-    // No model is shipped here, whatever the tree holds: the default is dsp.
+    // No models here, regardless of the source tree: the default is dsp.
     ASSERT_EQ(::setenv("EARPOINT_MODELS_DIR", folder_.c_str(), 1), 0);
   }
   void TearDown() override {
@@ -122,7 +122,7 @@ TEST_F(RenderCommand, ASpeakerPassedByChangesSides) {
   ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
   const auto document = nlohmann::json::parse(outcome.output);
   ASSERT_EQ(document["targets"].size(), 2U);
-  // To the left of the speaker, facing the same way, the speaker is at the right ear.
+  // With the head to the left of the speaker, facing the same way, the speaker is on the right.
   const auto& left = document["targets"][0];
   const auto& right = document["targets"][1];
   EXPECT_LT(left["left_db"].get<double>(), left["right_db"].get<double>() - 3.0);
@@ -205,7 +205,7 @@ TEST_F(RenderCommand, SaysWhenANetworkIsOutOfItsDepth) {
   const ProgramOutcome outcome = run_earpoint(
       {"render", sound(), "--translate", "9,0,0", "-o", at("out.wav"), "--json", "--quiet"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
-  // Too far, no picture, and no speaker given: a line each.
+  // Too far, no picture, and no speaker given: one line each.
   EXPECT_EQ(std::count(outcome.errors.begin(), outcome.errors.end(), '\n'), 3) << outcome.errors;
   EXPECT_NE(outcome.errors.find("9.0 m"), std::string::npos) << outcome.errors;
   const nlohmann::json document = nlohmann::json::parse(outcome.output);
@@ -298,7 +298,7 @@ TEST_F(RenderCommand, PipesGoInAndOut) {
   const Waveform there = read_sound(at("out.wav"));
   EXPECT_TRUE(std::ranges::equal(there.planar(), read_sound(in).planar()));
 
-  // Nothing but the sound goes to standard output.
+  // Standard output has only the sound.
   outcome = run_shell("EARPOINT render " + in +
                       " --model input --yaw 0 -o - | { head -c 4; cat > /dev/null; }");
   EXPECT_EQ(outcome.output, "RIFF");
@@ -320,7 +320,7 @@ TEST_F(RenderCommand, AFullStandardOutputIsAnError) {
 TEST_F(RenderCommand, ASignalLeavesNothing) {
   const std::string in = sound(60.0);
   for (const std::string signal : {"INT", "TERM", "HUP"}) {
-    // It ends by the signal, after the hidden file is there and before it is whole.
+    // The signal ends it after the hidden file is created and before it is complete.
     const ProgramOutcome outcome = run_shell(
         "cd " + folder_.string() +
         "; set -m; EARPOINT render in.wav --model dsp --speaker 2,0,0 --yaw 10 --quiet -o out.wav "

@@ -106,7 +106,8 @@ TEST_F(SimulateCommandTest, KilledAtAnyMomentItGoesOnToTheSameBytes) {
   const auto expected = contents_of("whole");
   EXPECT_TRUE(expected.contains("test/home-0000/cleaned_metadata_v3.json"));
   const fs::path scene = folder_ / "killed/test/home-0000";
-  // While the first conversation is written, right after it, and while the second is written.
+  // Killed while the first conversation is written, right after it, and while the second is
+  // written.
   kill_when_there(arguments("killed"), scene / ".0.partial/rir_1_0.wav");
   EXPECT_FALSE(fs::exists(scene / "0"));
   kill_when_there(arguments("killed"), scene / "0");
@@ -117,8 +118,8 @@ TEST_F(SimulateCommandTest, KilledAtAnyMomentItGoesOnToTheSameBytes) {
   EXPECT_EQ(contents_of("killed"), expected);
 }
 
-// The C library chooses its functions by the processor; ./dev processors emulates the rest of
-// another.
+// The C library selects its functions by the processor; ./dev processors emulates another processor
+// completely.
 TEST_F(SimulateCommandTest, TheFunctionsOfOlderProcessorsGiveTheSameBytes) {
   const auto one = [&](const std::string& out) {
     std::vector<std::string> words = arguments(out);

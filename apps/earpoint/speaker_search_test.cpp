@@ -116,10 +116,10 @@ TEST_F(SpeakerSearch, PutsTheVoiceOfMonoAndStereoAtTheSpeakerUnlessToldNotTo) {
     EXPECT_EQ(json["placed"], outcome.errors.find("by head filters") != std::string::npos);
     return json["source"]["left_db"].get<double>() - json["source"]["right_db"].get<double>();
   };
-  // A voice 72 degrees to the left is 5 dB and more louder at the left ear of any head.
+  // A voice 72 degrees to the left is at least 5 dB louder at the left ear of any head.
   for (const char* name : {"mono.wav", "panned.wav"}) EXPECT_GT(levels(at(name), {}), 5.0) << name;
   EXPECT_NEAR(levels(at("panned.wav"), {"--recording", "binaural"}), 6.02, 0.01);
-  // Noise that differs between the ears counts as binaural unless told otherwise.
+  // Noise that differs between the channels counts as binaural by default.
   EXPECT_NEAR(levels(at("sound.wav"), {}), 0.0, 0.5);
   EXPECT_GT(levels(at("sound.wav"), {"--recording", "stereo"}), 5.0);
 }
@@ -146,7 +146,7 @@ TEST_F(SpeakerSearch, RefusesInOneLineWhatItCannotUse) {
                      at("people.csv"), "--yaw", "1", "-o", at("out.wav")})
                 .find("people.csv: line 2"),
             std::string::npos);
-  // A movie without pictures.
+  // An empty movie file.
   write_file(at("empty.mp4"), "");
   EXPECT_NE(refusal({"locate", at("empty.mp4")}).find("empty.mp4"), std::string::npos);
 }

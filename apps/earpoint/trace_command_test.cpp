@@ -165,7 +165,7 @@ TEST_F(TraceCommand, SaysThatASourceIsOutsideOfTheWallsOrInOne) {
 }
 
 TEST_F(TraceCommand, TracesAModelInTheCoordinatesOfALandSurvey) {
-  // A room of 5 x 4 x 3 m whose corner lies far from the origin.
+  // A room of 5 x 4 x 3 m with a corner far from the origin.
   std::string text;
   for (const int z : {100, 103}) {
     for (const auto& [x, y] : {std::pair{0, 0}, {5, 0}, {5, 4}, {0, 4}}) {
@@ -227,7 +227,7 @@ TEST_F(TraceCommand, ClosesAModelWithoutACeiling) {
 }
 
 TEST_F(TraceCommand, RefusesAListenerWhomNoSoundReaches) {
-  // Two closed boxes of 2 x 2 x 2 m with 1 m of nothing between them.
+  // Two closed boxes of 2 x 2 x 2 m, 1 m apart.
   const auto box = [](int x, int first) {
     std::string text;
     for (const int z : {0, 2}) {
@@ -259,8 +259,8 @@ TEST_F(TraceCommand, AmbisonicMicrophoneHasItsChannels) {
   ASSERT_EQ(run_earpoint(arguments({"--ambisonics", "2"})).exit_code, 0);
   const earpoint::Waveform sound = earpoint::read_sound(output_);
   ASSERT_EQ(sound.channels(), 9);
-  // The source is on the left: after 2 m the second channel, which points there, is the root of 3
-  // times the first.
+  // The source is on the left: in the direct sound the second channel, which points there, is
+  // sqrt(3) times the first.
   const int place = static_cast<int>(std::lround(2.0 / 343.2 * 16000));
   EXPECT_NEAR(sound.channel(1)[place] / sound.channel(0)[place], std::sqrt(3.0), 0.01);
   std::filesystem::remove(output_);
@@ -271,7 +271,7 @@ TEST_F(TraceCommand, AmbisonicMicrophoneHasItsChannels) {
 }
 
 TEST_F(TraceCommand, TalkerIsLouderInFront) {
-  // The listener stands towards -y of the source.
+  // The listener is in direction -y of the source.
   const auto level = [&](const std::string& source) {
     std::vector<std::string> all = arguments({"--mono", "--directivity", "speech"});
     std::replace(all.begin(), all.end(), std::string("3,4,1.5"), source);
@@ -372,7 +372,7 @@ TEST_F(TraceMotionCommand, WritesAFolderOfResponsesAlongAPath) {
     const auto peak = std::max_element(samples.begin(), samples.end()) - samples.begin();
     EXPECT_NEAR(static_cast<double>(peak), distances_m[i] / 343.2 * 16000, 1.0);
   }
-  // A second time the folder stays as it is.
+  // A second run leaves the folder unchanged.
   const ProgramOutcome again = run_earpoint(all);
   EXPECT_EQ(again.exit_code, 2);
   EXPECT_NE(again.errors.find("exists already"), std::string::npos) << again.errors;

@@ -116,7 +116,7 @@ TEST_F(TrainCommandTest, ARunIsNotOverwrittenAndGoesOnByResume) {
   EXPECT_EQ(nlohmann::json::parse(resumed.output).at("steps"), 3);
 }
 
-/// A network without batch norm, whose batch of three is not shared evenly.
+/// A network without batch norm, with a batch of three that cannot be shared evenly.
 constexpr const char* kShared = R"({
  "format": "earpoint-train-1",
  "network": {"kind": "vigas", "blocks": 1, "layers_per_block": 3, "channels": 8, "fusion_width": 16,
@@ -125,7 +125,7 @@ constexpr const char* kShared = R"({
  "training": {"batch": 3, "steps": 6, "validate_every": 3, "schedule": "cosine"}
 })";
 
-/// A port of this machine that nobody listens on.
+/// A free port of this machine.
 int free_port() {
   const int socket = ::socket(AF_INET, SOCK_STREAM, 0);
   sockaddr_in address{};
@@ -235,7 +235,7 @@ TEST_F(SharedTrainingTest, TwoProcessesGoOnWithWhatTwoBegan) {
 
 TEST_F(SharedTrainingTest, AllEndWhenOneCannotGoOn) {
   ASSERT_EQ(train_by(1, "run", kShared)[0].exit_code, 0);
-  // The first finds a run in the folder; the other is told that it is lost.
+  // The first process finds a run in the folder; the other reports that the first is lost.
   const std::vector<ProgramOutcome> both = train_by(2, "run", kShared);
   EXPECT_EQ(both[0].exit_code, 2);
   EXPECT_NE(both[0].errors.find("holds a run already"), std::string::npos) << both[0].errors;

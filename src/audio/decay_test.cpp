@@ -74,7 +74,7 @@ TEST(Decay, DiffuseFieldGivesItsTimeWithinItsStatisticalError) {
         mean_t30 += t30 / count;
         mean_t20 += reverberation_time_t20_s(response, kRate) / count;
       }
-      // The mean of eight shows a bias, e.g. from noise that was not cut off.
+      // The mean of eight would show a bias, e.g. from noise that was not cut off.
       EXPECT_NEAR(mean_t30, t60_s, 0.02 * t60_s) << "noise " << noise_db;
       EXPECT_NEAR(mean_t20, t60_s, 0.02 * t60_s) << "noise " << noise_db;
     }
@@ -82,7 +82,7 @@ TEST(Decay, DiffuseFieldGivesItsTimeWithinItsStatisticalError) {
 }
 
 TEST(Decay, EarlyAndLateSlopesAreToldApart) {
-  // Two rooms in one: 0.2 s early, 1.0 s from -25 dB on.
+  // A double slope: 0.2 s early, 1.0 s from -25 dB on.
   std::vector<float> response = smooth_decay(0.2, 1.5);
   const std::vector<float> late = smooth_decay(1.0, 1.5);
   for (std::size_t i = 0; i < response.size(); ++i) {

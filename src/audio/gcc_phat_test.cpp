@@ -56,7 +56,7 @@ TEST(GccPhat, FindsTheSameLagAsASearchOfEveryLag) {
        {std::pair{2, 2}, {7, 7}, {100, 100}, {101, 57}, {1, 64}, {640, 640}, {997, 1000}}) {
     for (std::uint64_t seed = 1; seed <= 20; ++seed) {
       const std::vector<float> signal = noise(length, seed);
-      // Independent noise has many peaks of similar height, shifted noise has one.
+      // Independent noise has many peaks of similar height, shifted noise only one.
       const std::vector<float> stranger = noise(other, seed + 100);
       EXPECT_EQ(gcc_phat_delay_samples(signal, stranger), delay_by_definition(signal, stranger))
           << length << " and " << other << ", seed " << seed;

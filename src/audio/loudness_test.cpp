@@ -20,8 +20,8 @@ Waveform sine(int channels, int rate_hz, double amplitude, double from_s, double
   return sound;
 }
 
-// The recommendation states this value to a hundredth. The onset of the filters is in it: a few
-// periods out of 5 s, below 0.01 dB.
+// The recommendation states this value to a hundredth. The onset of the filters adds less than 0.01
+// dB: a few periods out of 5 s.
 constexpr double kTolerance_lu = 0.02;
 
 TEST(Loudness, SineAtFullScaleIsWhatTheRecommendationSays) {
@@ -39,8 +39,8 @@ TEST(Loudness, IsTheSameAtEveryRate) {
 }
 
 TEST(Loudness, SilenceAroundTheSoundDoesNotCount) {
-  // 8 s of sine in 20 s of silence. Blocks at both edges hold part of the sine and pass the gate:
-  // three of 80 at either end, at 25, 50 and 75 % of the power; they take 0.16 dB.
+  // 8 s of sine in 20 s of silence. Blocks at both ends have part of the sine and pass the gate:
+  // three of 80 at either end, with 25, 50 and 75 % of the power, reduce it by 0.16 dB.
   const double loudness = loudness_lkfs(sine(1, 48000, 0.5, 6, 14, 20)).value();
   EXPECT_NEAR(loudness, -9.03 - 0.16, 0.03);
 }

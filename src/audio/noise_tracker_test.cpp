@@ -42,9 +42,9 @@ NoiseTracker settled(RandomStream& random) {
   return tracker;
 }
 
-// Over 257 bins and about 39 frames that the average remembers, chance moves the mean by less than
-// 0.1 dB. Frames whose smoothed power happens to be 7 dB above the minimum are left out, which
-// makes the estimate up to 0.5 dB too small.
+// Over 257 bins and an average over about 39 frames the standard error of the mean is below 0.1 dB.
+// Frames with a smoothed power 7 dB above the minimum are left out, which makes the estimate up to
+// 0.5 dB too low.
 constexpr double kBias_db = 0.6;
 
 TEST(NoiseTracker, FindsThePowerOfStationaryNoise) {
@@ -75,7 +75,7 @@ TEST(NoiseTracker, DoesNotTakeSyllablesForNoise) {
     tracker.update(noise_frame(i % 60 < 25 ? 1000.0 : 1.0, random));
   }
   // The first frame raises the smoothed power by a fifth of 30 dB, far above 7 dB. At the end of a
-  // syllable the smoothed power takes 24 frames to come within 7 dB, when the noise is alone.
+  // syllable the smoothed power takes 24 frames to fall within 7 dB; by then only noise is left.
   EXPECT_NEAR(mean_db(tracker.noise()), 0.0, kBias_db);
 }
 
@@ -95,8 +95,8 @@ TEST(NoiseTracker, FollowsARiseOfTenDecibelsWithinItsStatedTimeAndNotBefore) {
   for (int i = 0; i < kFramesPerSecond / 4; ++i) tracker.update(noise_frame(10.0, random));
   EXPECT_LT(mean_db(tracker.noise()), 5.0);
   for (int i = kFramesPerSecond / 4; i < stated; ++i) tracker.update(noise_frame(10.0, random));
-  // After the last window of quiet is forgotten, three time constants of the average leave 5 % of
-  // the step of power, 0.2 dB; the rest is bias.
+  // Three time constants after the last quiet window has passed, the average is off by 5 % of the
+  // step in power, 0.2 dB; the rest is bias.
   EXPECT_NEAR(mean_db(tracker.noise()), 10.0, 1.0);
 }
 

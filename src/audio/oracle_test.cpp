@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The folders that hold a file of reference data: ours, and the whole set if it is there.
+/// The folders with reference data: testdata, and the whole set if it is there.
 std::vector<fs::path> folders() { return reference_folders("src/audio/testdata", "D_signal"); }
 
 std::vector<SafetensorsFile> files(const std::string& name) {
@@ -82,7 +82,7 @@ TEST(GccPhatOracle, DelaysAreTheReferencesToTheSixteenthOfASample) {
     const std::span<const double> expected = file.tensors.at("delay").as<double>();
     const std::span<const double> margin = file.tensors.at("margin").as<double>();
     for (std::size_t pair = 0; pair < expected.size(); ++pair) {
-      // Two independent noises have several peaks of nearly one height; those are no evidence.
+      // Two independent noises have several peaks of nearly equal height; those pairs are skipped.
       if (margin[pair] < 1e-4) continue;
       EXPECT_EQ(gcc_phat_delay_samples(row_of<float>(file.tensors.at("sig"), pair),
                                        row_of<float>(file.tensors.at("ref"), pair)),

@@ -77,7 +77,7 @@ TEST(PeakLimiter, KeepsTheLevelBetweenTheEarsAndTheWaveform) {
   for (std::ptrdiff_t i = 0; i < sound.samples(); ++i) {
     ASSERT_NEAR(found.channel(1)[i], 0.01F * found.channel(0)[i], 1e-7) << i;
   }
-  // Settled, the gain ripples by what is released in half a period of 1.1 ms: 2 %.
+  // The settled gain ripples by the release within half a period of 1.1 ms: 2 %.
   for (std::ptrdiff_t i = 4000; i < 12000; ++i) {
     ASSERT_NEAR(found.channel(0)[i], sound.channel(0)[i] / 4, 0.03) << i;
   }

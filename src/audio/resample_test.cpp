@@ -22,7 +22,8 @@ Waveform tone(double frequency_hz, int rate_hz, std::ptrdiff_t samples) {
   return wave;
 }
 
-/// Largest absolute sample outside the edges, where the filter sees the ends of the sound.
+/// Largest absolute sample, except at the edges, where the filter reaches past the ends of the
+/// sound.
 double peak_inside(const Waveform& wave, std::ptrdiff_t edge) {
   double peak = 0.0;
   for (std::ptrdiff_t i = edge; i < wave.samples() - edge; ++i) {
@@ -80,7 +81,7 @@ TEST(StreamResampler, BlocksOfAnySizeGiveWhatOneBlockGives) {
     std::vector<float> right;
     int blocks = 0;
     for (std::ptrdiff_t start = 0; start < wave.samples();) {
-      // Every third block is empty, which must not be taken for the end.
+      // Every third block is empty, which must not count as the end.
       const std::ptrdiff_t samples = ++blocks % 3 == 0
                                          ? 0
                                          : static_cast<std::ptrdiff_t>(std::min<std::uint64_t>(

@@ -194,7 +194,7 @@ TEST_F(SoundFile, EqualSamplesGiveEqualBytes) {
     const std::string first = read_text_file(folder_ / name);
     write_sound(folder_ / name, wave, format);
     EXPECT_TRUE(read_text_file(folder_ / name) == first) << name;
-    // A time stamp would show a second later only.
+    // A time stamp would differ only a second later.
     EXPECT_EQ(first.find("PEAK"), std::string::npos) << name;
   }
 }
@@ -227,7 +227,7 @@ TEST_F(SoundFile, TruncatedFilesAreRefusedWhereverTheyEnd) {
     const std::string whole = read_text_file(folder_ / name);
     for (const double part : {0.0001, 0.001, 0.01, 0.1, 0.3, 0.5, 0.7, 0.9, 0.99, 0.9999}) {
       const auto size = static_cast<std::size_t>(part * static_cast<double>(whole.size()));
-      // Some programs promise the few bytes of a header as samples: that is no cut.
+      // Some programs count the few bytes of a header as samples: such a file is not truncated.
       if (std::string_view(name) == "x.wav" && whole.size() - size <= 64) continue;
       put(folder_ / name, std::string_view(whole).substr(0, size));
       const std::string message =
@@ -311,7 +311,7 @@ TEST_F(SoundFile, AnyBytesGiveSamplesOrOneError) {
     RandomStream random(12);
     for (int trial = 0; trial < 200; ++trial) {
       std::string broken = bytes;
-      // The first bytes are the ones that describe the rest.
+      // The first bytes describe the rest of the file.
       for (int i = 0; i < 4; ++i) {
         broken[random.index(std::min<std::size_t>(bytes.size(), 200))] ^=
             static_cast<char>(1 + random.index(255));

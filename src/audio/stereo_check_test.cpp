@@ -14,7 +14,7 @@ namespace {
 constexpr int kRate = 48000;
 constexpr int kSamples = 3 * kRate;
 
-/// Noise that falls by 6 dB per octave, in syllables: as much of every band as speech has.
+/// Noise that falls by 6 dB per octave, in syllables, like the spectrum of speech.
 std::vector<float> syllables(std::uint64_t seed) {
   RandomStream random(seed);
   std::vector<float> sound(kSamples);

@@ -66,7 +66,8 @@ TEST(Stft, InverseGivesTheSignalBackToItsEnds) {
       const std::vector<float> back = stft.inverse(stft.forward(signal), samples);
       ASSERT_EQ(std::ssize(back), samples);
       for (std::ptrdiff_t n = 0; n < samples; ++n) {
-        // Where a single window reaches, it is as small as 0.08 and magnifies float rounding.
+        // Where only one window reaches, its value is as small as 0.08, which magnifies float
+        // rounding.
         ASSERT_NEAR(back[n], signal[n], 1e-5F) << n;
       }
     }
@@ -90,7 +91,7 @@ TEST(Stft, InverseOfAChangedSpectrumIsTheLeastSquaresOne) {
   double scale = 0.0;
   for (std::size_t i = 0; i < probe.values.size(); ++i) {
     const std::size_t bin = i % static_cast<std::size_t>(probe.bins);
-    // Bins between stand for their mirror image too.
+    // Bins between the ends also count for their mirror image.
     const double weight = bin == 0 || bin + 1 == static_cast<std::size_t>(probe.bins) ? 1.0 : 2.0;
     const std::complex<double> rest(target.values[i] - nearest.values[i]);
     const std::complex<double> y(probe.values[i]);

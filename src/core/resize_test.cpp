@@ -17,7 +17,7 @@ TEST(ResizeBilinear, ALinearRampStaysLinearBetweenItsOuterPixels) {
 
 TEST(ResizeBilinear, ShrinkingTakesTwoNeighboursAndDoesNotSmooth) {
   ImagePlanes spike{1, 8, 1, {0, 0, 0, 0, 80, 0, 0, 0}};
-  // Outputs lie at 1.5 and 5.5, between pixels 1 and 2, and 5 and 6: the spike is not seen.
+  // Outputs are at 1.5 and 5.5, between pixels 1 and 2, and 5 and 6: the spike has no effect.
   EXPECT_EQ(resize_bilinear(spike, 1, 2).values, (std::vector<float>{0, 0}));
 }
 

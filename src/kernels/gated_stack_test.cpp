@@ -49,7 +49,7 @@ void expect_agrees(const StackExample& example, std::ptrdiff_t samples) {
       noise(static_cast<std::size_t>(samples * weights.audio_channels), 2);
   const std::vector<float> z = noise(weights.conditioning_width, 3);
   const std::vector<double> expected = reference_stack(weights, source, z);
-  // A test of numbers near zero would pass with any weights.
+  // With outputs near zero the test would pass for any weights.
   const double scale =
       std::abs(*std::max_element(expected.begin(), expected.end(),
                                  [](double a, double b) { return std::abs(a) < std::abs(b); }));

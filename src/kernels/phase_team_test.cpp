@@ -53,7 +53,7 @@ TEST(PhaseTeam, OthersTakeOverFromOneThatIsHeldUp) {
   run_team(2, 1, kTasks, [&](int member, int, std::ptrdiff_t i) {
     by[static_cast<std::size_t>(i)] = member;
     ++begun;
-    // The first task ends after all others; the others wait for both members to be at work.
+    // The first task ends after all others, which wait until both members are working.
     while (i == 0 ? done.load() < kTasks - 1 : begun.load() < 2) std::this_thread::yield();
     ++done;
   });

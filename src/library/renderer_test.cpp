@@ -128,7 +128,7 @@ TEST_F(RendererTest, OneChannelsVoiceIsPutAtTheSpeaker) {
   // The head shadows the ear away from the speaker.
   const Waveform left = copy.render(mono, {.speaker_m = Vector3{0, 1, 0}});
   EXPECT_GT(rms(left.channel(0)), 1.5 * rms(left.channel(1)));
-  // Upper left of the picture is left, by the same camera.
+  // The left of the picture is on the left.
   const Image seen = picture(90);
   const Waveform box =
       copy.render(mono, {.picture = &seen, .speaker_box = Box{0.0, 0.2, 0.1, 0.9}});

@@ -33,7 +33,7 @@ class StreamTest : public ::testing::Test {
     description.bands = 10;
     description.picture_px = 32;
     description.window_samples = 4000;
-    description.highpass_cutoff_hz = {};  // whose crossover turns phases
+    description.highpass_cutoff_hz = {};  // as the crossover would change phases
     description.delays = false;
     write_safetensors(file_, to_weight_file(pass_through_gtf_weights(description)));
   }

@@ -35,7 +35,7 @@ TEST(CheapestPairs, AreAsCheapAsTheBestOfAllPermutations) {
 }
 
 TEST(CheapestPairs, LeaveOutWhatMustNotBeAndPairTheRest) {
-  // The first row would take column 0, which is the only one that the second may have.
+  // The first row prefers column 0, which is the only one that the second row may have.
   const auto pairs = cheapest_pairs({{0.0, 5.0, kNever}, {0.1, kNever, kNever}});
   EXPECT_EQ(pairs[0], 1U);
   EXPECT_EQ(pairs[1], 0U);

@@ -108,8 +108,8 @@ TEST_F(FindPeople, FollowsTurnsOfTwoPeopleAndOneWhoIsNotInThePicture) {
   EXPECT_FALSE(track.at(5.0));
   const SpeakerSummary summary = summary_of(people);
   EXPECT_EQ(summary.people, 2);
-  // Two turns of three are inside; the belief takes up to half a second, a twelfth of the clip, to
-  // change.
+  // Two turns of three are inside the picture; the estimate takes up to half a second to change, a
+  // twelfth of the clip.
   EXPECT_NEAR(summary.outside_share, 1.0 / 3.0, 0.1);
   EXPECT_GT(summary.certainty, 0.9);
   // Rendering reads from the CSV what was found, up to rounding.

@@ -12,8 +12,8 @@ namespace {
 
 constexpr double kSilence_db = -60.0;
 
-/// Three people who walk about and talk in turns before some cameras; person p wears microphone
-/// `microphone_of[p]`.
+/// Three people who walk around and talk in turns in front of some cameras; person p wears
+/// microphone `microphone_of[p]`.
 struct Session {
   std::vector<std::size_t> microphone_of{0, 1, 2};
   std::vector<NearRangeMoment> moments;
@@ -55,7 +55,7 @@ struct Session {
           std::hypot(x - 3.0 * std::cos(0.8 * camera), y - 3.0 * std::sin(0.8 * camera));
       const bool is_seen = random.uniform() > 0.2;
       result.distance_m.push_back(is_seen ? std::optional(distance) : std::nullopt);
-      // Others' microphones pick the speaker up 15 dB weaker.
+      // Other people's microphones pick up the speaker at -15 dB.
       result.near_db[microphone_of[p]] = voice_db + gain_db[p] - (p == speaker ? 0.0 : 15.0);
       if (p == speaker) {
         result.camera_db = voice_db - 20.0 * std::log10(distance) + 2.0 * random.normal();
@@ -82,7 +82,7 @@ int right_of_twenty(int seconds, int cameras, double walks_m, bool hears_directi
 }
 
 TEST(MatchMicrophones, FindsWhoWearsWhichByLevelAgainstDistance) {
-  // Two minutes before one camera while people walk; chance is 3.3 of 20.
+  // Two minutes in front of one camera while people walk; guessing gives 3.3 of 20.
   EXPECT_GE(right_of_twenty(120, 1, 1.5, false), 18);
   // Eight cameras around people who stay where they are.
   EXPECT_GE(right_of_twenty(120, 8, 0.0, false), 18);
@@ -97,7 +97,7 @@ TEST(MatchMicrophones, KnowsHowSureItIs) {
   const auto heard = match_microphones(session.moments, kSilence_db);
   ASSERT_EQ(heard.certainty.size(), 3U);
   for (const double certainty : heard.certainty) EXPECT_GT(certainty, 0.95);
-  // Nobody ever speaks: any pairing is as good.
+  // Nobody speaks: all pairings are equally likely.
   const auto silent = match_microphones(session.moments, 100.0);
   ASSERT_EQ(silent.certainty.size(), 3U);
   for (const double certainty : silent.certainty) EXPECT_NEAR(certainty, 0.5, 1e-9);

@@ -84,7 +84,7 @@ TEST(PeopleDetector, PutsOblongPicturesIntoTheMiddleOfWhatYoloV8Sees) {
   const double green = 0.5 * (kGreen + kGrey);
   const double red_middle = 0.5 * (kRed + kGrey);
   const double blue_width = 0.5 * (kBlue + kGrey);
-  constexpr double kOblongRounding = 1e-4;  // float32's means of what differs
+  constexpr double kOblongRounding = 1e-4;  // float32 means of pixels that differ
   const Box& box = people[0].box;
   // The picture begins at 16 pixels of 64 and has 32; the box is 32 high.
   EXPECT_NEAR(box.y_max, (64 * green + 16 - 16) / 32, kOblongRounding);

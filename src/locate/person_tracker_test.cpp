@@ -58,7 +58,7 @@ TEST(PersonTracker, KeepsIdentitiesWhenPeopleCrossAndAreHiddenAndMissed) {
     }
     switches += count_identity_switches(crossing.truth, tracked);
   }
-  // 20 crossings, each of which would be two switches without prediction.
+  // 20 crossings, each with two switches if there were no prediction.
   EXPECT_LE(switches, 2);
 }
 

@@ -10,7 +10,7 @@
 namespace earpoint {
 namespace {
 
-/// Bursts of noise, as syllables are, at an azimuth.
+/// Bursts of noise, like syllables, from an azimuth.
 Waveform bursts_from(const HrtfSet& head, double azimuth_deg, std::uint64_t seed) {
   RandomStream random(seed);
   std::vector<float> voice(16000);

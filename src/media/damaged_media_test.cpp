@@ -24,8 +24,8 @@ struct Outcomes {
 
 class DamagedMedia : public MediaTest {
  protected:
-  /// Reads all that there is to read, within reason: a damaged header may promise years of sound.
-  /// What a reader accepts must be what its header promises.
+  /// Reads everything, up to a limit, as a damaged header may state years of sound. Accepted
+  /// contents must match the header.
   void read_everything(const std::string& name) {
     probe_ = attempt([&] { expect_sound_info(probe_media(file(name))); });
     EXPECT_EQ(attempt([&] { (void)read_image(file(name)); }).accepted, 0) << "a movie is no image";
@@ -95,8 +95,8 @@ class DamagedMedia : public MediaTest {
     }
   }
 
-  /// A movie that was written is whole, however damaged its pictures' source: it has a picture and
-  /// a second of sound.
+  /// A written movie is complete even if the source of its pictures is damaged: it has a picture
+  /// and a second of sound.
   static void expect_second_of_sound(const std::filesystem::path& path) {
     EXPECT_NE(probe_media(path).preferred(StreamKind::video), nullptr);
     AudioReader reader(path);
@@ -111,7 +111,7 @@ class DamagedMedia : public MediaTest {
   Outcomes probe_, frames_, sound_, written_;  // of the file read last
   Outcomes all_;
 
-  /// One second of coloured noise with sound.
+  /// One second of a test picture with noise as sound.
   void make_movie(const std::string& name, const std::string& codecs) const {
     run_ffmpeg(
         fmt::format("-f lavfi -i testsrc2=s=64x48:r=25:d=1 -f lavfi -i "
@@ -151,7 +151,7 @@ TEST_F(DamagedMedia, FlippedBitsGiveAnErrorOrAPicture) {
     for (int round = 0; round < 60; ++round) {
       SCOPED_TRACE(fmt::format("{} round {}", name, round));
       std::string damaged = whole;
-      // Half of the rounds aim at the index, where a single bit does most.
+      // Half of the rounds damage the index, where single bits do most harm.
       const std::size_t reach =
           round % 2 == 0 ? damaged.size() : std::min<std::size_t>(1500, damaged.size());
       for (int flip = 0; flip <= round % 7; ++flip) {
@@ -197,8 +197,8 @@ TEST_F(DamagedMedia, FlippedBitsInPicturesGiveAnErrorOrAPicture) {
       EXPECT_LE(static_cast<double>(read->width()) * read->height(), 1e8) << "100 megapixels";
     }
     EXPECT_GT(outcomes.refused, 5) << name;
-    // Every byte of a PNG is in a part with a checksum, so no damage goes unnoticed; a JPEG has
-    // none.
+    // Every byte of a PNG is under a checksum, so that all damage is detected; JPEG has no
+    // checksums.
     if (name == std::string("a.png")) {
       EXPECT_EQ(outcomes.accepted, 0);
     } else {

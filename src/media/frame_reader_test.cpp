@@ -96,7 +96,7 @@ TEST_F(FrameReaderTest, FarAheadItSeeksInsteadOfDecodingAll) {
     const std::vector<double> times_s = regular_times(500, 25.0);
     expect_nearest(reader, times_s, 0.0);
     expect_nearest(reader, times_s, 18.51);
-    // Two groups of pictures and what the decoder's threads hold.
+    // Two groups of pictures and the frames in the decoder's threads.
     EXPECT_LT(reader.frames_decoded(), 80) << name;
     expect_nearest(reader, times_s, 1.0);
     EXPECT_LT(reader.frames_decoded(), 160) << name;
@@ -121,7 +121,7 @@ TEST_F(FrameReaderTest, TimesCountFromTheContainersStart) {
 }
 
 TEST_F(FrameReaderTest, MeasuresADurationThatIsNotStated) {
-  // As a browser records.
+  // As browsers record.
   make_numbered("-c:v libvpx-vp9 -live 1 -f webm pipe: > live.webm");
   EXPECT_FALSE(probe_media(file("live.webm")).duration_s.has_value());
   FrameReader reader(file("live.webm"));
@@ -146,7 +146,7 @@ TEST_F(FrameReaderTest, FollowsAVariableFrameRate) {
 }
 
 TEST_F(FrameReaderTest, DoesWithoutTimestamps) {
-  // AVI keeps none; MPEG-4 with B-frames comes out of order.
+  // AVI has none, and MPEG-4 frames with B-frames are stored out of order.
   make_numbered("-c:v mpeg4 -q:v 2 -bf 2 a.avi");
   FrameReader reader(file("a.avi"));
   const std::vector<double> times_s = regular_times(50, 25.0);
@@ -181,7 +181,7 @@ TEST_F(FrameReaderTest, ShowsTheMovieUpright) {
 }
 
 TEST_F(FrameReaderTest, KnowsItsColours) {
-  // An orange that the two common matrices turn into different numbers, in both ranges.
+  // An orange that differs between the two common matrices, in both ranges.
   struct Case {
     const char* size;
     const char* matrix;
@@ -199,8 +199,8 @@ TEST_F(FrameReaderTest, KnowsItsColours) {
                     "-color_range {} -c:v libx264 -crf 1 a.mp4",
                     c.size, c.matrix, c.range, c.tag, c.range));
     const Image image = FrameReader(file("a.mp4")).frame_nearest(0.0);
-    // Rounding to 8 bits as YCbCr costs 1 in each of three, which the matrix adds up; another
-    // matrix differs by 10 and more.
+    // Rounding to 8 bits of YCbCr is up to 1 in each of three, which the matrix adds up; a wrong
+    // matrix differs by 10 or more.
     EXPECT_NEAR(image.at(9, 9, 0), 0xff, 3) << c.matrix << c.tag << c.range;
     EXPECT_NEAR(image.at(9, 9, 1), 0x80, 3) << c.matrix << c.tag << c.range;
     EXPECT_NEAR(image.at(9, 9, 2), 0x20, 3) << c.matrix << c.tag << c.range;

@@ -31,7 +31,7 @@ Image noise(int width, int height, int channels) {
   return image;
 }
 
-/// Colours that change slowly: what JPEG is made for.
+/// Colours that change slowly, which suits JPEG.
 Image gradient(int width, int height) {
   Image image(width, height, 3);
   for (int y = 0; y < height; ++y) {
@@ -98,7 +98,7 @@ TEST_F(ImageFile, JpegIsCloseAndKeepsItsColourResolution) {
     // Quantisation at this quality: a few levels of 255.
     EXPECT_LE(largest_difference(read_image(file(name)), image), 6) << name;
   }
-  // Red and blue columns, one pixel wide, would run into magenta if colours were halved.
+  // Red and blue columns, one pixel wide, would mix to magenta with chroma subsampling.
   Image columns(64, 16, 3);
   for (int y = 0; y < 16; ++y) {
     for (int x = 0; x < 64; ++x) columns.at(x, y, x % 2 == 0 ? 0 : 2) = 255;
@@ -193,7 +193,7 @@ void add_exif_chunk(const std::filesystem::path& path, int orientation) {
 }
 
 TEST_F(ImageFile, ExifOrientationIsApplied) {
-  // Left half red, right half blue, a green top edge: a mark for every side.
+  // Left half red, right half blue, a green top edge: every side is marked.
   Image upright(64, 32, 3);
   for (int y = 0; y < 32; ++y) {
     for (int x = 0; x < 64; ++x) upright.at(x, y, y < 8 ? 1 : x < 32 ? 0 : 2) = 255;

@@ -22,7 +22,7 @@ constexpr int kFrames = 50;
 
 bool is_flash(int frame) { return frame == 10 || frame == 31; }
 
-/// Two seconds of black with white frames, and a click in both ears as each of them begins.
+/// Two seconds with a click in both ears at the beginning of each white frame.
 Waveform clicks(int rate, int channel_delay = 0) {
   Waveform sound(2, std::ptrdiff_t{2} * rate, rate);
   for (int frame = 0; frame < kFrames; ++frame) {
@@ -65,7 +65,7 @@ std::vector<double> flash_times(const std::filesystem::path& path) {
   return times_s;
 }
 
-/// Where the samples are loudest, one place per click.
+/// Times of the loudest samples, one per click.
 std::vector<double> click_times(const std::filesystem::path& path, int ear) {
   AudioReader reader(path);
   const Waveform sound = reader.read(1 << 24);
@@ -178,7 +178,7 @@ TEST_F(MovieWriterTest, SoundIsReplacedAndThePictureCopied) {
   }
 }
 
-/// Every frame of both movies, at the same times.
+/// Compares every frame of both movies at the same times.
 void expect_same_pictures(const std::filesystem::path& a, const std::filesystem::path& b) {
   FrameReader first(a);
   FrameReader second(b);
@@ -260,8 +260,8 @@ TEST_F(MovieWriterTest, PicturesComeBackInTheirColours) {
   EXPECT_DOUBLE_EQ(reader.frame_rate_hz(), 30000.0 / 1001.0);
   const Image read = reader.frame_nearest(0.1);
   for (const int x : {0, 17, 35}) {
-    // Rounding to 8 bits as YCbCr costs 1 in each of three, which the matrix adds up; so does the
-    // coding.
+    // Rounding to 8 bits of YCbCr is up to 1 in each of three, which the matrix adds up; coding
+    // adds another step.
     EXPECT_NEAR(read.at(x, 14, 0), 230, 4);
     EXPECT_NEAR(read.at(x, 14, 1), 120, 4);
     EXPECT_NEAR(read.at(x, 27, 2), 30, 4);
@@ -384,7 +384,7 @@ class FileSizeLimit {
 };
 
 TEST_F(MovieWriterTest, AFullDiskIsOneLineAndLeavesNothing) {
-  // Full at once, in the middle, and when the index is moved to the front.
+  // The disk is full at once, in the middle, and when the index is moved to the front.
   write_flashes("whole.mp4", 44100);
   const auto size = std::filesystem::file_size(file("whole.mp4"));
   for (const auto limit : {std::uintmax_t{1}, size / 2, size - 100}) {
