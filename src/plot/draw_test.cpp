@@ -64,8 +64,8 @@ TEST(Draw, ALineCoversItsAreaInEveryDirection) {
       const double dy = 40.0 * std::sin(angle);
       draw_line(image, {60.2 - dx, 60.7 - dy}, {60.2 + dx, 60.7 + dy}, kBlack, width);
       const double round_ends = std::numbers::pi * width * width / 4.0;
-      // Coverage is taken from the distance to the pixel's middle: exact on average, within a
-      // few percent for a line in one direction.
+      // Coverage is computed from the distance to the pixel's middle: exact on average over
+      // directions, to a few percent in each.
       EXPECT_NEAR(ink(image), 80.0 * width + round_ends, 0.05 * 80.0 * width) << degrees;
     }
   }
@@ -175,7 +175,7 @@ TEST(DrawText, WidthAndAlignmentTellWhereTheInkIs) {
          {std::pair{TextAlign::left, 50.0}, std::pair{TextAlign::centre, 50.0 - width / 2.0},
           std::pair{TextAlign::right, 50.0 - width}}) {
       const auto [first, last] = extent(picture_of("Hm", {.size = size, .align = align}));
-      // Half a stroke and an antialiased edge lie outside the letters' skeleton.
+      // Half a stroke and an antialiased edge are outside the letters' centre lines.
       const double margin = 1.5 + 0.05 * size;
       EXPECT_NEAR(first, left, margin) << size;
       EXPECT_NEAR(last, left + width, margin) << size;
@@ -196,7 +196,7 @@ TEST(DrawText, CapitalsStandOnTheBaselineAtTheirHeight) {
       bottom = std::max(bottom, y);
     }
   }
-  // The pixel above the line is the last, and edges are blended over one more.
+  // The last pixel is the one above the line, and edges are blended over one more.
   EXPECT_NEAR(bottom, 40, 2);
   EXPECT_NEAR(top, 40 - 0.7 * 30, 2);
   EXPECT_GT(ink(picture_of("H", {.size = 30.0, .is_bold = true})), 1.3 * ink(image));

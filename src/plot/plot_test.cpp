@@ -120,7 +120,8 @@ TEST(PlotWaveforms, ShowsEachEarWhereAndAsLoudAsItIs) {
   const std::vector<WaveformPanel> panels = {{"x", WaveformOutline(sound)}};
   const Image image = plot_waveforms(panels, "", 1000);
   ASSERT_EQ(image.width(), 1000);
-  // From 0.2 to 0.3 s and from 0.7 to 0.8 s of the plot's 916 columns; a thin line is everywhere.
+  // From 0.2 to 0.3 s and from 0.7 to 0.8 s of the plot's 916 columns; a thin line is in all
+  // columns.
   const int blue_loud = coloured(image, 64 + 190, 64 + 270, true);
   const int blue_quiet = coloured(image, 64 + 650, 64 + 730, true);
   const int orange_loud = coloured(image, 64 + 650, 64 + 730, false);
@@ -163,7 +164,7 @@ TEST(PlotSpectrograms, APeakStandsAtItsTimeAndFrequency) {
   constexpr int kBins = 257;
   std::vector<float> levels(static_cast<std::size_t>(kFrames) * kBins,
                             -std::numeric_limits<float>::infinity());
-  // Frame 25 of 100 and bin 193 of 257: a quarter along, three quarters up.
+  // Frame 25 of 100 and bin 193 of 257: at a quarter of the width and three quarters of the height.
   levels[25 * kBins + 193] = -12.0F;
   levels[3] = std::numeric_limits<float>::quiet_NaN();
   const std::vector<SpectrogramPanel> panels = {{"x", levels, kFrames, kBins, 1.0, 8000.0}};
@@ -185,8 +186,8 @@ TEST(PlotSpectrograms, APeakStandsAtItsTimeAndFrequency) {
     }
   }
   ASSERT_GT(count, 0);
-  // A frame is a hundredth of the width and the peak in its middle; a bin is less than a row of
-  // 200.
+  // A frame is a hundredth of the width, with the peak in its middle; a bin is less than one of 200
+  // rows.
   EXPECT_NEAR((x_sum / count - left) / (right - left), 0.255, 0.01);
   EXPECT_NEAR((y_sum / count - top) / 200.0, 0.25, 0.01);
 }

@@ -34,7 +34,7 @@ TEST(BandExtension, FollowsEachEarsTopOctaveAndFadesBetweenWindows) {
     extension.add_window(input, scaled(input, left, 0.25F));
   }
   constexpr double kHop = kWindow - kOverlap;
-  // The same samples scaled: only float rounding of the transform is left.
+  // The same samples with a gain: only float rounding of the transform differs.
   EXPECT_NEAR(extension.gain(0, 10), 0.5F, 1e-5);
   EXPECT_NEAR(extension.gain(0, kHop), 0.5F, 1e-5);
   EXPECT_NEAR(extension.gain(0, kHop + kOverlap / 2.0), 1.25F, 1e-5);
@@ -55,7 +55,7 @@ TEST(BandExtension, AddsEverySampleAtItsGain) {
   extension.add(0, 100.0, 16000.0 / 44100.0, ones, sum);
   for (std::size_t i = 0; i < sum.size(); ++i) {
     const float expected = extension.gain(0, 100.0 + 16000.0 / 44100.0 * static_cast<double>(i));
-    // Float sums of about 5; a sample at a window's seam may round to either side of it.
+    // Float sums of about 5; a sample at a window boundary may be rounded to either side.
     ASSERT_NEAR(sum[i], 3.0F + expected, 1e-6F) << i;
   }
 }

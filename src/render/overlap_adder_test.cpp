@@ -55,8 +55,8 @@ TEST(OverlapAdder, UnrelatedWindowsKeepTheirPowerThroughTheFade) {
       power[i] += static_cast<double>(joined[kHop + i]) * joined[kHop + i] / kTrials;
     }
   }
-  // A mean of 2000 squares of normals has a standard deviation of 3.2 %, the mean over the fade
-  // far less; chance correlation within a window pair costs about half a percent.
+  // A mean of 2000 squared normals has a standard error of 3.2 %, the mean over the fade far less;
+  // random correlation within a pair of windows adds about half a percent.
   double mean = 0.0;
   for (const double value : power) {
     EXPECT_NEAR(value, 1.0, 5 * 0.032);
@@ -71,7 +71,7 @@ TEST(OverlapAdder, OpposedWindowsFadeLikeUnrelatedOnes) {
       2, [&](int k, std::ptrdiff_t n) { return static_cast<float>(k == 0 ? tone(n) : -tone(n)); });
   ASSERT_EQ(joined.size(), static_cast<std::size_t>(kHop + kWindow));
   for (std::size_t n = 0; n < joined.size(); ++n) {
-    // How much of the second window is heard: nothing before the overlap, all of it after.
+    // Progress of the fade to the second window: 0 before the overlap, 1 after it.
     const double way = std::clamp(
         (static_cast<double>(n) - static_cast<double>(kHop) + 0.5) / double{kOverlap}, 0.0, 1.0);
     const double rising = std::pow(std::sin(kPi / 2 * way), 2.0);

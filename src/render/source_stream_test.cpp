@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kRate = 16000;
 
-/// Two seconds of noise in syllables, falling with frequency as speech does.
+/// Two seconds of noise in syllables, with a spectrum that falls like that of speech.
 std::vector<float> syllables() {
   RandomStream random(5);
   std::vector<float> sound(2 * kRate);
@@ -74,7 +74,7 @@ TEST(SourceStream, SeparatesTrackedNoiseInWindowsAsOfTheWholeSound) {
       for (int ear = 0; ear < 2; ++ear) {
         for (std::ptrdiff_t i = 0; i < kSamples && start + i < sound.samples(); ++i) {
           ASSERT_EQ(window.primary.channel(ear)[kContext + i], primary.channel(ear)[start + i]);
-          // Both together are the recording: the rounding of one float sum of values below 1.
+          // Their sum is the recording, up to the rounding of one float sum of values below 1.
           ASSERT_NEAR(window.primary.channel(ear)[kContext + i] + window.ambient.channel(ear)[i],
                       sound.channel(ear)[start + i], 1e-7);
         }

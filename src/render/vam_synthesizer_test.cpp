@@ -67,7 +67,7 @@ TEST(VamSynthesizer, GivesWhatTheNetworkGivesForTheEncodedPose) {
 TEST(VamSynthesizer, LooksAgainWhereThePictureIsAnother) {
   Image picture(96, 54, 3, 200);
   const Observation bright = make_observation(picture);
-  // Half of it: the trunk's norms make all even pictures alike.
+  // Only half of it, as the trunk's norms make all uniform pictures equal.
   std::fill_n(picture.pixels().begin(), picture.pixels().size() / 2, std::uint8_t{10});
   Observation dark = bright;
   dark.picture = std::make_shared<const Image>(picture);

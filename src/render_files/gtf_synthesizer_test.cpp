@@ -139,7 +139,7 @@ TEST(GtfSynthesizer, WorksWithoutAPictureWhereTheNetworkDoesNotLook) {
   EXPECT_TRUE(is_audible(found));
 }
 
-/// Three seconds rendered along a path by a network that looks at nothing.
+/// Three seconds rendered along a path by a network without a picture.
 class GtfPaths : public testing::Test {
  protected:
   void SetUp() override {
@@ -186,7 +186,7 @@ TEST_F(GtfPaths, APathThatJumpsEqualsBothOfItsPlacesAwayFromTheJump) {
       path("0,1,-0.5,0,30,0,0\n1.5,1,-0.5,0,30,0,0\n1.501,-1,2,0,110,0,0\n3,-1,2,0,110,0,0\n"));
   const Waveform at_first = rendered(EarpointPath(kFirst));
   const Waveform at_second = rendered(EarpointPath(kSecond));
-  // Windows that hold the jump reach a quarter of a second to either side.
+  // Windows with the jump extend a quarter of a second to either side.
   for (int ear = 0; ear < 2; ++ear) {
     for (std::ptrdiff_t i = 0; i < 20000; ++i) {
       ASSERT_EQ(jumping.channel(ear)[i], at_first.channel(ear)[i]) << i;
@@ -199,7 +199,7 @@ TEST_F(GtfPaths, APathThatJumpsEqualsBothOfItsPlacesAwayFromTheJump) {
 }
 
 TEST_F(GtfPaths, AWalkIsFollowedFromHopToHop) {
-  // A step of the walk within a window, between two of its poses that any window would have.
+  // A short step of the walk within a window, between poses at which a window would sample it.
   const Waveform walked = rendered(
       path("0,1,-0.5,0,30,0,0\n1.5,1,-0.5,0,30,0,0\n1.52,-1,2,0,110,0,0\n1.54,1,-0.5,0,30,0,0\n"
            "3,1,-0.5,0,30,0,0\n"));

@@ -23,7 +23,7 @@ SpeakerSighting sighting(double azimuth_rad, double distance_m, double level) {
 }
 
 TEST(LocateSpeaker, TheMeanGoesRoundTheBackAndHearsTheLoud) {
-  // Behind, 10 degrees to either side of the back: the mean is the back, not the front.
+  // 10 degrees to either side of the back: the mean is the back, not the front.
   const double aside_rad = radians_from_degrees(10.0);
   const LocatedSpeaker located =
       mean_speaker({sighting(kPi - aside_rad, 1.0, 0.1), sighting(-kPi + aside_rad, 4.0, 0.1),
@@ -104,7 +104,7 @@ TEST(LocateSpeaker, TheMapHasTheSpeakerWhereTheyAre) {
   const auto map_of = [](const Vector3& speaker_m) {
     LocatedSpeaker located;
     located.speaker.position_m = speaker_m;
-    // One sighting at each side holds the map's scale.
+    // One sighting at each side keeps the map's scale constant.
     located.sightings = {sighting(0.5 * kPi, 3.0, 0.1), sighting(-0.5 * kPi, 3.0, 0.1)};
     return plot_speaker(located, 0.5 * kPi);
   };
@@ -112,7 +112,8 @@ TEST(LocateSpeaker, TheMapHasTheSpeakerWhereTheyAre) {
   ASSERT_EQ(map.channels(), 3);
   const Dot ahead = speaker_dot(map), left = speaker_dot(map_of({1, 1, 0}));
   const Dot further = speaker_dot(map_of({2, 0, 0}));
-  // The dot is 18 pixels wide, 254 of them, of which the edge is blended with the paper.
+  // The dot is 18 pixels wide and has 254 pixels, of which those at the edge are blended with the
+  // background.
   ASSERT_GT(ahead.pixels, 150);
   EXPECT_NEAR(ahead.x, map.width() / 2.0, 1.0) << "ahead of the camera is the middle of the page";
   const double metre_px = ahead.x - left.x;

@@ -109,7 +109,7 @@ INSTANTIATE_TEST_SUITE_P(Rates, RenderStreamRates,
                          testing::Values(16000, 22050, 44100, 48000, 96000));
 
 TEST(RenderStream, HearsTheEarpointAsWholeWindowsDo) {
-  const Vector3 kMouth_m{2.0, 0.5, 0.0};  // told, since a stream's summary locates it elsewhere
+  const Vector3 kMouth_m{2.0, 0.5, 0.0};  // given, since a stream's summary locates it elsewhere
   const Waveform sound = speech(16000);
   const auto picture =
       open_pictures(std::nullopt, EARPOINT_SOURCE_DIR "/examples/clip.mp4").nearest(2.5);
@@ -133,7 +133,8 @@ TEST(RenderStream, HearsTheEarpointAsWholeWindowsDo) {
     const Waveform whole = windows.synthesize(pose);
     for (int ear = 0; ear < 2; ++ear) {
       const auto heard = live.channel(ear).subspan(32000 + stream.latency_samples(), 16000);
-      // Statistics of the last second in place of the window's own, and a causal ambient split.
+      // A stream has statistics of the last second instead of the window's own, and a causal
+      // ambient split.
       EXPECT_NEAR(level_db(heard), level_db(whole.channel(ear)), 1.5);
     }
   }
@@ -186,7 +187,7 @@ TEST(RenderStream, AddsAmbientSoundAndTheBandAboveTheModelAtTheirLevel) {
   }
   RenderStream stream(pass_through_weights(80.0), {});
   const Waveform found = processed(stream, sound, 480);
-  // The amplitude of a tone in the last second, which holds whole periods of all.
+  // The amplitude of a tone in the last second, which has whole periods of all.
   const auto amplitude = [&](double frequency_hz) {
     double sine = 0.0;
     double cosine = 0.0;

@@ -183,8 +183,8 @@ TEST_F(RenderTest, ASteadyToneThroughAnIdentityNetworkHasNoClicks) {
     const Waveform result = rendered(write(sound), network);
     ASSERT_EQ(result.samples(), sound.samples()) << rate;
     ASSERT_EQ(result.sample_rate_hz(), rate);
-    // -60 dB of the tone's amplitude, which covers clicks as well as steps. A resampler may ring
-    // at the recording's abrupt ends, so the first and last 20 ms are left to it.
+    // -60 dB of the tone's amplitude, which covers clicks as well as steps. The first and last 20
+    // ms are left out, as a resampler may ring at the recording's abrupt ends.
     const auto edge = rate / 50;
     for (int ear = 0; ear < 2; ++ear) {
       for (std::ptrdiff_t i = edge; i < sound.samples() - edge; ++i) {
@@ -199,8 +199,9 @@ TEST_F(RenderTest, AFullBandRecordingStaysFullBand) {
   const Waveform sound = noise(3.1, 48000);
   IdentityNetwork network;
   const Waveform result = rendered(write(sound), network);
-  // White noise to 24 kHz comes back whole: the low band through the network, the rest beside it.
-  // The top octave's gain is measured on equal windows; resampling leaves it within a thousandth.
+  // White noise up to 24 kHz is preserved: the low band through the network, the rest beside it.
+  // The gain of the top octave is measured on equal windows; resampling changes it by less than a
+  // thousandth.
   EXPECT_LT(greatest_difference(result, sound), 5e-3);
 }
 
@@ -308,7 +309,7 @@ TEST_F(RenderTest, OutputStaysWithinFullScaleUnlessThatIsNotWished) {
   EXPECT_EQ(whole.limited_db[0], 0.0);
   // Peak and gain are floats: 6e-8 of either, 1e-6 dB.
   EXPECT_NEAR(limited.limited_db[0], 20.0 * std::log10(whole.targets[0].peak()), 1e-4);
-  // Limited, it is the same sound with another gain: every sample keeps its sign.
+  // The limited sound is the same with another gain: every sample keeps its sign.
   const Waveform loud = read_sound(folder_ / "o.wav");
   for (std::size_t i = 0; i < loud.planar().size(); ++i) {
     ASSERT_GE(loud.planar()[i] * written.planar()[i], 0.0F) << i;

@@ -22,13 +22,13 @@ TEST(LimitedProcess, TellsHowItEnded) {
 
 TEST(LimitedProcess, EndsWhatHangsWithAllThatItStarted) {
   const auto began = std::chrono::steady_clock::now();
-  // The first keeps standard error open, the second does not: both must be noticed.
+  // The first keeps standard error open, the second does not: both must be ended.
   for (const char* script : {"sleep 60 & sleep 60", "exec 2>/dev/null; sleep 60"}) {
     const ProcessEnd end = shell(script, {.wall_time = std::chrono::seconds(1)});
     EXPECT_TRUE(end.is_out_of_time) << script;
     EXPECT_NE(end.exit_code, 0) << script;
   }
-  // Two seconds of waiting; the rest is room for a busy machine.
+  // Two seconds of waiting; the rest is a margin for a busy machine.
   EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(30));
 }
 

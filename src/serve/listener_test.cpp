@@ -174,7 +174,7 @@ TEST(Listener, IsAsLoudAsTheRecordingOnRequest) {
   };
   const double without_db = louder_ear_db();
   far.matches_level = true;
-  // Each ear has its own share of the level, and the first part is matched by itself alone: 3 dB.
+  // Ears differ a little in level, and the first part is matched on its own: 3 dB.
   EXPECT_NEAR(louder_ear_db(), 0.0, 3.0);
   EXPECT_LT(without_db, -3.0);
 }

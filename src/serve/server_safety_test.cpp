@@ -144,7 +144,7 @@ TEST(ServerSafety, AnswersBesideTwoHundredConnectionsThatSayNothingOrLittle) {
   }
   const auto began = std::chrono::steady_clock::now();
   expect_answers(server);
-  // With fewer threads than connections it takes until they time out: 5 s and more.
+  // With fewer threads than connections this would take until they time out: 5 s or more.
   EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(4));
 }
 
@@ -159,7 +159,7 @@ TEST(ServerSafety, CutsOffHeadersAndBodiesThatDrip) {
                                   "Content-Length: 10000\r\n\r\n"}) {
     const RawConnection slow(port);
     slow.say(start);
-    // A byte every 5 ms: no wait for a single one is long. A minute of it would be a failure.
+    // A byte every 5 ms, so that no single wait is long. The server must close within a minute.
     const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(1);
     while (!slow.is_closed() && std::chrono::steady_clock::now() < end) {
       slow.say("x");
@@ -254,7 +254,7 @@ TEST(ServerSafety, TakesUploadsAsTheOpenerDoes) {
   const auto refused = client.Post("/api/clips?name=a.exe", "MZ", "video/mp4");
   EXPECT_EQ(refused->status, 400);
   EXPECT_EQ(json::parse(refused->body)["error"], "a.exe: is not a movie");
-  // One clip alone is listed: the other's id is known to its sender.
+  // Only one clip is listed: only its sender knows the other's id.
   EXPECT_EQ(json::parse(client.Get("/api/clips")->body)["clips"].size(), 1U);
 }
 
@@ -285,7 +285,7 @@ TEST(ServerSafety, KeepsItsMemoryOverTenThousandRequests) {
   ask(1000);
   const double before_mb = resident_mb();
   ask(10000);
-  // A leak of a kilobyte a request would be 10 MB; allocators keep some.
+  // A leak of a kilobyte per request would be 10 MB; allocators keep some memory.
   EXPECT_LT(resident_mb() - before_mb, 5.0);
 }
 

@@ -128,7 +128,7 @@ TEST(TimedStream, GivesUpOnAReaderThatDrips) {
     std::array<char, 64> block;
     (void)recv(connection.client(), block.data(), block.size(), MSG_DONTWAIT);
   });
-  // More than the system keeps for the reader.
+  // More than the system buffers for the reader.
   const std::string answer(16'000'000, 'x');
   EXPECT_LT(stream.write(answer.data(), answer.size()), 0);
 }

@@ -81,7 +81,7 @@ TEST(ImpulseGrid, MatchesTheDirectSumAtEveryBin) {
   std::vector<std::complex<float>> found(grid.bins());
   grid.take(found);
   for (int bin = 0; bin < grid.bins(); ++bin) {
-    // The kernel's aliases and float32, of the sum of gains.
+    // Aliases of the kernel and float32 rounding, relative to the sum of gains.
     ASSERT_NEAR(std::abs(std::complex<double>(found[bin]) - expected[bin]), 0.0, 3e-6 * total)
         << bin;
   }
@@ -106,11 +106,11 @@ TEST(RenderArrivalsMono, BetweenSamplesItIsASinc) {
   const Waveform response = render_arrivals_mono(arrivals, kRate, 0.05);
   for (int i = 110; i < 210; ++i) {
     const double x = kPi * (i - time);
-    // A sinc whose far ends wrap round the transform of about 2000 samples.
+    // The far ends of the sinc wrap around the transform of about 2000 samples.
     EXPECT_NEAR(response.channel(0)[i], std::sin(x) / x, 1e-3) << i;
   }
   EXPECT_EQ(response.channel(0)[95], 0.0F);  // 4 ms before
-  // The silence before and the end cut off less than 1 % of the sinc.
+  // The silence ahead and the end cut off less than 1 % of the energy of the sinc.
   EXPECT_NEAR(energy(response.channel(0)), 1.0, 0.01);
 }
 
@@ -143,7 +143,7 @@ TEST(RenderArrivalsMono, BandGainsShapeTheirBands) {
   for (int band = 0; band < kOctaveBands; ++band) {
     const double level_db = 10.0 * std::log10(energies[band] / energies[4]);
     if (std::abs(band - 4) == 1) {
-      EXPECT_LT(level_db, -6.0);  // the raised cosine reaches into the neighbours' inner half
+      EXPECT_LT(level_db, -6.0);  // the raised cosine extends into the inner half of the neighbours
     } else if (band != 4) {
       EXPECT_LT(level_db, -60.0) << band;
     }
@@ -153,7 +153,7 @@ TEST(RenderArrivalsMono, BandGainsShapeTheirBands) {
 TEST(RenderArrivals, ASingleArrivalIsTheHrirAtItsTime) {
   const Vector3 direction{0.3, 0.8, 0.2};
   const Hrir hrir = hrtf().interpolated(direction);
-  // A whole number of samples after the set's middle: the taps come out unchanged.
+  // A whole number of samples after the set's middle, so that the taps are unchanged.
   const double start = 200.0;
   const std::vector<Arrival> arrivals = {
       arrival_at((start + hrtf().centre_delay_samples()) / kRate, direction, 0.7F)};
@@ -226,11 +226,13 @@ TEST(RenderArrivalsMono, ASpecularBoxDecaysMoreSlowlyThanEyring) {
   const Shoebox room = test_room();
   std::vector<Arrival> arrivals =
       shoebox_arrivals(room, {1.03, 2.011, 1.707}, Pose{{4.2, 3.1, 1.2}, {}}, 0.5);
-  // From 500 Hz on: at the lowest frequencies all images add up in phase, the room's few modes.
+  // Only from 500 Hz on: at the lowest frequencies there are few modes, in which images add up in
+  // phase.
   for (Arrival& arrival : arrivals) arrival.gain[0] = arrival.gain[1] = arrival.gain[2] = 0.0F;
   const Waveform response = render_arrivals_mono(arrivals, kRate, 0.5);
   const double t20_s = reverberation_time_t20_s(response.channel(0), kRate);
-  // Eyring says 0.5 s; exact image sources of such a box, ours and others', 0.58 to 0.65 s.
+  // Eyring gives 0.5 s; exact image sources of such a box, here and in other programs, 0.58 to 0.65
+  // s.
   EXPECT_NEAR(t20_s, 0.62, 0.1);
   EXPECT_GT(t20_s, eyring_reverberation_time_s(room)[4]);
 }

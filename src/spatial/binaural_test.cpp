@@ -89,7 +89,8 @@ TEST(BinauralPanner, AVoiceWalkingAroundTheHeadGoesFromEarToEar) {
 }
 
 TEST(BinauralPanner, AMovingToneHasNoClicks) {
-  // 1 kHz around the head in 2 s, 12 ms of walk per block: whatever is above 3 kHz is a click.
+  // A tone of 1 kHz moves around the head in 2 s, in blocks of 12 ms: anything above 3 kHz is a
+  // click.
   std::vector<float> tone(2 * kRate);
   for (std::size_t i = 0; i < tone.size(); ++i) {
     tone[i] =

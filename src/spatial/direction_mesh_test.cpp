@@ -16,7 +16,7 @@ Vector3 direction(double azimuth_deg, double elevation_deg) {
       {radians_from_degrees(azimuth_deg), radians_from_degrees(elevation_deg), 1.0});
 }
 
-// Rings of equal elevation, as laboratories measure: four neighbours lie on one circle.
+// Rings of equal elevation, as in laboratory measurements: four neighbours are on one circle.
 std::vector<Vector3> rings() {
   std::vector<Vector3> directions = {direction(0, 90), direction(0, -90)};
   for (int elevation = -80; elevation <= 80; elevation += 10) {

@@ -136,7 +136,8 @@ TEST(DspRenderer, FiltersOfAllDirectionsShareLengthAndDelay) {
 TEST(DspRenderer, NearAndFarDifferByTheRatioOfGains) {
   EXPECT_EQ(distance_gain(0.05), 1.0);
   EXPECT_NEAR(distance_gain(4.0), 0.05, 1e-15);
-  // Both beyond where the set was measured: the head's own near field is in rigid_sphere_test.cpp.
+  // Both beyond the distance of the measurement; rigid_sphere_test.cpp tests the near field of the
+  // head.
   const EarFilterMatrix near = dsp_filters(hrtf(), at(30, 0, 2), at(-20, 0, 2));
   const EarFilterMatrix far = dsp_filters(hrtf(), at(30, 0, 2), at(-20, 0, 8));
   for (std::size_t tap = 0; tap < near.taps[0][0].size(); ++tap) {

@@ -134,7 +134,7 @@ TEST(HrtfSet, InterpolatingAtAMeasurementGivesIt) {
         error += std::pow(found.taps[ear][tap] - expected[tap], 2.0);
         energy += std::pow(expected[tap], 2.0);
       }
-      // What is lost is the imaginary part at Nyquist, where KEMAR is near silent.
+      // Only the imaginary part at Nyquist is lost, where KEMAR is nearly silent.
       EXPECT_LT(10.0 * std::log10(error / energy), -60.0) << i;
       EXPECT_NEAR(found.onset_samples[ear], kemar().onset_samples(i, ear), 1e-4);
     }
@@ -191,7 +191,8 @@ TEST(HrtfSet, LeftOutMeasurementsAreMetBetweenTheirNeighbours) {
   RecordProperty("far_ear_db", std::to_string(far_ear));
   RecordProperty("plain_average_db", std::to_string(averaged));
   RecordProperty("onset_samples", std::to_string(onset));
-  // Measured; plain averaging combs and is several times worse.
+  // Limits from the measured errors. Plain averaging makes a comb filter and is several times
+  // worse.
   EXPECT_LT(near_ear, 0.25);
   EXPECT_LT(far_ear, 1.0);
   EXPECT_GT(averaged, 3.0 * (near_ear + far_ear) / 2.0);
@@ -206,7 +207,7 @@ TEST(HrtfSet, SpectrumAndItdChangeSmoothlyAlongTheHorizon) {
     const std::vector<double> levels = third_octaves_db(hrir.taps[0]);
     if (azimuth > 0.0) {
       for (std::size_t band = 0; band < levels.size(); ++band) {
-        // The near ear's spectrum moves by less than 1 dB per degree in every third octave.
+        // The near ear's spectrum changes by less than 1 dB per degree in every third octave.
         EXPECT_NEAR(levels[band], last[band], 1.0) << azimuth << " degrees, band " << band;
       }
       // 7.8 us per degree at the front, -2 near 90; a jump to the next measurement would be 40.
@@ -221,7 +222,8 @@ TEST(HrtfSet, FrontBackAndHeightSoundDifferent) {
   const auto front = third_octaves_db(kemar().interpolated(direction(0.0)).taps[0]);
   const auto back = third_octaves_db(kemar().interpolated(direction(180.0)).taps[0]);
   const auto above = third_octaves_db(kemar().interpolated(direction(0.0, 60.0)).taps[0]);
-  // The pinna colours by several decibels; equal spectra would mean a lost dimension.
+  // The pinna changes spectra by several decibels; equal spectra would mean that a direction is
+  // ignored.
   EXPECT_GT(rms_difference(front, back), 3.0);
   EXPECT_GT(rms_difference(front, above), 3.0);
   EXPECT_GT(rms_difference(back, above), 3.0);
@@ -242,7 +244,7 @@ TEST(HrtfSet, LeftAndRightMirrorEachOther) {
 }
 
 TEST(HrtfSet, BelowTheLowestRingTheStandInIsSmooth) {
-  // KEMAR has nothing below -40 degrees: straight down is the lowest ring's average.
+  // KEMAR has no directions below -40 degrees: straight down is the average of the lowest ring.
   const Hrir down = kemar().interpolated(direction(0.0, -90.0));
   EXPECT_NEAR(itd_us(down), 0.0, 1.0);
   for (const double azimuth : {0.0, 90.0, 180.0, 270.0}) {
@@ -265,7 +267,7 @@ TEST_P(HrtfRates, ResamplingKeepsGainsAndDelays) {
         // Bands are sums over different bins: 0.1 dB; near the far ear's notches 0.3.
         EXPECT_NEAR(found[band], expected[band], 0.3) << azimuth << " band " << band;
       }
-      // Relative to the middle of the head the sound comes at the same time.
+      // Delays relative to the middle of the head are the same.
       EXPECT_NEAR((set.onset_samples(i, ear) - set.centre_delay_samples()) / rate_hz,
                   (kemar().onset_samples(i, ear) - kemar().centre_delay_samples()) / kRate, 1e-7);
     }
@@ -284,11 +286,11 @@ TEST(HrtfSet, ResampledResponsesLineUpWithTheOriginal) {
   double error = 0.0;
   double energy = 0.0;
   for (int tap = 0; tap < kemar().taps(); ++tap) {
-    // Half as much per tap: twice as many taps sum to the same gain.
+    // Half the value per tap, as twice as many taps have the same gain.
     error += std::pow(2.0 * fine[2 * tap + std::lround(shift)] - coarse[tap], 2.0);
     energy += std::pow(coarse[tap], 2.0);
   }
-  // KEMAR is 20 dB down and more where the low-pass falls (above 20.3 kHz).
+  // KEMAR is at least 20 dB down where the low-pass falls (above 20.3 kHz).
   EXPECT_LT(10.0 * std::log10(error / energy), -25.0);
 }
 
@@ -305,7 +307,7 @@ TEST(HrtfSet, DiffuseFieldEqualizationLevelsTheSphere) {
     const double z = 1.0 - (2.0 * k + 1.0) / kDirections;
     const double turn = 2.399963 * k;
     const double radius = std::sqrt(1.0 - z * z);
-    // The measured ones: between them interpolation of log magnitudes is a little lower.
+    // Measured directions, as interpolated log magnitudes are a little lower.
     const auto taps =
         set.response(set.nearest({radius * std::cos(turn), radius * std::sin(turn), z}), 0);
     std::ranges::fill(padded, 0.0F);
@@ -349,8 +351,8 @@ TEST(HrtfSet, TakesASetWithDelaysAndOneRingOnly) {
     const Hrir other = b.interpolated(direction(azimuth, 10.0));
     for (int ear = 0; ear < 2; ++ear) {
       for (int tap = 0; tap < a.taps(); ++tap) {
-        // Bare impulses ring at Nyquist once delayed by a fraction, and the two sets differ in
-        // length: up to 1.3e-3 of the peak.
+        // Pure impulses with fractional delays ring at Nyquist, and the two sets have different
+        // lengths: up to 1.3e-3 of the peak.
         EXPECT_NEAR(one.taps[ear][tap], other.taps[ear][tap], 2e-3) << azimuth << " " << tap;
       }
     }

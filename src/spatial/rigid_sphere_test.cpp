@@ -49,7 +49,7 @@ TEST(RigidSphere, FarSourceOfLowFrequencyPassesAsIfItWereNotThere) {
 }
 
 TEST(RigidSphere, FacingEndDoublesThePressureOfShortWaves) {
-  // ka = 35: the wall is nearly flat; the series is good to 1e-7, the limit to 1/ka.
+  // ka = 35: the surface is nearly flat. The series is exact to 1e-7, the limit to 1/ka.
   EXPECT_NEAR(std::abs(rigid_sphere_ears(22000.0, 1000.0, 1.0)[0]), 2.0, 0.06);
 }
 
@@ -62,7 +62,8 @@ TEST(RigidSphere, AtRestTheSeriesIsTheStaticOne) {
 }
 
 TEST(RigidSphere, LevelBetweenTheEarsGrowsWithNearness) {
-  // Duda and Martens' series with ears at +-90 degrees, worked out apart from this code.
+  // Duda and Martens' series with ears at +-90 degrees, computed independently of this code, to two
+  // decimals.
   const double frequencies_hz[] = {250.0, 500.0, 1000.0};
   const double growth_db[] = {6.04, 5.48, 5.27};
   for (int i = 0; i < 3; ++i) {
@@ -91,7 +92,7 @@ TEST(NearField, HrtfFollowsTheSphereWithinADecibel) {
         const double growth_db = ild_db(near, frequency_hz) - ild_db(measured, frequency_hz);
         const double expected_db = sphere_ild_db(frequency_hz, distance_m, direction.y) -
                                    sphere_ild_db(frequency_hz, 1.4, direction.y);
-        // Cutting the response to its length costs less than this.
+        // The truncation of the response changes the level by less than this.
         EXPECT_NEAR(growth_db, expected_db, 0.3) << distance_m << " m " << frequency_hz << " Hz";
       }
     }
@@ -122,7 +123,7 @@ TEST(NearField, OnsetMovesAsTheSoundDoes) {
   const auto here = rigid_sphere_delays_s(0.2, 1.0);
   const auto there = rigid_sphere_delays_s(1.4, 1.0);
   EXPECT_NEAR(near.onset_samples[1] - far.onset_samples[1], (here[1] - there[1]) * kRate_hz, 1e-6);
-  // Where the far ear's response really is, by its energy's centre: to half a sample.
+  // The actual time of the far ear's response, by its centre of energy, agrees to half a sample.
   const auto centre = [](const std::vector<float>& taps) {
     double sum = 0.0;
     double moment = 0.0;
@@ -148,7 +149,7 @@ TEST(NearField, DspRendersIt) {
   for (const double frequency_hz : {250.0, 500.0, 1000.0}) {
     const double expected_db =
         sphere_ild_db(frequency_hz, 0.3, 1.0) - sphere_ild_db(frequency_hz, 1.4, 1.0);
-    // The filters' fades smooth the spectrum a little.
+    // The fades of the filters smooth the spectrum a little.
     EXPECT_NEAR(level_db(filters, frequency_hz) - level_db(far, frequency_hz), expected_db, 0.5);
   }
 }

@@ -55,8 +55,8 @@ TEST(Shoebox, FirstOrderReflectionsMirrorTheSourceInEachWall) {
       EXPECT_NEAR(arrival.gain[4], expected, 1e-6) << wall;
       EXPECT_NEAR(norm(arrival.direction - normalized(images[wall] - kListener.position_m)), 0.0,
                   1e-12);
-      // The way out, followed from the source, meets the wall where the way in leaves it: both
-      // have the same component along the wall, and the opposite across.
+      // The path from the source meets the wall where the path to the listener leaves it: both have
+      // the same component along the wall and opposite ones across.
       EXPECT_NEAR(std::abs(arrival.departure.x), std::abs(arrival.direction.x), 1e-12);
     }
     EXPECT_EQ(found, 1) << wall;
@@ -69,8 +69,7 @@ TEST(Shoebox, DeparturesLeaveTowardsTheWallThatReflects) {
   ASSERT_EQ(arrivals.size(), 7U) << "straight, and by each of six walls";
   for (const Arrival& arrival : arrivals) {
     if (arrival.order == 0) continue;
-    // By the time of arrival a ray along the departure, folded back at the walls, is at the
-    // listener.
+    // A ray along the departure, mirrored at the walls, is at the listener at the time of arrival.
     Vector3 at = kSource + arrival.departure * (arrival.delay_s * 343.2);
     const auto fold = [](double x, double length) {
       x = std::fmod(std::fmod(x, 2 * length) + 2 * length, 2 * length);
@@ -86,7 +85,8 @@ TEST(Shoebox, ArrivalsAreAsManyAsTheVolumeTellsAndInOrder) {
   const std::vector<Arrival> arrivals =
       shoebox_arrivals(room_of({6, 5, 3}, 0.2F), kSource, kListener, time_s);
   const double sphere = 4.0 / 3.0 * kPi * std::pow(343.2 * time_s, 3.0);
-  // One image per room volume; the shell makes about 1 % of difference at this radius.
+  // One image per room volume; the surface of the sphere makes a difference of about 1 % at this
+  // radius.
   EXPECT_NEAR(static_cast<double>(arrivals.size()) / (sphere / 90.0), 1.0, 0.02);
   for (std::size_t i = 1; i < arrivals.size(); ++i) {
     EXPECT_LE(arrivals[i - 1].delay_s, arrivals[i].delay_s);
@@ -125,7 +125,7 @@ TEST(Shoebox, EnergyOfAClosedLosslessRoomGrowsWithoutDecay) {
   for (const Arrival& arrival : arrivals) {
     if (arrival.delay_s > 0.1) energy += static_cast<double>(arrival.gain[0]) * arrival.gain[0];
   }
-  // Images on the rims of the shell: within 3 %.
+  // Images at the edges of the shell: within 3 %.
   EXPECT_NEAR(energy / 0.2 / (4.0 * kPi * 343.2 / 60.0), 1.0, 0.03);
 }
 

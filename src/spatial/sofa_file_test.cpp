@@ -31,7 +31,7 @@ std::string refusal(const std::filesystem::path& path) {
   return "accepted";
 }
 
-// Where the impulse lies, with the file's delay.
+// Position of the impulse, with the file's delay.
 double delay_of(const SofaFile& file, std::size_t measurement, int ear) {
   const auto response = file.response(measurement, ear);
   for (int tap = 0; tap < file.taps; ++tap) {
@@ -112,7 +112,7 @@ TEST(SofaFile, RefusesCoordinatesInOtherUnits) {
                 .find("SourcePosition: expected units of degree, degree, metre, found 'radian, "
                       "radian, metre'"),
             std::string::npos);
-  // The same in other words is accepted.
+  // Other spellings are accepted.
   EXPECT_EQ(refusal_of_changed("degree, degree, metre", "Degree,degrees, meter"), "accepted");
 }
 
@@ -153,7 +153,7 @@ TEST(SofaFile, RefusesTruncatedFilesWithOneLine) {
 TEST(SofaFile, RefusesDamageThatCrashesTheReadingLibrary) {
   const std::vector<std::byte> whole = read_file(test_file("sphere.sofa"));
   const std::filesystem::path path = std::filesystem::path(testing::TempDir()) / "damaged.sofa";
-  // Seeds whose bytes make libmysofa 1.3.1 fall over: invalid reads, and a smashed stack.
+  // Seeds whose bytes crash libmysofa 1.3.1, by invalid reads and a stack overflow.
   for (const std::uint64_t seed : {77U, 131U, 167U, 387U}) {
     std::vector<std::byte> bytes = whole;
     RandomStream random(seed);

@@ -50,8 +50,8 @@ TEST(SpeakerDirection, FindsAPersonWhoIsWhollySeen) {
       ASSERT_LT(box.y_max, 0.995);
       const Spherical found = speaker_direction_from_box(box, kFov, 256, 256);
       const Spherical truth = spherical_from_cartesian(mouth_of_person(x_m, lateral * x_m, 1.7));
-      // The body's depth of 0.25 m makes the box larger than the thin person assumed: up to
-      // 0.125 m nearer than the axis, and up to 0.5 degrees off its middle.
+      // The body's depth of 0.25 m makes the box larger than for the flat person assumed: up to
+      // 0.125 m closer than the axis, and up to 0.5 degrees off its middle.
       EXPECT_NEAR(found.distance_m, truth.distance_m, 0.2);
       EXPECT_NEAR(degrees_from_radians(found.azimuth_rad - truth.azimuth_rad), 0.0, 0.8);
       EXPECT_NEAR(degrees_from_radians(found.elevation_rad - truth.elevation_rad), 0.0, 1.5);

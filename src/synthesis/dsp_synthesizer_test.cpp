@@ -78,8 +78,8 @@ TEST(DspSynthesizer, StandingWhereTheSourceStoodKeepsEachEarsLevel) {
   const auto recorded = level_db(heard_from(speaker, 32000));
   const auto rendered = level_db(render_window(dsp, speaker, Pose{}));
   for (int ear = 0; ear < 2; ++ear) {
-    // Regularisation takes a little of the top octave; a window of 0.1 s of noise has a level
-    // good to 0.2 dB.
+    // Regularisation removes a little of the top octave; the level of 0.1 s of noise has a standard
+    // error of 0.2 dB.
     EXPECT_NEAR(rendered[ear], recorded[ear], 1.0) << ear;
   }
 }

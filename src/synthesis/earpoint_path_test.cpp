@@ -126,7 +126,7 @@ TEST(SpeakerTrack, GivesTheNearestBox) {
 TEST(SpeakerTrack, UnderstandsPixelsWhereThePictureIsKnown) {
   const SpeakerTrack::PictureSize picture = std::array{640, 480};
   EXPECT_EQ(SpeakerTrack(Box{64, 48, 320, 480}, picture).at(0), (Box{0.1, 0.1, 0.5, 1.0}));
-  // A file is in pixels as a whole: the first row's 1 is one.
+  // All boxes of a file have the same unit: here the first row's 1 is a pixel.
   const auto track = SpeakerTrack::parse_csv("time_s,x0,y0,x1,y1\n0,0,0,1,1\n2,0,0,320,240\n",
                                              "boxes.csv", picture);
   EXPECT_EQ(track.at(0), (Box{0, 0, 1.0 / 640, 1.0 / 480}));

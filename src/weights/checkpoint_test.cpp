@@ -207,7 +207,7 @@ TEST(Checkpoint, WhatIsNeededMustBeWhatItShould) {
   EXPECT_NE(message(dictionary({{"state_dict", "}"}, {"hparams", global("a", "B") + ")R"}}))
                 .find("hparams are neither"),
             std::string::npos);
-  // A value that contains itself ends in a message, not in an endless walk.
+  // A value that contains itself is refused, without endless recursion.
   EXPECT_NE(state("}q\x01" + text("t") + "h\x01s").find("expected a tensor, found a dictionary"),
             std::string::npos);
 }

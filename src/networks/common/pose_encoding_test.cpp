@@ -16,8 +16,8 @@ std::vector<std::filesystem::path> folders() {
   return reference_folders("src/networks/common/testdata", "D_poses");
 }
 
-/// Where a viewpoint of SoundSpaces (y up, looking along -z at rotation 0, turning to the left as
-/// the rotation grows) stands in our frame.
+/// Pose in our frame of a SoundSpaces viewpoint: y up, looking along -z at rotation 0, positive
+/// rotation to the left.
 Pose from_soundspaces(const double* location, double rotation_rad) {
   return {{-location[2], -location[0], location[1]},
           quaternion_from_euler({.yaw_rad = rotation_rad})};
@@ -138,7 +138,7 @@ TEST(BoxEncoding, SoundspacesIsFirstAndLastPixelOver255) {
   const Box box{64 / 256.0, 32 / 256.0, 192 / 256.0, 128 / 256.0};
   EXPECT_EQ(encode_box(BoxEncoding::soundspaces, box),
             (std::vector<float>{32 / 255.0F, 127 / 255.0F, 64 / 255.0F, 191 / 255.0F}));
-  // The whole picture reaches from 0 to 1.
+  // The whole picture is from 0 to 1.
   EXPECT_EQ(encode_box(BoxEncoding::soundspaces, Box{0, 0, 1, 1}),
             (std::vector<float>{0, 1, 0, 1}));
 }

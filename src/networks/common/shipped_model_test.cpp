@@ -24,7 +24,7 @@ class ShippedModel : public ::testing::Test {
     fs::remove_all(folder_);
   }
 
-  /// An empty file below the folder.
+  /// Makes an empty file below the folder.
   fs::path make(const fs::path& below) {
     fs::create_directories((folder_ / below).parent_path());
     write_file(folder_ / below, "");

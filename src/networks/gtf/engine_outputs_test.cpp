@@ -23,7 +23,7 @@ using gtf::random_weights;
 using gtf::small;
 using gtf::streamed;
 
-/// The mean difference of short-time magnitudes of two planar sounds.
+/// The mean difference between the short-time magnitudes of two planar sounds.
 double magnitude_difference(std::span<const float> a, std::span<const float> b) {
   Stft stft;
   double sum = 0.0;
@@ -39,7 +39,7 @@ double magnitude_difference(std::span<const float> a, std::span<const float> b) 
   return sum / static_cast<double>(count);
 }
 
-/// @param latency  32.5 ms, and 20 ms for each round of phases
+/// @param latency  32.5 ms, and 20 ms more for each phase round
 void expect_a_stream_equals_a_window(const GtfDescription& d, std::size_t latency_samples) {
   Gtf engine = engine_that_looks(d);
   const std::vector<float> source = noise(2 * kSamples, 0.1, 2);
@@ -123,7 +123,7 @@ TEST(Gtf, TellsTheVoiceByAGainOfWhatBothEarsHear) {
   GtfDescription d = small();
   d.dry_voice = true;
   GtfWeights weights = random_weights(d);
-  // Ears that hear the speaker at the same time.
+  // No delay between the ears.
   for (auto& [name, tensor] : weights.tensors) {
     if (!name.starts_with("dry.") && name != "head.delay_s") continue;
     const float value = name == "dry.bias" ? std::log(2.0F) : 0.0F;
@@ -140,7 +140,7 @@ TEST(Gtf, TellsTheVoiceByAGainOfWhatBothEarsHear) {
   std::vector<float> voice(kSamples);
   engine.tell_voice(source, voice);
   for (std::size_t i = 0; i < kSamples; ++i) {
-    // A floor of 1e-3 under magnitudes of order 1, at a level of 0.05, twice.
+    // The floor of 1e-3 under magnitudes of order 1, at a level of 0.05, twice.
     ASSERT_NEAR(voice[i], 2.0F * source[i], 2e-3) << i;
   }
   // And the voice has not changed what it renders.

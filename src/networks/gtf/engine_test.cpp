@@ -27,7 +27,8 @@ using gtf::random_weights;
 using gtf::small;
 using gtf::streamed;
 
-/// Kernels over past frames and tails that neither sound nor pose modulates; gains by the pose.
+/// Kernels over past frames and tails that do not depend on sound or pose; gains that depend on the
+/// pose.
 GtfWeights steady_weights(const GtfDescription& d) {
   GtfWeights weights = random_weights(d);
   for (auto& [name, tensor] : weights.tensors) {
@@ -237,7 +238,8 @@ TEST(Gtf, ASmoothWalkHasNoClicks) {
   for (std::size_t i = 0; i < tone.size(); ++i) {
     tone[i] = static_cast<float>(0.1 * std::sin(2 * kPi * 330.0 / 16000 * static_cast<double>(i)));
   }
-  // The greatest second difference: a step of height h has h, the tone 0.017 times its amplitude.
+  // The greatest second difference: h for a step of height h, and 0.017 times its amplitude for the
+  // tone.
   const auto bend = [](std::span<const float> sound) {
     float greatest = 0.0F;
     for (std::size_t i = 1000; i + 1000 < sound.size() / 2; ++i) {
@@ -251,7 +253,7 @@ TEST(Gtf, ASmoothWalkHasNoClicks) {
     standing =
         std::max(standing, bend(along(engine, tone, std::vector<Pose>(kFrames, path[stop]))));
   }
-  // Between stops the network may be a little louder than at them.
+  // While moving the network may be slightly louder than at fixed places.
   EXPECT_LT(bend(along(engine, tone, path)), 1.1F * standing);
 }
 
@@ -277,7 +279,7 @@ TEST(Gtf, AStreamsRunningLevelCancelsWhenItJumps) {
   engine.start();
   const std::vector<float> running = streamed(engine, source, [](std::size_t) {});
   for (std::size_t i = 0; i < held.size(); ++i) {
-    // The kernels' floor is a fiftieth of a quiet bin at either level.
+    // The floor of magnitudes in the kernels is a fiftieth of a quiet bin at either level.
     ASSERT_NEAR(running[i], held[i], 0.002) << i;
   }
 }
@@ -299,7 +301,7 @@ TEST(Gtf, AStreamOnItsOwnSettlesOnTheStatisticsOfASteadySound) {
 
 TEST(Gtf, HasAnAnswerToSilence) {
   Gtf engine = engine_that_looks(small());
-  std::vector<float> output(2 * kSamples, 1.0F);  // which the engine must write over
+  std::vector<float> output(2 * kSamples, 1.0F);  // which the engine must overwrite
   engine.synthesize(std::vector<float>(2 * kSamples), output);
   for (const float sample : output) ASSERT_TRUE(std::abs(sample) < 1e-3F);
 }

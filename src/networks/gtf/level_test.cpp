@@ -18,7 +18,7 @@ Waveform noise() {
   return sound;
 }
 
-/// By how much limit_level() leaves a copy of the source louder that was scaled by `gain_db`.
+/// Level after limit_level() of a copy of the source with `gain_db`, re the source.
 double left_db(double gain_db, double expected_db, const LevelTolerance& tolerance,
                bool knows_place) {
   const Waveform source = noise();

@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kSide = 16;
 
-/// Row and column that a sight reads, in pixels from the map's corner.
+/// Row and column at which a sight point reads the map, in pixels from its corner.
 std::array<double, 2> read_at(const GtfSight& sight) {
   std::array<double, 2> at{};
   for (std::size_t i = 0; i < 4; ++i) {
@@ -29,7 +29,7 @@ TEST(GtfSight, PointsOfTheWayAndOfTheFloorLieWhereAPinholeCameraShowsThem) {
     // All points of the way lie in one direction: y / x = 1/2, z / x = 1/10.
     EXPECT_NEAR(read_at(points[i])[0], 8.0 - 0.8, 1e-5) << i;
     EXPECT_NEAR(read_at(points[i])[1], 8.0 - 4.0, 1e-5) << i;
-    // The floor 1 m ahead is out of sight below; at x metres it lies 1.5 / x below the middle.
+    // The floor 1 m ahead is below the picture; at x metres it is 1.5 / x below the middle.
     const double x_m = i + 1.0;
     ASSERT_EQ(points[4 + i].is_seen, i > 0) << i;
     if (i == 0) continue;

@@ -67,7 +67,7 @@ TEST(GtfView, IsGreyWhereANarrowOrWideCameraSawNothing) {
 
 TEST(GtfView, HasNoBoxOutOfItsSight) {
   const Image image = gradients(32, 32);
-  // The tangent is twice as wide: the view shows the middle half.
+  // Twice the tangent: the view shows the middle half.
   EXPECT_FALSE(gtf_view(&image, Box{0.0, 0.4, 0.2, 0.6}, 2.0 * std::atan(2.0), 8).speaker_box);
   EXPECT_TRUE(gtf_view(&image, Box{0.0, 0.4, 0.3, 0.6}, 2.0 * std::atan(2.0), 8).speaker_box);
 }

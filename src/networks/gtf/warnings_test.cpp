@@ -108,7 +108,7 @@ TEST(GtfWarnings, WarnsOfABoxBeyondItsView) {
   RenderOutline outline = usual();
   outline.speaker_track = SpeakerTrack(Box{0.0, 0.2, 0.1, 0.9});
   EXPECT_EQ(warning_of(outline), "none");
-  // At the edge of 150 degrees that is far outside of 90.
+  // The edge of a field of view of 150 degrees is far outside of 90.
   EXPECT_TRUE(mentions(warning_of(outline, radians_from_degrees(150)), "leaves the 90 degrees"));
 }
 

@@ -54,7 +54,7 @@ TEST(PeopleNetwork, GivesTheSameOnAnyNumberOfThreads) {
   for (const float value : a) largest = std::max(largest, std::abs(value));
   ASSERT_GT(largest, 0.0F);
   ASSERT_EQ(a.size(), b.size());
-  // oneDNN may block its sums otherwise for two threads: float32's rounding over twenty layers.
+  // oneDNN may block its sums differently for two threads: float32's rounding over twenty layers.
   for (std::size_t i = 0; i < a.size(); ++i) EXPECT_NEAR(a[i], b[i], 1e-5 * largest);
 }
 

@@ -55,7 +55,7 @@ TEST(Rt60Estimator, AgreesWithTheReleasedCode) {
   for (std::size_t clip = 0; clip < seconds.size(); ++clip) {
     const double found =
         estimator.estimate_second_s(sound.subspan(clip * sound.size() / seconds.size(), 16000));
-    // Eighteen float32 layers: the released code itself is that far from float64.
+    // Eighteen float32 layers: the released code itself differs from float64 by this much.
     ASSERT_EQ(estimator.feature().size(), width);
     for (std::size_t i = 0; i < width; ++i) {
       EXPECT_NEAR(estimator.feature()[i], features[clip * width + i], 1e-5 * scale) << i;

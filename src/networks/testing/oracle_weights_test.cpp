@@ -56,7 +56,7 @@ TEST(OracleWeights, AreOfTheNetworkThatTheManifestNames) {
 
 TEST(OracleWeights, EqualTheReleasedFormatsCheckpointsBitForBit) {
   std::vector<fs::path> folders{kMini.parent_path()};
-  // And of the published size, where they are at hand.
+  // Also networks of the published size, where available.
   if (const char* whole = std::getenv("EARPOINT_ORACLE_DIR")) {
     folders.push_back(fs::path(whole) / "C_tiny_noresnet");
     folders.push_back(fs::path(whole) / "A_soundspaces");

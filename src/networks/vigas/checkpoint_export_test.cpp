@@ -48,8 +48,8 @@ std::vector<std::byte> exported(const fs::path& checkpoint, KeepTensors keep,
   return serialize_checkpoint(released, "best_val");
 }
 
-/// Import and export give back a checkpoint of the released code: same names in the same order,
-/// shapes, types, values, and options.
+/// Import and export preserve a checkpoint of the released code: names and their order, shapes,
+/// types, values, and options.
 void expect_round_trip(const fs::path& path) {
   ReleasedCheckpoint released;
   const std::vector<std::byte> bytes = exported(path, KeepTensors::all, released);
@@ -68,7 +68,7 @@ void expect_round_trip(const fs::path& path) {
 
 TEST(CheckpointExport, RoundTripGivesTheReleasedCheckpointBack) {
   expect_round_trip(bundled());
-  // And of the published size, where they are at hand.
+  // Also networks of the published size, where available.
   if (const char* folder = std::getenv("EARPOINT_ORACLE_DIR")) {
     expect_round_trip(fs::path(folder) / "A_soundspaces/best_val.ckpt");
     expect_round_trip(fs::path(folder) / "C_tiny_noresnet/best_val.ckpt");
@@ -109,7 +109,7 @@ TEST(CheckpointExport, ATrainedNetworkOfThePublishedSizeHasEveryTensorAndOption)
   EXPECT_EQ(released.state_dict.size(), 613U);  // of the released Replay network
   EXPECT_EQ(released.hparams.size(), 146U);
   EXPECT_TRUE(released.differences.empty());
-  // The released code's own reader of options describes the same network.
+  // Read with the options of the released code, it is the same network.
   const Checkpoint read = parse_checkpoint(serialize_checkpoint(released, "x"), "exported");
   EXPECT_EQ(to_json(describe_vigas(read, "exported")), to_json(weights.description));
 }

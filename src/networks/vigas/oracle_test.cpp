@@ -31,7 +31,7 @@ constexpr double kWaveformTolerance = 2e-5;
 // largest value. Measured: 5e-6 with AVX2 and SSE4.1.
 constexpr double kFeatureTolerance = 1e-5;
 
-/// Networks and tensors that the released code was run on.
+/// Networks and tensors on which the released code was run.
 class ViGasOracle : public ::testing::Test {
  protected:
   /// Runs `check` on the reference data in the source tree, and on the whole set if it is there.
@@ -63,7 +63,7 @@ class ViGasOracle : public ::testing::Test {
     return values.subspan(index * size, size);
   }
 
-  /// @param expected  every nth of the numbers that are expected
+  /// @param expected  every nth of the expected numbers
   static double largest_difference(std::span<const float> found, std::span<const float> expected) {
     if (expected.empty() || found.size() % expected.size() != 0) {
       ADD_FAILURE() << "found " << found.size() << " numbers, expected " << expected.size();
