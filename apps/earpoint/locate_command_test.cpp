@@ -86,6 +86,7 @@ TEST_F(LocateCommand, ItsJsonHoldsEveryWindowAndAgreesWithItself) {
   }
   const double x = json["speaker"]["position_m"][0];
   const double y = json["speaker"]["position_m"][1];
+  // Pi is typed with nine digits.
   EXPECT_NEAR(json["speaker"]["azimuth_deg"].get<double>(), std::atan2(y, x) * 180 / 3.14159265,
               1e-3);
 }

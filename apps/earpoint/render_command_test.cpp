@@ -142,7 +142,7 @@ TEST_F(RenderCommand, AMovieWithAMovingEarpointKeepsItsPictureAndLength) {
   EXPECT_EQ(info.kind, MediaKind::movie);
   ASSERT_NE(info.preferred(StreamKind::audio), nullptr);
   EXPECT_EQ(info.preferred(StreamKind::audio)->sample_rate_hz, 48000);
-  // An AAC frame at 48 kHz lasts 21 ms.
+  // Two AAC frames, of 21 ms each at 48 kHz.
   EXPECT_NEAR(info.duration_s.value_or(0.0), 2.0, 0.05);
   EXPECT_GT(read_image(at("ears.png")).height(), 100);
 }

@@ -153,7 +153,7 @@ TEST_F(SimulateCommandTest, AScanOfOnesOwnIsSimulatedAndSummedUp) {
   EXPECT_EQ(summary.at("responses"), 8);
   EXPECT_EQ(summary.at("voices"), 2);
   EXPECT_GT(summary.at("run").at("core_seconds").at("trace"), 0.0);
-  // Four viewpoints hear two speakers, a second each.
+  // Four viewpoints hear two speakers, a second each; 1e-4 h is a third of a second.
   EXPECT_NEAR(summary.at("hours").get<double>(), 8.0 / 3600.0, 1e-4);
   EXPECT_EQ(earpoint::probe_sound(folder_ / "out/test/flat/0/heard_3_1.wav").channels, 2);
   EXPECT_EQ(earpoint::read_pair_list(folder_ / "out/pairs-test.json").pairs.size(), 4U);

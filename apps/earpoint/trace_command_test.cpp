@@ -92,7 +92,7 @@ TEST_F(TraceCommand, MonoStartsAfterTheWayAndReportsDecays) {
   ASSERT_EQ(response.channels(), 1);
   const std::span<const float> samples = response.channel(0);
   const auto peak = std::max_element(samples.begin(), samples.end());
-  // 2 m at 343.2 m/s.
+  // 2 m at 343.2 m/s, to the nearest sample.
   EXPECT_NEAR(static_cast<double>(peak - samples.begin()), 2.0 / 343.2 * 48000, 1.0);
 }
 
@@ -260,7 +260,7 @@ TEST_F(TraceCommand, AmbisonicMicrophoneHasItsChannels) {
   const earpoint::Waveform sound = earpoint::read_sound(output_);
   ASSERT_EQ(sound.channels(), 9);
   // The source is on the left: in the direct sound the second channel, which points there, is
-  // sqrt(3) times the first.
+  // sqrt(3) times the first. Other normalisations give 1 or sqrt(2).
   const int place = static_cast<int>(std::lround(2.0 / 343.2 * 16000));
   EXPECT_NEAR(sound.channel(1)[place] / sound.channel(0)[place], std::sqrt(3.0), 0.01);
   std::filesystem::remove(output_);
@@ -362,7 +362,7 @@ TEST_F(TraceMotionCommand, WritesAFolderOfResponsesAlongAPath) {
             "00000.wav,0,3,4,1.5,0,0,0,5,2.5,1.5,0,0,0\n"
             "00001.wav,0.25,3,4,1.5,0,0,0,3,2.5,1.5,45,0,0\n"
             "00002.wav,0.5,3,4,1.5,0,0,0,1,2.5,1.5,90,0,0\n");
-  // 2.5, 1.5 and 2.5 m at 343.2 m/s.
+  // 2.5, 1.5 and 2.5 m at 343.2 m/s, to the nearest sample.
   const double distances_m[] = {2.5, 1.5, 2.5};
   for (int i = 0; i < 3; ++i) {
     const earpoint::Waveform response =

@@ -221,6 +221,7 @@ TEST(SeeThrough, APaneTakesItsOpacityOfTheLightBehind) {
   // Depth and mask ignore a pane that is mostly see-through.
   const View view = SceneDrawer(scene).draw(camera, {}, 1);
   EXPECT_EQ(view.instance.at(5, 7), wall);
+  // Single precision: 4 times a few 1e-7, and the ray's start moved off the pane.
   EXPECT_NEAR(view.depth_m.at(5, 7), 4.0F, 1e-5F);
 }
 
@@ -249,7 +250,7 @@ TEST(Mirror, ShowsWhatIsBehindTheCameraTurnedRound) {
   const SceneDrawer drawer(scene, kNoSky, pool);
   const View view = drawer.draw(camera, kExact, 1, pool);
   EXPECT_EQ(view.instance.at(20, 32), glass);
-  EXPECT_NEAR(view.depth_m.at(20, 32), 2.0F, 1e-5F);
+  EXPECT_NEAR(view.depth_m.at(20, 32), 2.0F, 1e-5F);  // single precision, as above
   // Its image is 5.9 m away, 2 m to the left: column 32 - 32 * 2 / 5.9 = 21.
   const FloatImage radiance = drawer.radiance(camera, kExact, 1, pool);
   EXPECT_NEAR(radiance.at(21, 32, 0), 0.9F, 0.01F);  // Schlick's term adds a little off the axis
@@ -268,7 +269,8 @@ TEST(Texture, IsSeenUprightAndUnmirrored) {
   add_rectangle(scene, "wall", {2, 1, -1}, {0, -2, 0}, {0, 0, 2},
                 {.base_colour = {1, 1, 1}, .texture = 0, .roughness = 1.0F});
   const FloatImage radiance = radiance_of(scene, {.width = 64, .height = 64}, kWhiteSky);
-  // The wall spans the middle half of the picture; its quarters' middles lie at 24 and 40.
+  // The wall spans the middle half of the picture; its quarters' middles lie at 24 and 40. Sums of
+  // single precision; mixing in a texel of another colour would take more.
   EXPECT_NEAR(radiance.at(24, 24, 0), 1.0F, 1e-3F);
   EXPECT_NEAR(radiance.at(40, 40, 2), 1.0F, 1e-3F);
   EXPECT_EQ(radiance.at(40, 24, 0), 0.0F);

@@ -123,6 +123,7 @@ TEST_F(AmbientEvaluationSetTest, SeparatesAsItIsAsked) {
   const PairSample mmse = with_ambient(quiet(), -30.0, AmbientSeparation::mmse)->sample(0);
   EXPECT_FALSE(equal(band.source, mmse.source));
   for (std::size_t i = 0; i < band.source.planar().size(); ++i) {
+    // Both pairs add up to the same sound; each part is rounded to single precision.
     ASSERT_NEAR(mmse.source.planar()[i] + mmse.ambient->planar()[i],
                 band.source.planar()[i] + band.ambient->planar()[i], 2e-7);
   }

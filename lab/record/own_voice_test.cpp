@@ -25,7 +25,7 @@ TEST(OwnVoiceLevels, AreThoseOfWhoWearsTheMicrophone) {
   hear(levels[1], 50, 80, -35.0F);  // turned down by 15 dB
   hear(levels[0], 50, 80, -36.0F);
   const std::vector<float> voices = own_voice_levels(levels);
-  // The 80 % quantile of each voice's levels, which span 2 dB.
+  // The 80 % quantile of each voice's levels, which are 0, 1 and 2 dB above the given one.
   EXPECT_NEAR(voices[0], -18.0F, 1.0F);
   EXPECT_NEAR(voices[1], -33.0F, 1.0F);
 }
@@ -36,8 +36,8 @@ TEST(OwnVoiceLevels, OfSomebodyWhoNeverSpeaksAreNotThoseOfTheOthers) {
   hear(levels[0], 10, 40, -20.0F);
   hear(levels[1], 50, 80, -24.0F);
   for (const std::size_t from : {10, 50}) hear(levels[2], from, from + 30, -30.0F);
-  // Voices are 45 dB or more above what is quiet, no more of which counts; the third microphone has
-  // 10 dB more gain.
+  // Of the level from quiet to a voice 45 dB count at most, which both voices exceed; the third
+  // microphone, with 10 dB more gain, is quiet at -60 dB. Quiet levels span 0.6 dB, voices 2 dB.
   EXPECT_NEAR(own_voice_levels(levels)[2], -15.0F, 3.0F);
 }
 
@@ -48,6 +48,7 @@ TEST(OwnVoiceLevels, ANoiseGateIsNoQuietMoment) {
   hear(levels[1], 50, 80, -25.0F);
   hear(levels[0], 50, 80, -40.0F);
   const std::vector<float> voices = own_voice_levels(levels);
+  // The 80 % quantile, as above.
   EXPECT_NEAR(voices[0], -23.0F, 1.0F);
   EXPECT_NEAR(voices[1], -23.0F, 1.0F);
 }

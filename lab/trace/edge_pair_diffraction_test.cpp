@@ -95,6 +95,7 @@ TEST(EdgePairDiffraction, ThinWallIsAScreen) {
       diffract({.open_angle_rad = 2.0 * kPi}, {std::hypot(2.0, 0.4), source_angle, 0.0},
                {std::hypot(1.8, 0.6), receiver_angle, 0.4}, kLong, {}, kSpeed);
   for (int i = 3; i < 12; ++i) {
+    // What those 3 mm change of paths around 4 m is far below audible.
     EXPECT_NEAR(20.0 * std::log10(std::abs(thick[i]) / std::abs(thin[i])), 0.0, 0.2) << i;
   }
 }
@@ -120,7 +121,8 @@ TEST(EdgePairDiffraction, HasNoJumpWhereAnEdgeGoesOutOfSight) {
 }
 
 TEST(EdgePairDiffraction, PlacesOnTheFacesPlaneHaveALimit) {
-  // The sound on the plane is the limit of the sound close to it.
+  // The sound on the plane is the limit of the sound close to it: 1e-5 m turn the shortest wave, of
+  // 3.4 cm, by 2e-3.
   const WallEnd wall{0.1};
   const DiffractionSpectrum on = wall.whole(wall.place(-1.0, 0.0), wall.place(1.2, -0.5, 0.4));
   const DiffractionSpectrum near = wall.whole(wall.place(-1.0, 1e-5), wall.place(1.2, -0.5, 0.4));

@@ -219,7 +219,8 @@ TEST(Tracer, MeasuresWhatEscapes) {
   ThreadPool pool(1);
   const TraceResult open = trace(AcousticScene(scene), {&source, 1}, {&listener, 1},
                                  {.rays = 2000, .max_escape_fraction = 1.0}, pool);
-  // The ceiling's solid angle, seen from below its middle; 2000 evenly spread rays.
+  // The ceiling's solid angle, seen from below its middle; 2000 evenly spread rays, of which ten
+  // more or fewer may pass its rim.
   const double solid_angle = 4.0 * std::atan(6.0 * 5.0 / (3.0 * std::sqrt(9.0 + 36.0 + 25.0)));
   EXPECT_NEAR(open.escape_fraction[0], solid_angle / (4.0 * kPi), 0.005);
   EXPECT_THROW(trace(AcousticScene(scene), {&source, 1}, {&listener, 1}, {.rays = 2000}, pool),
@@ -239,6 +240,7 @@ TEST(Tracer, MirrorImagesAboutAWallHearEachOtherRoundIt) {
   EXPECT_GT(late_energy(response, 4), 0.0);
   for (const Arrival& arrival : response.arrivals) {
     EXPECT_GE(arrival.delay_s, 4.0 / 343.3);
+    // No path is shorter than 4 m, and none is louder than in free field.
     for (const float gain : arrival.gain) EXPECT_LE(std::abs(gain), 0.25F);
   }
 }

@@ -91,7 +91,8 @@ TEST_F(ReplayExamplesTest, ExamplesAreTheLoadersNumbers) {
 }
 
 TEST_F(ReplayExamplesTest, AlignmentMovesTheSourceToTheTarget) {
-  // Camera 2 has all sound 20 samples later; both have the same band-pass.
+  // Camera 2 has all sound 20 samples later; both have the same band-pass, whose start and end
+  // differ.
   const auto distance = [&](Alignment alignment) {
     const TrainingExample example = ReplayExamples(options(alignment), pose_of).training(1);
     double sum = 0.0;

@@ -90,6 +90,7 @@ TEST(RealFft, FloatFollowsDouble) {
     std::vector<float> back(size);
     single.inverse(single_spectrum, back);
     for (int n = 0; n < size; ++n) {
+      // Values up to 1, rounded over the passes of two transforms.
       ASSERT_NEAR(back[n], rounded[n], 3e-6F) << "size " << size;
     }
   }

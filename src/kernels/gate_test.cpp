@@ -77,6 +77,7 @@ TEST(Gate, HoldsAtItsLimits) {
     std::vector<float> out(filter.size());
     HWY_DYNAMIC_DISPATCH(gate_rows)(filter, gate, out);
     for (std::size_t i = 0; i < out.size(); ++i) {
+      // A few units in the last place of 1, as above.
       EXPECT_NEAR(out[i], expected_gate(filter[i], gate[i]), 5e-7) << filter[i] << ' ' << gate[i];
     }
     EXPECT_EQ(out[4], 0.0F);  // padded channels must stay silent

@@ -110,6 +110,7 @@ TEST_F(FrameReaderTest, TimesCountFromTheContainersStart) {
       "-f lavfi -i sine=440:d=2 -itsoffset 0.4 -i v.mp4 -map 1:v -map 0:a -c:v copy -c:a aac "
       "a.mp4");
   FrameReader late(file("a.mp4"));
+  // Edit lists count milliseconds.
   EXPECT_NEAR(late.info().start_s, 0.4, 1e-3);
   const std::vector<double> times_s = regular_times(50, 25.0, 0.4);
   for (const double t : {0.0, 0.3, 0.42, 0.95, 2.1, 0.5}) expect_nearest(late, times_s, t);

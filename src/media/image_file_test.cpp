@@ -98,7 +98,8 @@ TEST_F(ImageFile, JpegIsCloseAndKeepsItsColourResolution) {
     // Quantisation at this quality: a few levels of 255.
     EXPECT_LE(largest_difference(read_image(file(name)), image), 6) << name;
   }
-  // Red and blue columns, one pixel wide, would mix to magenta with chroma subsampling.
+  // Red and blue columns, one pixel wide, would mix to magenta with chroma subsampling, 128 levels
+  // off. Such hard edges lose more by quantisation than the gradient.
   Image columns(64, 16, 3);
   for (int y = 0; y < 16; ++y) {
     for (int x = 0; x < 64; ++x) columns.at(x, y, x % 2 == 0 ? 0 : 2) = 255;
@@ -239,7 +240,7 @@ TEST_F(ImageFile, TheLensTellsTheFieldOfView) {
   std::string jpeg = read_text_file(file("a.jpg"));
   EXPECT_FALSE(probe_media(file("a.jpg")).streams.at(0).horizontal_fov_rad);
   write_file(file("a.jpg"), jpeg.insert(2, exif));
-  // 2 atan(43.27 / 48 x 0.8): 71.6 degrees, as a phone's main camera has.
+  // 2 atan(43.27 / 48 x 0.8): 71.6 degrees, as a phone's main camera has; to 0.06 degrees.
   EXPECT_NEAR(probe_media(file("a.jpg")).streams.at(0).horizontal_fov_rad.value(), 1.2497, 1e-3);
 
   run_ffmpeg(

@@ -43,7 +43,7 @@ TEST(WaveformOutline, LevelsAreThoseOfTheWholeSound) {
     sound.channel(1)[i] = 0.1F * std::sin(phase);
   }
   const WaveformOutline outline(sound);
-  EXPECT_NEAR(outline.level_db(0), -3.0103, 1e-4);  // a sine's mean square is one half
+  EXPECT_NEAR(outline.level_db(0), -3.0103, 1e-4);  // a sine's mean square is one half; rounded
   EXPECT_NEAR(outline.level_db(1), -23.0103, 1e-4);
   EXPECT_NEAR(outline.peak(), 1.0, 1e-6);
   EXPECT_DOUBLE_EQ(outline.duration_s(), 1.0);
@@ -128,6 +128,7 @@ TEST(PlotWaveforms, ShowsEachEarWhereAndAsLoudAsItIs) {
   const int orange_quiet = coloured(image, 64 + 190, 64 + 270, false);
   EXPECT_GT(blue_loud, 80 * 50) << "the lane of 62 rows ends at 0.8";
   EXPECT_LE(blue_quiet, 80 * 2);
+  // Rows at the ends are partly covered.
   EXPECT_NEAR(orange_loud, 0.5 * blue_loud, 0.1 * blue_loud);
   EXPECT_LE(orange_quiet, 80 * 2);
 }

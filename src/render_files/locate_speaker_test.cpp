@@ -31,6 +31,7 @@ TEST(LocateSpeaker, TheMeanGoesRoundTheBackAndHearsTheLoud) {
   EXPECT_NEAR(located.speaker.position_m.x, -2.0, 1e-9);  // the geometric mean of 1 and 4
   EXPECT_NEAR(located.speaker.position_m.y, 0.0, 1e-9);
   EXPECT_NEAR(located.speaker.position_m.z, 0.1, 1e-12);
+  // The circular deviation, sqrt(-2 ln cos a), is 0.25 % above a.
   EXPECT_NEAR(located.azimuth_spread_rad, aside_rad, 0.01 * aside_rad);
   EXPECT_NEAR(located.log_distance_spread, std::log(2.0), 1e-9);
   EXPECT_NEAR(located.speaker.yaw_rad, 0.5, 1e-12);

@@ -43,7 +43,8 @@ double ild_db(const Hrir& hrir, double frequency_hz) {
 
 TEST(RigidSphere, FarSourceOfLowFrequencyPassesAsIfItWereNotThere) {
   const auto ears = rigid_sphere_ears(5.0, 1000.0, 0.3);
-  // First order in the wave number: 3/2 ka cos is 2e-3 in phase, nothing in level.
+  // First order in the wave number: 3/2 ka cos is 4e-3 in phase, nothing in level. Second order and
+  // nearness, a / r, are below 1e-4 each.
   EXPECT_NEAR(std::abs(ears[0]), 1.0, 1e-3);
   EXPECT_NEAR(std::abs(ears[1]), 1.0, 1e-3);
 }
@@ -54,7 +55,8 @@ TEST(RigidSphere, FacingEndDoublesThePressureOfShortWaves) {
 }
 
 TEST(RigidSphere, AtRestTheSeriesIsTheStaticOne) {
-  // Laplace's equation: rho sum (2m+1)/(m+1) rho^-(m+1) P_m, for cos = 1 with P_m = 1.
+  // Laplace's equation: rho sum (2m+1)/(m+1) rho^-(m+1) P_m, for cos = 1 with P_m = 1. In place of
+  // 0 Hz the series is summed at 1 Hz, (kr)^2 = 3e-5.
   const double rho = 0.3 / kHeadRadius_m;
   double expected = 0.0;
   for (int m = 0; m < 60; ++m) expected += (2.0 * m + 1.0) / (m + 1.0) * std::pow(rho, -m);

@@ -70,6 +70,7 @@ TEST(SpeakerDirection, KnowsTheFormOfThePicture) {
   const Spherical found = speaker_direction_from_box(wide, kFov, 384, 216);
   const Spherical truth = spherical_from_cartesian(mouth_of_person(4.0, 1.5, 1.7));
   EXPECT_NEAR(found.distance_m, truth.distance_m, 0.2);  // the body's depth, as above
+  // The body's depth again: up to 0.5 degrees, 0.01, off its middle.
   EXPECT_NEAR(found.azimuth_rad, truth.azimuth_rad, 0.02);
 }
 
@@ -89,8 +90,9 @@ TEST(SpeakerDirection, CutAtTheBottomTheShouldersTellTheDistance) {
     ASSERT_EQ(box.y_max, 1.0);
     const Spherical found = speaker_direction_from_box(box, kFov, 256, 256);
     const Spherical truth = spherical_from_cartesian(mouth_of_person(x_m, 0.1, 1.7));
-    // A round body's front edge looks wider: within 15 % here, where the height alone would
-    // put a person of 0.8 m at 1.5 m.
+    // A round body's front edge looks wider: within 15 % here, where the height alone would put a
+    // person of 0.8 m at 1.5 m. At 0.8 m that edge, 0.125 m closer, is seen 0.02 further aside and
+    // 0.05 higher.
     EXPECT_NEAR(found.distance_m / truth.distance_m, 1.0, 0.15);
     EXPECT_NEAR(found.azimuth_rad, truth.azimuth_rad, 0.03);
     EXPECT_NEAR(found.elevation_rad, truth.elevation_rad, 0.06);
@@ -109,6 +111,7 @@ TEST(SpeakerDirection, CutAtTheTopTheMouthIsMeasuredFromTheFeet) {
       spherical_from_cartesian(mouth_of_person(x_m, -0.3, 1.7) + Vector3{0, 0, rise});
   // Half a body's width, 0.225 m, and a pixel of 256.
   EXPECT_NEAR(found.distance_m, truth.distance_m, 0.25);
+  // By 0.25 m of distance the slope to the mouth, 1.52 m above the feet, changes by up to 0.08.
   EXPECT_NEAR(found.elevation_rad, truth.elevation_rad, 0.08);
 }
 

@@ -127,7 +127,8 @@ GateRow colour_row(const HrtfSet& hrtf) {
           .passed = largest_own_db < 0.5 * smallest_other_db};
 }
 
-// Turning the head is the same as turning the world the other way.
+// Turning the head is the same as turning the world the other way, up to single precision. The
+// difference of a wrong turn is as loud as the sound.
 GateRow turn_row(const HrtfSet& hrtf) {
   struct Turn {
     EulerAngles head;
@@ -161,7 +162,8 @@ GateRow turn_row(const HrtfSet& hrtf) {
           .passed = worst_db < -60.0};
 }
 
-// Reflections and the late field also come from the right sides.
+// Reflections and the late field also come from the right sides; of 10 dB in free field 3 to 4 dB
+// are left (measured).
 GateRow room_row(const HrtfSet& hrtf) {
   Scene room = make_shoebox({6, 5, 3}, all_bands(0.4F), all_bands(0.5F));
   for (auto& [x, y, z] : room.mesh.positions) {

@@ -154,6 +154,7 @@ TEST(ViGasLearner, GradientIsTheSlopeOfTheLoss) {
   }
   const double difference =
       ViGasLearner(ahead).compute_gradients(batch) - ViGasLearner(behind).compute_gradients(batch);
+  // Curvature and the losses' rounding at this step.
   EXPECT_NEAR(difference / (2 * kStep), slope, 0.01 * std::abs(slope));
 }
 
@@ -233,7 +234,8 @@ TEST(ViGasLearner, AsksForThePlaceAndForNepersOfLevel) {
   // The left ear e times as loud, the right ear as it was.
   batch.target = batch.source;
   for (std::int64_t i = 0; i < kSamples; ++i) batch.target[i] *= std::exp(1.0F);
-  // A probe of zeros answers zero: the loss of a silent step is the sum of the squares.
+  // A probe of zeros answers zero: the loss of a silent step is the sum of the squares. The floor
+  // of levels at -60 dB takes a little of the left ear's.
   ViGasLearner learner(initial_vigas_weights(d, 1), {.place = 2.0, .place_steps = 1});
   EXPECT_NEAR(learner.compute_gradients(batch), 2.0 * (0.36 + 0.64 + 0.25 + 0.25 + 1.0), 1e-3);
 }
@@ -253,7 +255,7 @@ TEST(ViGasLearner, FirstStepWithSoundIsAsLongAsTheFirstStepOfAll) {
   EXPECT_TRUE(stack() == before);  // no sound, no gradient
   step();
   const Tensor after = stack();
-  // Adam's first step is the learning rate for any gradient.
+  // Adam's first step is the learning rate for any gradient that is large against its epsilon.
   for (std::int64_t i = 0; i < before.elements(); ++i) {
     EXPECT_NEAR(std::abs(after.as<float>()[i] - before.as<float>()[i]), 0.01, 1e-4);
   }

@@ -96,6 +96,7 @@ void expect_three_steps(ViGasLearner& learner, const TrainingBatch& batch, const
                         const SafetensorsFile& expected) {
   for (const Json& loss : manifest.at("losses_steps")) {
     const double wanted = loss.get<double>();
+    // Steps of Adam magnify rounding, see below.
     EXPECT_NEAR(learner.compute_gradients(batch), wanted, 1e-4 * wanted) << learner.steps();
     learner.apply_gradients(kReleasedRate);
   }
@@ -210,6 +211,7 @@ TEST_F(LargeViGasLearnerOracle, TrunkInTrainingBehavesAsTheReleasedCodes) {
       read_safetensors(folder / "tiny_resnet_train_inputs.safetensors"), learner.description());
   const SafetensorsFile expected = read_safetensors(folder / "tiny_resnet_train_grads.safetensors");
   const Json manifest = json_of(folder / "tiny_resnet_train_manifest.json");
+  // As kLossTolerance, of single against double precision.
   EXPECT_NEAR(learner.compute_gradients(batch), manifest.at("loss_fp64_step1").get<double>(), 1e-5);
 
   const auto gradients = learner.gradients();

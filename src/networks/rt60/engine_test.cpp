@@ -55,7 +55,8 @@ TEST(Rt60Estimator, AgreesWithTheReleasedCode) {
   for (std::size_t clip = 0; clip < seconds.size(); ++clip) {
     const double found =
         estimator.estimate_second_s(sound.subspan(clip * sound.size() / seconds.size(), 16000));
-    // Eighteen float32 layers: the released code itself differs from float64 by this much.
+    // Eighteen float32 layers: the released code itself differs from float64 by this much. The last
+    // layer adds up the features.
     ASSERT_EQ(estimator.feature().size(), width);
     for (std::size_t i = 0; i < width; ++i) {
       EXPECT_NEAR(estimator.feature()[i], features[clip * width + i], 1e-5 * scale) << i;
