@@ -188,9 +188,9 @@ std::complex<double> spectrum_at(const std::vector<double>& signal, double time_
 }
 
 // The sound of a point source in a scene that is endless along z, from that of a line source: an
-// integral over the wave number along z, with the rest of the wave number in the plane (Duhamel,
-// JASA 99, 1996). The contour is one on which waves decay; 24 points are exact to 1e-6 in free
-// field.
+// integral over the wave number along z, with the rest of the wave number in the plane (Duhamel, J.
+// Sound Vib. 197, 1996). The contour is one on which waves decay; 24 points are exact to 1e-6 in
+// free field.
 double point_source_energy(const std::vector<double>& line_source,
                            const std::vector<double>& pulses, double time_step_s,
                            double frequency_hz, double speed_m_per_s) {
