@@ -210,7 +210,7 @@ TEST_F(SharedTrainingTest, TwoProcessesLearnWhatOneDoesFromTheSameBatch) {
   const std::vector<double> found = numbers("both/steps.csv");
   ASSERT_EQ(expected.size(), 18U);
   ASSERT_EQ(found.size(), expected.size());
-  // The same rounding as in the weights.
+  // The same rounding as in the weights: a loss is a mean over clips, too.
   for (std::size_t i = 0; i < found.size(); ++i) {
     EXPECT_NEAR(found[i], expected[i], 1e-5 * expected[i]) << i;
   }

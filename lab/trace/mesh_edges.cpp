@@ -14,7 +14,7 @@ namespace earpoint {
 namespace {
 
 constexpr double kSamePoint_m = 1e-3;
-// Faces that meet at a smaller angle have no crease: 15 degrees.
+// Faces with a smaller angle between their normals have no crease: 15 degrees.
 constexpr double kFlatCosine = 0.966;
 
 using Cell = std::array<std::int64_t, 3>;

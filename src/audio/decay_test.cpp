@@ -54,7 +54,8 @@ TEST(Decay, ExponentialGivesItsTimeWhateverTheRange) {
 }
 
 TEST(Decay, CutOffTailDoesNotBendTheCurve) {
-  // The response ends at -40 dB. Without the energy of the missing tail the curve would bend down.
+  // The response ends at -40 dB. Without the energy of the missing tail, which is estimated, the
+  // curve would bend down.
   const double t60_s = 0.5;
   const std::vector<float> response = smooth_decay(t60_s, t60_s * 40.0 / 60.0);
   EXPECT_NEAR(reverberation_time_t30_s(response, kRate), t60_s, 1e-3 * t60_s);

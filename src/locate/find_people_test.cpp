@@ -112,7 +112,7 @@ TEST_F(FindPeople, FollowsTurnsOfTwoPeopleAndOneWhoIsNotInThePicture) {
   // twelfth of the clip.
   EXPECT_NEAR(summary.outside_share, 1.0 / 3.0, 0.1);
   EXPECT_GT(summary.certainty, 0.9);
-  // Rendering reads from the CSV what was found, up to rounding.
+  // Rendering reads from the CSV what was found, rounded to four decimals.
   const SpeakerTrack read = SpeakerTrack::parse_csv(csv_of(people), "people.csv");
   for (double time_s = 0.1; time_s < 6.0; time_s += 0.2) {
     ASSERT_EQ(read.at(time_s).has_value(), track.at(time_s).has_value()) << time_s;

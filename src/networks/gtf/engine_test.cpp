@@ -295,6 +295,7 @@ TEST(Gtf, AStreamOnItsOwnSettlesOnTheStatisticsOfASteadySound) {
   // A second of noise: its level is known to 1 in sqrt(32000).
   EXPECT_NEAR(engine.statistics().level, whole.level, 0.02 * whole.level);
   for (std::size_t i = 0; i < whole.summary.size(); ++i) {
+    // The last second of noise against both seconds: features differ by chance.
     EXPECT_NEAR(engine.statistics().summary[i], whole.summary[i], 0.15) << i;
   }
 }

@@ -27,6 +27,7 @@ TEST(GtfSight, PointsOfTheWayAndOfTheFloorLieWhereAPinholeCameraShowsThem) {
   for (int i = 0; i < 4; ++i) {
     ASSERT_TRUE(points[i].is_seen) << i;
     // All points of the way lie in one direction: y / x = 1/2, z / x = 1/10.
+    // Single precision: some roundings of up to 16 pixels.
     EXPECT_NEAR(read_at(points[i])[0], 8.0 - 0.8, 1e-5) << i;
     EXPECT_NEAR(read_at(points[i])[1], 8.0 - 4.0, 1e-5) << i;
     // The floor 1 m ahead is below the picture; at x metres it is 1.5 / x below the middle.
