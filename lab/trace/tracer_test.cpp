@@ -315,7 +315,7 @@ TEST(Tracer, TenThousandOddPairsGiveFiniteResponsesOrARefusal) {
       ASSERT_TRUE(std::isfinite(late_energy(traced.responses[0][0], 3))) << pair;
     } catch (const InputError&) {
       ++refused;
-      ASSERT_LT(norm(to - from), 1e-3);
+      ASSERT_LT(norm(to - from), 1e-3);  // as trace() says
     }
   }
   // Two of seven kinds are refused, and sometimes the same corner twice.
