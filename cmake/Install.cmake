@@ -43,11 +43,11 @@ function(earpoint_add_component name)
 endfunction()
 
 earpoint_add_component(renderer OUTPUT earpoint
-  MODULES core audio spatial plot weights kernels synthesis network rt60 gtf vigas vam render library
+  MODULES core audio spatial plot weights kernels synthesis network rt60 gtf vigas vam render library c_api
   LIBRARIES fmt::fmt PkgConfig::SNDFILE PkgConfig::SOXR PkgConfig::MYSOFA PkgConfig::LIBZIP hwy::hwy dnnl gomp
-            Threads::Threads
+            Threads::Threads stdc++ m  # the last two for programs in C that link a static library
   HEADERS error.h export.h image.h network.h pose.h renderer.h stream.h vector3.h waveform.h)
-install(FILES ${PROJECT_BINARY_DIR}/include/earpoint/version.h
+install(FILES ${PROJECT_BINARY_DIR}/include/earpoint/version.h ${PROJECT_SOURCE_DIR}/bindings/c/include/earpoint/earpoint.h
   DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/earpoint COMPONENT renderer)
 
 find_package(embree 3 REQUIRED)
@@ -78,7 +78,7 @@ install(FILES ${PROJECT_BINARY_DIR}/earpointConfig.cmake ${PROJECT_BINARY_DIR}/e
 
 # A shared library links what it needs; with a static one the program must link it.
 set(EARPOINT_PC_REQUIRES "sndfile soxr libmysofa libzip libhwy fmt")
-set(EARPOINT_PC_LIBS " -ldnnl -lgomp -pthread")
+set(EARPOINT_PC_LIBS " -ldnnl -lgomp -pthread -lstdc++ -lm")
 if(BUILD_SHARED_LIBS)
   set(EARPOINT_PC_PRIVATE .private)
   set(EARPOINT_PC_LIBS "\nLibs.private:${EARPOINT_PC_LIBS}")

@@ -1,5 +1,6 @@
-# Installs what was built, builds examples/library against it like an outside program, and runs it on the bundled clip's
-# sound. Usage: cmake -DBINARY_DIR=... -DSOURCE_DIR=... -DCOMPILER=... -P TestInstalled.cmake
+# Installs what was built, builds examples/library and examples/c against it like outside programs, and runs them on the
+# bundled clip's sound: both must give the same samples.
+# Usage: cmake -DBINARY_DIR=... -DSOURCE_DIR=... -DCOMPILER=... -P TestInstalled.cmake
 set(folder ${BINARY_DIR}/installed_test)
 set(prefix ${folder}/prefix)
 file(REMOVE_RECURSE ${folder})
@@ -28,3 +29,28 @@ run(${folder}/build/listen ${folder}/clip.wav ${folder}/whole.wav ${folder}/live
 if(lab)
   run(${folder}/build/room)
 endif()
+
+# The C example: by CMake without C++, and by what pkg-config says.
+set(warnings -Wall -Wextra -pedantic -Werror)
+list(JOIN warnings " " c_flags)
+run(${CMAKE_COMMAND} -G Ninja -S ${SOURCE_DIR}/examples/c -B ${folder}/build_c -DCMAKE_BUILD_TYPE=Release
+    -DCMAKE_PREFIX_PATH=${prefix} "-DCMAKE_C_FLAGS=${c_flags}")
+run(${CMAKE_COMMAND} --build ${folder}/build_c)
+file(GLOB_RECURSE pc_file ${prefix}/earpoint.pc)
+cmake_path(GET pc_file PARENT_PATH libraries)
+cmake_path(GET libraries PARENT_PATH libraries)
+set(ENV{PKG_CONFIG_PATH} ${libraries}/pkgconfig)
+execute_process(COMMAND pkg-config --cflags --libs earpoint sndfile OUTPUT_VARIABLE flags COMMAND_ERROR_IS_FATAL ANY)
+separate_arguments(flags UNIX_COMMAND "${flags}")
+run(cc -std=c99 ${warnings} ${SOURCE_DIR}/examples/c/listen.c -o ${folder}/listen_c ${flags})
+set(ENV{LD_LIBRARY_PATH} ${libraries})
+foreach(program IN ITEMS build_c/listen listen_c)
+  run(${folder}/${program} ${folder}/clip.wav ${folder}/whole_c.wav ${folder}/live_c.wav)
+  foreach(what IN ITEMS whole live)
+    # Samples alone: the header of a WAV file has a time.
+    foreach(language IN ITEMS "" _c)
+      run(${FFMPEG} -v error -y -i ${folder}/${what}${language}.wav -f f32le ${folder}/${what}${language}.raw)
+    endforeach()
+    run(${CMAKE_COMMAND} -E compare_files ${folder}/${what}.raw ${folder}/${what}_c.raw)
+  endforeach()
+endforeach()

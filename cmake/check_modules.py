@@ -24,6 +24,7 @@ SHARED_WITH_TRAINING = {"description", "weights", "view", "constants", "encoding
                         "checkpoint_export"}
 # The modules that own the headers in include/earpoint; the others are core's, which every module may include.
 FRONT_DOOR = {"renderer.h": "library", "stream.h": "library", "network.h": "library", "version.h": "library",
+              "earpoint.h": "c_api",
               "trace.h": "lab_library", "metrics.h": "lab_library"}
 NETWORKS = {"gtf", "vigas", "vam", "rt60", "people"}
 
@@ -41,7 +42,7 @@ def keyword(call, name):
 
 def read_modules(root):
     modules = {}
-    for path in sorted([*root.glob("src/**/CMakeLists.txt"), *root.glob("lab/**/CMakeLists.txt")]):
+    for path in sorted([found for half in ("src", "lab", "bindings") for found in root.glob(f"{half}/**/CMakeLists.txt")]):
         text = re.sub(r"#.*", "", path.read_text())
         for name, call in re.findall(r"earpoint_add_module\((\w+)([^)]*)\)", text):
             test_depends = keyword(call, "TEST_DEPENDS")
@@ -147,7 +148,7 @@ def check_advice(root):
 def main(root):
     modules = read_modules(root)
     faults = [*check_circles(modules), *check_halves(root, modules), *check_advice(root)]
-    for folder in ("src", "lab"):
+    for folder in ("src", "lab", "bindings"):
         for path in sorted((root / folder).rglob("*")):
             if path.suffix in (".h", ".cpp"):
                 faults += check_includes(root, modules, path)

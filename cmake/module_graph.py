@@ -75,7 +75,8 @@ def rows_of(graph, arrows):
 
 
 def draw(root):
-    modules = read_modules(root)
+    modules = {name: module for name, module in read_modules(root).items()
+               if not module.folder.is_relative_to(root / "bindings")}
     graph = included(root, modules)
     arrows = reduced(graph)
     rows, place = rows_of(graph, arrows)
