@@ -1,0 +1,239 @@
+// The built plugins, loaded as workstations load them, with the shipped networks on the bundled
+// clip.
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include <earpoint/audio/energy.h>
+#include <earpoint/waveform.h>
+
+#include "bundled_clip.h"
+#include "hosted_plugin.h"
+
+namespace earpoint::plugin {
+namespace {
+
+const std::string kBundles = EARPOINT_PLUGIN_DIR;
+
+struct Format {
+  const char* name;
+  std::function<std::unique_ptr<HostedPlugin>(int sample_rate_hz)> load;
+};
+
+class PluginFormat : public ::testing::TestWithParam<Format> {
+ protected:
+  [[nodiscard]] static std::unique_ptr<HostedPlugin> load(int sample_rate_hz = 48000) {
+    return GetParam().load(sample_rate_hz);
+  }
+};
+
+INSTANTIATE_TEST_SUITE_P(
+    , PluginFormat,
+    ::testing::Values(
+        Format{"Lv2",
+               [](int rate_hz) {
+                 return host_lv2(kBundles + "/lv2/earpoint.lv2", rate_hz, Lv2Host::full);
+               }},
+        Format{"Lv2InABareHost",
+               [](int rate_hz) {
+                 return host_lv2(kBundles + "/lv2/earpoint.lv2", rate_hz, Lv2Host::bare);
+               }},
+        Format{"Clap",
+               [](int rate_hz) { return host_clap(kBundles + "/clap/earpoint.clap", rate_hz); }},
+        Format{"Vst3",
+               [](int rate_hz) { return host_vst3(kBundles + "/vst3/earpoint.vst3", rate_hz); }}),
+    [](const auto& info) { return info.param.name; });
+
+/// The settings of bundled_settings().
+void set_bundled(HostedPlugin& plugin) {
+  plugin.set(kEarpointX, 1.49F);
+  plugin.set(kEarpointY, -0.2F);
+  plugin.set(kYaw, -45.0F);
+  plugin.set(kSpeakerGiven, 1.0F);
+  plugin.set(kSpeakerX, 1.89F);
+  plugin.set(kSpeakerY, 0.196F);
+  plugin.set(kSpeakerZ, 0.147F);
+}
+
+/// What the plugin holds of them: floats, that VST3 hosts scale to 0..1 and back.
+Settings settings_of(const HostedPlugin& plugin) {
+  const auto degrees = [&](ParameterId id) { return radians_from_degrees(plugin.get(id)); };
+  return {
+      .earpoint = {{plugin.get(kEarpointX), plugin.get(kEarpointY), plugin.get(kEarpointZ)},
+                   quaternion_from_euler({.yaw_rad = degrees(kYaw), .pitch_rad = degrees(kPitch)})},
+      .speaker_m = Vector3{plugin.get(kSpeakerX), plugin.get(kSpeakerY), plugin.get(kSpeakerZ)}};
+}
+
+TEST_P(PluginFormat, EqualsTheLibrarysStreamBitForBit) {
+  const Waveform sound = part_of(bundled_clip(), 0, 2 * 48000);
+  const auto plugin = load();
+  set_bundled(*plugin);
+  const Waveform result = plugin->process(sound, 480 + 7);
+  const Settings settings = settings_of(*plugin);
+  EXPECT_TRUE(same(result, stream_of_library("gtf", settings, sound)));
+  EXPECT_NEAR(settings.earpoint.position_m.x, 1.49, 1e-5);  // as the plugin was told
+  EXPECT_NEAR(settings.speaker_m->y, 0.196, 1e-5);
+  EXPECT_GT(energy(result.channel(0)), 0.01 * energy(sound.channel(0)));
+  EXPECT_EQ(plugin->get(kStatus), static_cast<double>(Status::renders));
+  EXPECT_EQ(plugin->restart_requests(), 0);
+}
+
+TEST_P(PluginFormat, LocatesTheSpeakerWhereNoneIsGiven) {
+  const Waveform sound = part_of(bundled_clip(), 0, 48000);
+  const auto plugin = load();
+  const Waveform result = plugin->process(sound, 512);
+  EXPECT_TRUE(same(result, stream_of_library("gtf", {}, sound)));
+  // In front, somewhere in a room.
+  EXPECT_GT(plugin->get(kLocatedX), 0.1);
+  EXPECT_LT(plugin->get(kLocatedX), 10.0);
+}
+
+TEST_P(PluginFormat, RunsAtTheHostsRate) {
+  for (const int rate_hz : {16000, 44100, 96000}) {
+    Waveform sound(2, rate_hz / 2, rate_hz);
+    for (int c = 0; c < 2; ++c) {
+      std::copy_n(bundled_clip().channel(c).begin() + 48000, sound.samples(),
+                  sound.channel(c).begin());
+    }
+    const auto plugin = load(rate_hz);
+    EXPECT_TRUE(same(plugin->process(sound, 256), stream_of_library("gtf", {}, sound))) << rate_hz;
+  }
+}
+
+TEST_P(PluginFormat, PassesSoundOfOtherRatesAndSaysSo) {
+  Waveform sound(2, 4000, 11025);
+  std::copy_n(bundled_clip().planar().begin() + 48000, sound.planar().size(),
+              sound.planar().begin());
+  const auto plugin = load(11025);
+  EXPECT_TRUE(same(plugin->process(sound, 300), sound));
+  EXPECT_EQ(plugin->latency_samples(), 0);
+  EXPECT_EQ(plugin->get(kStatus), static_cast<double>(Status::rate_not_supported));
+}
+
+TEST_P(PluginFormat, TellsItsLatencyAndBypassesWithIt) {
+  const auto plugin = load();
+  plugin->set(kBypass, 1.0);
+  Waveform impulse(2, 9600, 48000);
+  impulse.channel(0)[100] = 1.0F;
+  impulse.channel(1)[200] = -0.5F;
+  const Waveform result = plugin->process(impulse, 333);
+  ASSERT_GT(plugin->latency_samples(), 480);  // a hop at least
+  ASSERT_LT(plugin->latency_samples(), 4800);
+  EXPECT_TRUE(same(result, delayed(impulse, plugin->latency_samples())));
+}
+
+/// The delay in samples at which `late` is most like `sound`, from 0 to `longest`.
+std::ptrdiff_t delay_between(std::span<const float> sound, std::span<const float> late,
+                             std::ptrdiff_t longest) {
+  std::ptrdiff_t best = 0;
+  double highest = 0.0;
+  for (std::ptrdiff_t lag = 0; lag <= longest; ++lag) {
+    double product = 0.0;
+    for (std::ptrdiff_t i = longest; i < std::ssize(sound); ++i) {
+      product += double{sound[i - lag]} * late[i];
+    }
+    if (product > highest) {
+      highest = product;
+      best = lag;
+    }
+  }
+  return best;
+}
+
+TEST_P(PluginFormat, RendersAsLateAsItSays) {
+  // At the source itself the voice stays where it was.
+  const Waveform sound = part_of(bundled_clip(), 48000, 48000);
+  const auto plugin = load();
+  plugin->set(kSpeakerGiven, 1.0);
+  plugin->set(kSpeakerX, 1.89);
+  const Waveform result = plugin->process(sound, 512);
+  // Within 0.1 ms: the network moves the ears' delays by fractions of its samples, 0.06 ms long.
+  EXPECT_NEAR(delay_between(sound.channel(0), result.channel(0), 4800),
+              static_cast<double>(plugin->latency_samples()), 5.0);
+}
+
+TEST_P(PluginFormat, RestartsFromSilence) {
+  const Waveform sound = part_of(bundled_clip(), 48000, 24000);
+  const auto plugin = load();
+  const Waveform first = plugin->process(sound, 512);
+  plugin->restart();
+  EXPECT_TRUE(same(plugin->process(sound, 512), first));
+}
+
+TEST_P(PluginFormat, OffersTheNetworksThatStream) {
+  EXPECT_EQ(load()->model_names(), (std::vector<std::string>{"gtf", "enhance"}));
+  const Waveform sound = part_of(bundled_clip(), 48000, 24000);
+  const auto plugin = load();
+  plugin->set(kModel, 1);
+  EXPECT_TRUE(same(plugin->process(sound, 512), stream_of_library("enhance", {}, sound)));
+}
+
+/// Energy of a tone's sound where the tone is not: what differences of fourth order leave, which
+/// attenuate 200 Hz at 48 kHz by 126 dB, and a step not at all.
+double splatter(std::span<const float> sound) {
+  double sum = 0.0;
+  for (std::size_t i = 4; i < sound.size(); ++i) {
+    const double x = sound[i] - 4.0 * sound[i - 1] + 6.0 * sound[i - 2] - 4.0 * sound[i - 3] +
+                     double{sound[i - 4]};
+    sum = std::max(sum, std::abs(x));
+  }
+  return sum;
+}
+
+TEST_P(PluginFormat, SwitchesModelsWithoutAClick) {
+  constexpr std::ptrdiff_t kSecond = 48000;
+  Waveform tone(2, 4 * kSecond, 48000);
+  for (std::ptrdiff_t i = 0; i < tone.samples(); ++i) {
+    const double phase = 2.0 * std::numbers::pi * 200.0 * static_cast<double>(i) / 48000.0;
+    tone.channel(0)[i] = tone.channel(1)[i] = static_cast<float>(0.2 * std::sin(phase));
+  }
+  const auto run = [&](int first, int second) {
+    const auto plugin = load();
+    plugin->set(kModel, first);
+    const Waveform before = plugin->process(part_of(tone, 0, 2 * kSecond), 512);
+    plugin->set(kModel, second);
+    return plugin->process(part_of(tone, 2 * kSecond, 2 * kSecond), 512);
+  };
+  const Waveform gtf = run(0, 0);
+  const Waveform enhance = run(1, 1);
+  const Waveform switched = run(0, 1);
+  // It begins as the one and ends as the other.
+  EXPECT_TRUE(same(part_of(switched, 0, kSecond), part_of(gtf, 0, kSecond)));
+  EXPECT_FALSE(same(switched, gtf));
+  const auto left = [](const Waveform& sound) { return sound.channel(0).subspan(kSecond / 2); };
+  const double without = std::max(splatter(left(gtf)), splatter(left(enhance)));
+  // A cut between the same two, at the loudest moment of the tone, is what must not be heard.
+  Waveform cut = gtf;
+  const auto loudest = std::ranges::max_element(gtf.channel(0).subspan(kSecond, 480));
+  const auto place = loudest - gtf.channel(0).begin();
+  std::copy(enhance.channel(0).begin() + place, enhance.channel(0).end(),
+            cut.channel(0).begin() + place);
+  ASSERT_GT(splatter(left(cut)), 3.0 * without) << "a click could not be told from the models";
+  EXPECT_LT(splatter(left(switched)), 1.05 * without);
+}
+
+TEST(ClapPlugin, KeepsItsParametersInTheSession) {
+  const auto plugin = host_clap(kBundles + "/clap/earpoint.clap", 48000);
+  set_bundled(*plugin);
+  plugin->set(kModel, 1);
+  plugin->set(kBypass, 1);
+  (void)plugin->process(Waveform(2, 64, 48000), 64);
+  const auto other = host_clap(kBundles + "/clap/earpoint.clap", 48000);
+  load_clap_state(*other, save_clap_state(*plugin));
+  for (int id = kEarpointX; id < kStatus; ++id) {
+    // They are written with six digits after the point.
+    EXPECT_NEAR(other->get(ParameterId{static_cast<std::uint32_t>(id)}),
+                plugin->get(ParameterId{static_cast<std::uint32_t>(id)}), 1e-6)
+        << id;
+  }
+  EXPECT_EQ(other->get(kModel), 1.0);
+}
+
+}  // namespace
+}  // namespace earpoint::plugin

@@ -1,0 +1,122 @@
+// The LV2 bundle in programs of others, moved to a folder of its own as a user would: ffmpeg,
+// lv2apply, lv2ls, lv2info and lv2_validate. Each test is skipped where its program is not
+// installed.
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include <earpoint/audio/energy.h>
+#include <earpoint/audio/sound_file.h>
+#include <earpoint/audio/stft.h>
+#include <earpoint/core/temporary_folder.h>
+#include <earpoint/renderer.h>
+#include <earpoint/waveform.h>
+
+#include "bundled_clip.h"
+
+namespace earpoint::plugin {
+namespace {
+
+namespace fs = std::filesystem;
+
+#define SKIP_WITHOUT(program) \
+  if (find_program(program).empty()) GTEST_SKIP() << program " is not installed"
+
+class OtherHosts : public ::testing::Test {
+ protected:
+  OtherHosts() {
+    // Copied with its models, which are links in the build tree.
+    fs::create_directories(bundle_ / "models");
+    for (const auto& file : fs::directory_iterator(EARPOINT_PLUGIN_DIR "/lv2/earpoint.lv2")) {
+      if (file.is_regular_file()) fs::copy(file.path(), bundle_);
+    }
+    for (const char* model : {"gtf.safetensors", "enhance.safetensors"}) {
+      fs::copy(fs::path(EARPOINT_SOURCE_DIR "/models") / model, bundle_ / "models");
+    }
+  }
+
+  /// With that bundle alone, far from the build tree.
+  std::string run(const std::string& command) const {
+    return run_command("cd " + folder_.path().string() +
+                       " && export LV2_PATH=" + folder_.path().string() +
+                       ":/usr/lib/lv2 && unset EARPOINT_MODELS_DIR && " + command);
+  }
+
+  TemporaryFolder folder_;
+  fs::path bundle_ = folder_.path() / "earpoint.lv2";
+};
+
+/// What the bundled clip's first earpoint is in the plugin's parameters.
+std::vector<std::pair<std::string, std::string>> bundled_parameters() {
+  return {{"earpoint_x", "1.49"}, {"earpoint_y", "-0.2"}, {"yaw", "-45"},
+          {"speaker_given", "1"}, {"speaker_x", "1.89"},  {"speaker_y", "0.196"},
+          {"speaker_z", "0.147"}};
+}
+
+Settings in_single_precision(Settings settings) {
+  const auto round = [](Vector3 v) {
+    return Vector3{static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
+  };
+  settings.earpoint.position_m = round(settings.earpoint.position_m);
+  settings.speaker_m = round(*settings.speaker_m);
+  return settings;
+}
+
+std::string ffmpeg_filter() {
+  std::string controls;
+  for (const auto& [symbol, value] : bundled_parameters()) {
+    controls += (controls.empty() ? "" : "|") + symbol + "=" + value;
+  }
+  return R"(lv2=p=urn\\:earpoint\\:plugin:c=)" + controls;
+}
+
+TEST_F(OtherHosts, FfmpegGivesTheLibrarysStreamOfARealClip) {
+  SKIP_WITHOUT("ffmpeg");
+  run("ffmpeg -v error -i " EARPOINT_SOURCE_DIR "/examples/clip.mp4 -vn -af '" + ffmpeg_filter() +
+      "' -c:a pcm_f32le there.wav");
+  const Waveform there = read_sound(folder_.path() / "there.wav");
+  const Waveform expected =
+      stream_of_library("gtf", in_single_precision(bundled_settings()), bundled_clip());
+  ASSERT_EQ(there.samples(), expected.samples());
+  EXPECT_TRUE(same(there, expected));
+}
+
+TEST_F(OtherHosts, Lv2applyGivesTheLibrarysStream) {
+  SKIP_WITHOUT("lv2apply");
+  const Waveform sound = part_of(bundled_clip(), 0, 48000);
+  write_sound(folder_.path() / "here.wav", sound, SampleFormat::float32);
+  std::string controls;
+  for (const auto& [symbol, value] : bundled_parameters()) {
+    controls += " -c " + symbol + " " + value;
+  }
+  run("lv2apply -i here.wav -o there.wav" + controls + " urn:earpoint:plugin");
+  const Waveform there = read_sound(folder_.path() / "there.wav");
+  const Waveform expected =
+      stream_of_library("gtf", in_single_precision(bundled_settings()), sound);
+  EXPECT_TRUE(same(there, expected));
+}
+
+TEST_F(OtherHosts, Lv2lsAndLv2infoKnowIt) {
+  SKIP_WITHOUT("lv2ls");
+  EXPECT_NE(run("lv2ls").find("urn:earpoint:plugin\n"), std::string::npos);
+  const std::string info = run("lv2info urn:earpoint:plugin");
+  for (const char* text : {"Earpoint", "earpoint_x", "lv2_latency", "gtf", "enhance", "Apache"}) {
+    EXPECT_NE(info.find(text), std::string::npos) << text << " is not in\n" << info;
+  }
+}
+
+TEST_F(OtherHosts, ItsDescriptionIsValid) {
+  SKIP_WITHOUT("lv2_validate");
+  SKIP_WITHOUT("sord_validate");
+  const std::string report =
+      run("lv2_validate earpoint.lv2/manifest.ttl earpoint.lv2/earpoint.ttl");
+  EXPECT_EQ(report.find("error"), std::string::npos) << report;
+}
+
+}  // namespace
+}  // namespace earpoint::plugin
