@@ -103,6 +103,7 @@ struct LiveRenderer::State {
 
   void make_streams(const std::vector<StreamingModel>& models, double sample_rate_hz);
   void reset_used(const std::stop_token& stop);
+  [[nodiscard]] Slot* slot_of(const Settings& settings) const;
   void choose(const Settings& settings);
   void run_chunk(bool bypass, const float* const* in, float* const* out, std::ptrdiff_t frames);
   void fade_in_next(float* const* out, std::ptrdiff_t frames);
@@ -174,10 +175,14 @@ void LiveRenderer::State::reset_used(const std::stop_token& stop) {
   }
 }
 
-void LiveRenderer::State::choose(const Settings& settings) {
-  const auto known = settings.model >= 0 && settings.model < std::ssize(models);
+Slot* LiveRenderer::State::slot_of(const Settings& settings) const {
+  const bool known = settings.model >= 0 && settings.model < std::ssize(models);
   const Textures& model = models[known ? static_cast<std::size_t>(settings.model) : 0];
-  Slot* const wanted = settings.natural_texture ? model.natural : model.mean;
+  return settings.natural_texture ? model.natural : model.mean;
+}
+
+void LiveRenderer::State::choose(const Settings& settings) {
+  Slot* const wanted = slot_of(settings);
   const auto take = [](Slot* slot) {
     return slot->fresh.exchange(false, std::memory_order_acquire);
   };
@@ -277,6 +282,12 @@ void LiveRenderer::process(const Settings& settings, const float* const* in, flo
     const std::array<float*, kChannels> to{out[0] + done, out[1] + done};
     s.run_chunk(settings.bypass, from.data(), to.data(), std::min(kChunk, frames - done));
   }
+}
+
+bool LiveRenderer::is_ready_for(const Settings& settings) const {
+  if (!state_->problem.empty()) return false;
+  const Slot* const wanted = state_->slot_of(settings);
+  return wanted == state_->now || wanted->fresh;
 }
 
 std::ptrdiff_t LiveRenderer::latency_samples() const { return state_->late; }

@@ -53,6 +53,10 @@ class LiveRenderer {
   void process(const Settings& settings, const float* const* in, float* const* out,
                std::ptrdiff_t frames);
 
+  /// Whether process() with these settings would play their model or begin to switch to it; not
+  /// while a stream that has played is being reset.
+  [[nodiscard]] bool is_ready_for(const Settings& settings) const;
+
   /// The same for every model; 0 if there is a problem.
   [[nodiscard]] std::ptrdiff_t latency_samples() const;
 

@@ -100,8 +100,13 @@ Waveform process(Stream stream, const Settings& settings, const Waveform& sound)
   return result;
 }
 
-/// The worker resets what has played before it can play again.
-void let_the_worker_run() { std::this_thread::sleep_for(std::chrono::milliseconds(200)); }
+/// What has played is reset by a thread before it can play again.
+void wait_until_ready(const LiveRenderer& live, const Settings& settings) {
+  for (int tries = 0; tries < 6000 && !live.is_ready_for(settings); ++tries) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  ASSERT_TRUE(live.is_ready_for(settings));
+}
 
 TEST_F(LiveRendererTest, EqualsTheStreamOfItsModelWhateverTheBlocks) {
   const Waveform sound = noise(kRate_hz);
@@ -156,7 +161,7 @@ TEST_F(LiveRendererTest, ComesBackToAModelThatHasPlayed) {
   const Settings second{.model = 2};
   (void)process(live, first, sound);
   (void)process(live, second, sound);
-  let_the_worker_run();
+  wait_until_ready(live, first);
   const Waveform back = process(live, first, sound);
   // As a stream that is new at the switch.
   const std::ptrdiff_t pad = live.latency_samples() - stream(0).latency_samples();

@@ -175,6 +175,7 @@ class EarpointPlugin : public DISTRHO::Plugin {
 
 START_NAMESPACE_DISTRHO
 
+// NOLINTNEXTLINE(readability-identifier-naming): DPF calls it so.
 Plugin* createPlugin() { return new earpoint::plugin::EarpointPlugin(); }
 
 END_NAMESPACE_DISTRHO
