@@ -62,7 +62,7 @@ void unpack(const fs::path& file, const fs::path& folder) {
 }
 
 /// The child's line without the program's name and the file's, which its sender does not know.
-std::string complaint_of(const ProcessEnd& end, const fs::path& file) {
+std::string problem_of(const ProcessEnd& end, const fs::path& file) {
   std::string line = end.errors.substr(0, end.errors.find('\n'));
   const std::string start = fmt::format("earpoint: {}", file.string());
   const auto found = line.find(start);
@@ -104,9 +104,9 @@ ServedClip open_upload(const fs::path& file, const std::string& name, const GtfW
       run_limited(running_program(), {kUnpack, file.string(), folder.string()}, {});
   if (end.is_out_of_time) throw InputError(name, "takes too long to decode", "cut it");
   if (end.exit_code != 0) {
-    const std::string complaint = complaint_of(end, file);
-    throw InputError(name, end.exit_code == 2 && !complaint.empty()
-                               ? complaint
+    const std::string problem = problem_of(end, file);
+    throw InputError(name, end.exit_code == 2 && !problem.empty()
+                               ? problem
                                : "cannot be decoded: it is damaged or too large");
   }
   SourceArguments arguments;

@@ -8,7 +8,7 @@ namespace {
 constexpr std::size_t kPoints = 16;  // per region: one packet of rays to each light
 constexpr std::uint32_t kSeed = 0x6D2B79F5U;
 // Share that a light keeps where no test ray reached it, as it may still shine there.
-constexpr float kDoubt = 0.03F;
+constexpr float kUniformShare = 0.03F;
 
 // For every region, points spread over its patches.
 std::vector<std::vector<PatchSample>> points_of_regions(const Patches& patches) {
@@ -69,7 +69,7 @@ void LightGuide::estimate(std::uint32_t region, const Lights& lights, const Surf
       const LightSample sample = lights.sample(light, point.position, which, where);
       if (sample.density <= 0.0F) continue;
       const float unhindered = luminance(sample.radiance) / sample.density;
-      weight += kDoubt * unhindered;
+      weight += kUniformShare * unhindered;
       const float cosine = dot(sample.direction, point.normal);
       if (cosine <= 0.0F) continue;
       arriving[k] = unhindered * cosine;

@@ -25,10 +25,10 @@ TEST(Oracles, EveryRungIsNearerThanTheOneBelow) {
   options.jobs = 2;
   const EvaluationTable table = make_table(evaluate(*set, methods, options, silent));
   ASSERT_EQ(table.rows.size(), 6U);
-  for (std::size_t rung = 1; rung < table.rows.size(); ++rung) {
-    EXPECT_LT(table.rows[rung][Metric::mag].mean->value,
-              table.rows[rung - 1][Metric::mag].mean->value)
-        << table.rows[rung].method;
+  for (std::size_t row = 1; row < table.rows.size(); ++row) {
+    EXPECT_LT(table.rows[row][Metric::mag].mean->value,
+              table.rows[row - 1][Metric::mag].mean->value)
+        << table.rows[row].method;
   }
   // True energies leave no error of the level or the level difference, except for the constant in
   // LRE.

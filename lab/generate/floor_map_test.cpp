@@ -60,15 +60,15 @@ TEST(FloorMap, DrawnPlacesInHomesAreFree) {
     const Home home = make_home(seed, {}, stand_ins);
     const FloorMap map = map_of(home.scene);
     RandomStream random(seed);
-    int doubtful = 0;
+    int too_near = 0;
     for (int i = 0; i < 200; ++i) {
       const auto place = map.draw(0.3, random);
       ASSERT_TRUE(place);
       // The home's own list has only bounding rectangles of furniture, and no free space in
       // doorways.
-      doubtful += is_free(home, place->x, place->y, 0.2) ? 0 : 1;
+      too_near += is_free(home, place->x, place->y, 0.2) ? 0 : 1;
     }
-    EXPECT_LE(doubtful, 10) << "home " << seed;
+    EXPECT_LE(too_near, 10) << "home " << seed;
   }
 }
 

@@ -208,7 +208,7 @@ Scene read_scene(const CatalogueEntry& entry, const MaterialTable& table, std::s
 
 /// Corrects materials from misleading names: the body of a cupboard is no person, its door no room
 /// door.
-void mend_sounds(Scene& scene, const AcousticMaterial& otherwise) {
+void replace_unlikely_materials(Scene& scene, const AcousticMaterial& otherwise) {
   for (Material& material : scene.materials) {
     const std::string& name = material.acoustic.name;
     if (name == "person" || name == "door_wood" || name == "opening") material.acoustic = otherwise;
@@ -263,7 +263,7 @@ class Converter {
       const auto sound = row.at("sound").get<std::string>();
       const MaterialTable table = table_with_default(sound);
       model.scene = read_scene(entry, table, kFurnitureTriangles, kFurnitureTexture);
-      mend_sounds(model.scene, standard_material(sound));
+      replace_unlikely_materials(model.scene, standard_material(sound));
       result_.pack.furniture.push_back(std::move(model));
     });
   }

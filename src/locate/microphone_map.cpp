@@ -19,7 +19,7 @@ constexpr double kClearlyLoudest_db = 6.0;
 constexpr double kUnexplained_db = 4.0;
 constexpr double kGainSpread_db = 3.0;
 // Errors of neighbouring moments are correlated: each moment counts as this many independent ones.
-constexpr double kNews = 0.25;
+constexpr double kIndependentShare = 0.25;
 // Limits the influence of any single moment.
 constexpr double kLargestError_db = 12.0;
 
@@ -71,7 +71,7 @@ Match match_of(const std::vector<Turn>& turns, std::size_t microphone, std::size
       // Somebody who is not seen may speak outside the picture: no evidence either way.
       const double seen = moment.distance_m[person] ? moment.direction_log_likelihood[person]
                                                     : mean_log_likelihood(moment);
-      match.cost -= kNews * (seen - mean_log_likelihood(moment));
+      match.cost -= kIndependentShare * (seen - mean_log_likelihood(moment));
     }
     if (!moment.distance_m[person]) continue;
     gains.push_back(moment.near_db[microphone] - moment.camera_db -
@@ -81,10 +81,10 @@ Match match_of(const std::vector<Turn>& turns, std::size_t microphone, std::size
   std::vector<double> sorted = gains;
   std::ranges::sort(sorted);
   match.gain_db = sorted[sorted.size() / 2];
-  match.weight = kNews * static_cast<double>(gains.size());
+  match.weight = kIndependentShare * static_cast<double>(gains.size());
   for (const double gain : gains) {
     const double error = std::min(std::abs(gain - match.gain_db), kLargestError_db);
-    match.cost += kNews * 0.5 * std::pow(error / kUnexplained_db, 2);
+    match.cost += kIndependentShare * 0.5 * std::pow(error / kUnexplained_db, 2);
   }
   return match;
 }

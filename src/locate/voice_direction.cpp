@@ -32,7 +32,7 @@ constexpr double kLoudnessRise = 0.1;
 constexpr double kLoudnessFall = 0.01;
 // Weight of one nat of rise in one bin. Fitted on the validation homes of a simulated data set by
 // the likelihood of the true speaker.
-constexpr double kVote = 0.005;
+constexpr double kFrameWeight = 0.005;
 constexpr double kTiny = 1e-20;
 
 double azimuth_of(std::size_t index, std::size_t count) {
@@ -181,7 +181,7 @@ DirectionEvidence VoiceDirection::listen(const Waveform& block) {
     for (int bin = 0; bin < kBins; ++bin) {
       agreement += (state.sum[bin] * std::conj(state.phases[i * kBins + bin])).real();
     }
-    evidence.log_likelihood[i] = kVote * agreement;
+    evidence.log_likelihood[i] = kFrameWeight * agreement;
   }
   return evidence;
 }

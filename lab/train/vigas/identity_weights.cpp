@@ -22,7 +22,7 @@ constexpr double kScale = 0.3;
 /// Leakage of other channels into the ears', relative to a full mixture.
 constexpr double kLeak = 0.05;
 /// How strongly the conditioning vector moves the ears' gates at first.
-constexpr double kSway = 0.1;
+constexpr double kConditioningGain = 0.1;
 /// The gates halve a small sound: sigmoid(0).
 constexpr double kGateGain = 0.5;
 /// Standard deviation of the target's coordinates around the source.
@@ -133,7 +133,8 @@ class IdentityMaker {
     });
     // A constant would dominate such small sounds.
     fill(name + "conv.v_f", [](Layer&, auto, auto, auto) { return 0.0; });
-    fill(name + "conv.v_g", [](Layer& layer, auto, auto, auto) { return layer.mixture(kSway); });
+    fill(name + "conv.v_g",
+         [](Layer& layer, auto, auto, auto) { return layer.mixture(kConditioningGain); });
     // The gates halve a layer's output and its input: 3 + 1 parts of energy in 4 keep the level.
     if (index + 1 < d_.layers()) {
       carry(name + "residual", 1.0 / kGateGain, std::sqrt(3.0) / kGateGain);
