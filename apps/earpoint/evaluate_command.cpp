@@ -74,6 +74,9 @@ Oracles, which are given part of the answer (--oracles: all), from the least to 
 Data sets (docs/datasets.md): one of `earpoint simulate` or `earpoint record prepare`, or a download of
 SoundSpaces-NVAS or Replay-NVAS, named by the folder that holds data/synthetic_dataset/v16 or
 data/appen_dataset/v3, or by one of these.
+Of RWAVS (the folder with position.json, or one scene) --split val or train is measured at every pose, by input
+and dsp: methods get the dry sound, scaled to the level of the training split, and the positions; distances are
+relative to a mean of 2 m, for the published coordinates have no unit.
 Pairs come from pairs-<split>.json. Where there is none, as in the downloads, they are drawn: every viewpoint
 of SoundSpaces-NVAS the target once, in random seconds; of Replay-NVAS as the released test draws them. The
 paper's numbers on SoundSpaces-NVAS are for first seconds: --draw released draws those. Absolute values of
@@ -163,6 +166,9 @@ void run_figure(const EvaluateOptions& options) {
                         .count = options.limit.value_or(1)};
   request.methods.data = options.data;
   request.methods.layout = layout_of(options);
+  if (request.methods.layout == earpoint::DatasetLayout::rwavs) {
+    throw InputError("--figure", "RWAVS has no source view to draw", "leave it out");
+  }
   request.methods.recorded = request.methods.layout == earpoint::DatasetLayout::replay;
   if (request.methods.words.empty()) request.methods.words = {"gtf"};
   earpoint::SilentProgress silent;
@@ -176,7 +182,7 @@ MethodRequest method_request(const EvaluateOptions& options, const earpoint::Eva
   request.data = options.data;
   request.enhance = options.enhance;
   request.layout = layout_of(options);
-  request.recorded = request.layout == earpoint::DatasetLayout::replay;
+  request.recorded = request.layout != earpoint::DatasetLayout::soundspaces;
   request.knows_speaker = set.knows_speaker();
   if (request.words.empty()) {
     request.words = {"input"};
@@ -274,15 +280,16 @@ void add_evaluate_command(CLI::App& app) {
       "evaluate", "Compare methods on the frozen pairs of a data set, or on a clip of your own.");
   command->add_option(
       "--data", options->data,
-      "Folder of the data set: of earpoint simulate, SoundSpaces-NVAS or Replay-NVAS");
+      "Folder of the data set: of earpoint simulate, SoundSpaces-NVAS, Replay-NVAS or "
+      "RWAVS");
   auto* earpoints = command->add_option(
       "--earpoints", options->earpoints,
       "Instead of a data set: a JSON file with a clip and its true sound at other positions");
   command->add_option("--split", options->split, "Split of the pairs")->capture_default_str();
   command
       ->add_option("--layout", options->layout,
-                   "Which data set, where a folder holds SoundSpaces-NVAS and Replay-NVAS")
-      ->check(CLI::IsMember({"soundspaces", "replay"}));
+                   "Which data set, where a folder holds SoundSpaces-NVAS and Replay-NVAS; or rwavs")
+      ->check(CLI::IsMember({"soundspaces", "replay", "rwavs"}));
   auto* pairs = command->add_option("--pairs", options->pairs,
                                     "Another pair list than pairs-<split>.json of the data set");
   command

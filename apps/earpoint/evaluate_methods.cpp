@@ -41,6 +41,12 @@ std::pair<std::string, std::optional<double>> split_texture(const std::string& w
 MethodEntry method_of(const std::string& word, const MethodRequest& request,
                       const std::set<std::string>& scenes) {
   if (word == "input") return earpoint::input_method();
+  if (request.layout == earpoint::DatasetLayout::rwavs && word != "dsp") {
+    throw InputError("--methods " + word,
+                     "RWAVS has dry sound and positions, but no source view: only input and dsp "
+                     "take these",
+                     "leave it out");
+  }
   if (request.enhance && (word == "dsp" || word == "tf")) {
     throw InputError("--methods " + word, "renders the sound at a position, not dry speech",
                      "leave it out with --enhance");
@@ -114,7 +120,7 @@ std::vector<std::string> words_of(const MethodRequest& request) {
   } else if (request.ablations) {
     add(shipped_families());
   }
-  if (!request.oracles) return words;
+  if (!request.oracles || request.layout == earpoint::DatasetLayout::rwavs) return words;
   for (const MethodEntry& oracle : earpoint::oracle_methods()) {
     if (request.recorded && oracle.needs_truth) continue;
     if (std::ranges::find(words, oracle.name) == words.end()) words.push_back(oracle.name);

@@ -48,6 +48,20 @@ std::unique_ptr<earpoint::EvaluationSet> recorded_set(const EvaluateOptions& opt
   return earpoint::replay_evaluation_set(options.data, options.split, options.limit);
 }
 
+std::unique_ptr<earpoint::EvaluationSet> rwavs_set(const EvaluateOptions& options) {
+  const auto refuse = [](const char* flag, const char* why) {
+    throw InputError(flag, why, "leave it out");
+  };
+  if (options.enhance) refuse("--enhance", "RWAVS has no microphones close to mouths");
+  if (options.context_s > 0.0) refuse("--context", "RWAVS is measured second by second");
+  if (!options.ambient.empty()) refuse("--ambient", "recordings have their own ambient sound");
+  if (options.pairs) refuse("--pairs", "RWAVS has no pairs: every pose of a split is measured");
+  if (!options.draw.empty()) refuse("--draw", "RWAVS has no pairs: every pose is measured");
+  if (options.report) refuse("--report", "RWAVS has no source view to show");
+  if (options.boxes != "true") refuse("--boxes", "RWAVS has no picture of the loudspeaker");
+  return earpoint::rwavs_evaluation_set(options.data, options.split, options.limit);
+}
+
 }  // namespace
 
 earpoint::PairTarget target_of(const EvaluateOptions& options) {
@@ -83,6 +97,7 @@ std::unique_ptr<earpoint::EvaluationSet> evaluation_set(const EvaluateOptions& o
   if (layout_of(options) == earpoint::DatasetLayout::replay) {
     return recorded_set(options);
   }
+  if (layout_of(options) == earpoint::DatasetLayout::rwavs) return rwavs_set(options);
   earpoint::PairChoice pairs{.list = options.pairs, .draw = std::nullopt};
   if (!options.draw.empty()) pairs.draw = earpoint::draw_named(options.draw);
   auto set =

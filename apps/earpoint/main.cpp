@@ -5,6 +5,7 @@
 #include "model_command.h"
 #include "pairs_command.h"
 #include "render_command.h"
+#include "responses_command.h"
 #include "run_app.h"
 #if !defined(EARPOINT_RENDER_ONLY)
 #include "record_command.h"
@@ -34,6 +35,7 @@ int main(int argc, char** argv) {
   earpoint::add_record_command(app);
 #endif
   earpoint::add_render_command(app);
+  add_responses_command(app);
   add_model_command(app);
 #if defined(EARPOINT_RENDER_ONLY)
   app.footer("This build only renders and measures; `./dev build` builds the whole program.");

@@ -1,6 +1,7 @@
 #include "metrics_command.h"
 
-#include "json_text.h"
+#include "metrics_report.h"
+#include "response_report.h"
 #include "rt60_model.h"
 
 #include <algorithm>
@@ -17,11 +18,11 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <earpoint/audio/resample.h>
 #include <earpoint/audio/sound_file.h>
 #include <earpoint/core/file.h>
 #include <earpoint/error.h>
 #include <earpoint/evaluate/decay_metrics.h>
+#include <earpoint/evaluate/metric_convention.h>
 #include <earpoint/evaluate/metrics.h>
 #include <earpoint/evaluate/reverberation_error.h>
 #include <earpoint/evaluate/speech_metrics.h>
@@ -36,6 +37,8 @@ using earpoint::Waveform;
 struct MetricsOptions {
   fs::path reference;
   fs::path estimate;
+  std::string convention = "paper";
+  std::optional<double> length_s;
   std::string variant = "vigas";
   fs::path rt60_model;
   bool impulse_responses = false;
@@ -51,6 +54,7 @@ Examples:
   earpoint metrics there.wav rendered.wav --variant rwavs
   earpoint metrics near.wav dry.wav --variant speech
   earpoint metrics measured_brir.wav traced_brir.wav --impulse-responses
+  earpoint metrics measured_rir.wav traced_rir.wav --convention raf --json
 
 Zero is best, except for speech. Both sounds are binaural (left, right) and of equal length.
   mag             sum over the ears of the mean difference of STFT magnitudes
@@ -69,20 +73,23 @@ Zero is best, except for speech. Both sounds are binaural (left, right) and of e
                   0.4 s of speech
 --impulse-responses (any number of channels; means of absolute differences):
   t60_error_s, t60_error_percent, edt_error_s, c50_error_db
+--convention: the definitions that a field's papers use, equal to their released code. Binaural sounds:
+  paper           the default above
+  rwavs           AV-NeRF on RWAVS; the same as --variant rwavs
+Impulse responses only, any number of channels; rates must agree or have a rule below. Without decay in the
+reference they are refused:
+  raf             Real Acoustic Fields, 48 kHz (or 16): stft_error, t60_error_percent after a high-pass at
+                  200 Hz from -5 to -15 dB, edt_error_s, c50_error_db
+  naf             Neural Acoustic Fields, 22.05 kHz: spectral_loss, t60_error_percent from -5 to -35 dB
+  avr             Acoustic Volume Rendering, the files' rate: phase, amp, env, t60_error_percent from -5 to
+                  -25 dB, edt_error_s, c50_error_db, multi_stft
+  iso             ISO 3382-1, the files' rate: edt, t20 and t30_error_percent, c50 and c80_error_db, d50_error,
+                  ts_error_ms, means of the octaves at 500 Hz and 1 kHz; --json has 125 Hz to 4 kHz
+A T60 that cannot be measured counts as 100 % by raf and naf, as in their code, and is noted. docs/metrics.md
+has the differences and what each leaves out.
 )";
 
-/// One line of the result: its JSON key, its value and what a table says about it.
-struct Row {
-  std::string key;
-  Json value;
-  std::string unit;
-};
-
-struct Report {
-  std::vector<Row> rows;
-  std::vector<std::string> notes;
-  Json extra = Json::object();
-};
+using Report = MetricsReport;
 
 void trim_to(Waveform& wave, std::ptrdiff_t samples) {
   if (wave.samples() <= samples) return;
@@ -92,14 +99,6 @@ void trim_to(Waveform& wave, std::ptrdiff_t samples) {
                       shorter.channel(c).begin());
   }
   wave = std::move(shorter);
-}
-
-/// Brings a sound to the rate that its metrics are published at.
-void to_rate(Waveform& wave, int rate_hz, const fs::path& path, Report& report) {
-  if (wave.sample_rate_hz() == rate_hz) return;
-  report.notes.push_back(
-      fmt::format("{} resampled from {} to {} Hz", path.string(), wave.sample_rate_hz(), rate_hz));
-  wave = earpoint::resample(wave, rate_hz);
 }
 
 /// Both sounds, comparable.
@@ -247,21 +246,27 @@ Report compare_impulse_responses(const MetricsOptions& options) {
   return report;
 }
 
-void print(const Report& report, bool as_json) {
-  if (as_json) {
-    Json json = Json::object();
-    for (const Row& row : report.rows) json[row.key] = row.value;
-    json.update(report.extra);
-    json["notes"] = report.notes;
-    fmt::print("{}\n", earpoint::json_text(json));
-    return;
+/// What the convention, or else the variant, asks for.
+Report compare(MetricsOptions options) {
+  const earpoint::MetricConvention convention = earpoint::convention_named(options.convention);
+  if (earpoint::compares_responses(convention)) {
+    for (const auto& [given, flag] : {std::pair{options.trim, "--trim"},
+                                      std::pair{options.sign_fix, "--sign-fix"},
+                                      std::pair{!options.rt60_model.empty(), "--rt60-model"}}) {
+      if (given) {
+        throw earpoint::InputError(flag, "is of binaural sounds, not of impulse responses",
+                                   "leave it out");
+      }
+    }
+    return response_report(convention, options.reference, options.estimate, options.length_s);
   }
-  for (const Row& row : report.rows) {
-    const std::string value =
-        row.value.is_null() ? "-" : fmt::format("{:.6g}", row.value.get<double>());
-    fmt::print("{:<18}{:>14}{}{}\n", row.key, value, row.unit.empty() ? "" : " ", row.unit);
+  if (options.length_s) {
+    throw earpoint::InputError("--length", "is of conventions that compare impulse responses",
+                               "leave it out, or choose raf, naf, avr or iso");
   }
-  for (const std::string& note : report.notes) fmt::print("note: {}\n", note);
+  if (convention == earpoint::MetricConvention::rwavs) options.variant = "rwavs";
+  if (options.impulse_responses) return compare_impulse_responses(options);
+  return options.variant == "speech" ? compare_speech(options) : compare_sounds(options);
 }
 
 }  // namespace
@@ -283,6 +288,21 @@ void add_metrics_command(CLI::App& app) {
   auto* decays = command->add_flag("--impulse-responses", options->impulse_responses,
                                    "The sounds are impulse responses: compare T60, EDT and C50");
   decays->excludes(variant);
+  auto* convention =
+      command
+          ->add_option("--convention", options->convention,
+                       "Whose definitions: paper or rwavs (binaural sounds); raf, naf, avr or iso "
+                       "(impulse responses)")
+          ->check(CLI::IsMember({"paper", "rwavs", "raf", "naf", "avr", "iso"}))
+          ->capture_default_str()
+          ->excludes(variant)
+          ->excludes(decays);
+  command
+      ->add_option("--length", options->length_s,
+                   "Seconds of impulse responses to compare, from their first sample (default: "
+                   "0.32 for raf, 0.1 for avr, else all)")
+      ->check(CLI::PositiveNumber)
+      ->needs(convention);
   command
       ->add_option("--rt60-model", options->rt60_model,
                    "Weight file of the estimator behind rte_s (default: the shipped one)")
@@ -295,10 +315,5 @@ void add_metrics_command(CLI::App& app) {
   trim->excludes(decays);
   sign_fix->excludes(decays);
   command->footer(kExamples);
-  command->callback([options] {
-    print(options->impulse_responses     ? compare_impulse_responses(*options)
-          : options->variant == "speech" ? compare_speech(*options)
-                                         : compare_sounds(*options),
-          options->json);
-  });
+  command->callback([options] { print_report(compare(*options), options->json); });
 }

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <map>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -201,6 +203,75 @@ TEST_F(MetricsCommand, ImpulseResponsesAreComparedByTheirDecays) {
                  "c.wav: channel 0: impulse response: does not decay");
   EXPECT_EQ(
       run_earpoint({"metrics", reference, estimate, "--impulse-responses", "--trim"}).exit_code, 2);
+}
+
+TEST_F(MetricsCommand, TheConventionPaperIsTheDefaultByteForByte) {
+  const std::string reference = write("a.wav", noise(16000));
+  const std::string estimate = write("b.wav", with_ear_scaled(noise(16000), 0, 0.5F));
+  for (const std::vector<std::string>& more :
+       {std::vector<std::string>{}, std::vector<std::string>{"--json"}}) {
+    std::vector<std::string> plain{"metrics", reference, estimate};
+    plain.insert(plain.end(), more.begin(), more.end());
+    std::vector<std::string> named = plain;
+    named.insert(named.end(), {"--convention", "paper"});
+    EXPECT_EQ(run_earpoint(named).output, run_earpoint(plain).output);
+  }
+  EXPECT_EQ(json_of({reference, estimate, "--convention", "rwavs"}),
+            json_of({reference, estimate, "--variant", "rwavs"}));
+}
+
+TEST_F(MetricsCommand, ConventionsOfImpulseResponsesHaveTheirKeys) {
+  const fs::path sounds = fs::path(EARPOINT_SOURCE_DIR) / "lab/evaluate/testdata/conventions";
+  const std::string reference = (sounds / "rir_reference.wav").string();
+  const std::string estimate = (sounds / "rir_estimate.wav").string();
+  const std::map<std::string, std::vector<std::string>> keys{
+      {"raf", {"stft_error", "t60_error_percent", "edt_error_s", "c50_error_db"}},
+      {"naf", {"spectral_loss", "t60_error_percent"}},
+      {"avr",
+       {"phase", "amp", "env", "t60_error_percent", "edt_error_s", "c50_error_db", "multi_stft"}},
+      {"iso",
+       {"edt_error_percent", "t20_error_percent", "t30_error_percent", "c50_error_db",
+        "c80_error_db", "d50_error", "ts_error_ms"}}};
+  const auto released =
+      nlohmann::json::parse(earpoint::read_text_file(sounds / "released.json"));
+  for (const auto& [convention, names] : keys) {
+    const nlohmann::json json = json_of({reference, estimate, "--convention", convention});
+    for (const std::string& name : names) {
+      EXPECT_GT(json.at(name).get<double>(), 0.0) << convention << " " << name;
+    }
+  }
+  // The files hold 0.4 s; raf takes the first 0.32 s unless told otherwise.
+  const nlohmann::json raf = json_of({reference, estimate, "--convention", "raf"});
+  const double expected = released.at("raf").at("at_48_khz").at("stft_error");
+  EXPECT_NEAR(raf.at("stft_error").get<double>(), expected, 1e-4 * expected);
+  EXPECT_EQ(raf.at("samples"), 15360);
+  EXPECT_EQ(json_of({reference, estimate, "--convention", "raf", "--length", "0.4"}).at("samples"),
+            19200);
+  const nlohmann::json naf = json_of({reference, estimate, "--convention", "naf"});
+  EXPECT_EQ(naf.at("sample_rate_hz"), 22050);
+  EXPECT_EQ(naf.at("notes").size(), 2U);
+  const nlohmann::json iso = json_of({reference, estimate, "--convention", "iso"});
+  EXPECT_EQ(iso.at("reference").at(0).size(), 6U);
+  EXPECT_EQ(iso.at("reference").at(0).at(0).at("centre_hz"), 125.0);
+}
+
+TEST_F(MetricsCommand, AConventionThatDoesNotFitGivesOneLine) {
+  const fs::path sounds = fs::path(EARPOINT_SOURCE_DIR) / "lab/evaluate/testdata/conventions";
+  const std::string response = (sounds / "rir_reference.wav").string();
+  const std::string noisy = write("a.wav", noise(48000, 48000, 1));
+  expect_refused({noisy, response, "--convention", "raf"},
+                 "a.wav: channel 0 is no impulse response");
+  expect_refused({response, write("b.wav", noise(48000, 48000)), "--convention", "avr"},
+                 "b.wav: has 2 channels");
+  expect_refused({response, write("c.wav", noise(16000, 16000, 1)), "--convention", "iso"},
+                 "c.wav: has 16000 Hz");
+  expect_refused({response, response, "--convention", "raf", "--trim"}, "--trim");
+  expect_refused({response, response, "--convention", "rwavs"}, "has 1 channel");
+  expect_refused({noisy, noisy, "--convention", "paper", "--length", "1"}, "--length");
+  EXPECT_EQ(run_earpoint({"metrics", response, response, "--convention", "naf", "--variant",
+                          "rwavs"})
+                .exit_code,
+            2);
 }
 
 TEST_F(MetricsCommand, BadInputGivesOneLine) {

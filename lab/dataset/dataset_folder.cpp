@@ -82,13 +82,15 @@ SoundSpacesDataset::Options recorded_options(const fs::path& folder, const std::
 DatasetLayout layout_named(std::string_view name) {
   if (name == "soundspaces") return DatasetLayout::soundspaces;
   if (name == "replay") return DatasetLayout::replay;
-  throw InputError("layout", fmt::format("expected soundspaces or replay, found {}", name));
+  if (name == "rwavs") return DatasetLayout::rwavs;
+  throw InputError("layout", fmt::format("expected soundspaces, replay or rwavs, found {}", name));
 }
 
 DatasetLayout dataset_layout(const fs::path& folder, std::optional<DatasetLayout> asked) {
   if (!fs::is_directory(folder)) throw InputError(folder.string(), "no such folder");
   const bool soundspaces = fs::exists(record_of(folder)) || soundspaces_root(folder).has_value();
   const bool replay = replay_root(folder).has_value();
+  const bool rwavs = rwavs_root(folder).has_value();
   const std::string published = SoundSpacesDataset::Options{}.folder.string();
   const std::string recorded =
       (ReplayDataset::Options{}.folder / ReplayDataset::Options{}.metadata_file).string();
@@ -101,11 +103,16 @@ DatasetLayout dataset_layout(const fs::path& folder, std::optional<DatasetLayout
   if (asked == DatasetLayout::replay && !replay) {
     throw InputError(folder.string(), "holds no " + recorded, hint);
   }
+  if (asked == DatasetLayout::rwavs && !rwavs) {
+    throw InputError(folder.string(),
+                     "holds no position.json with scenes that have transforms_scale_*.json", hint);
+  }
   if (asked) return *asked;
   if (soundspaces && replay) {
     throw InputError(folder.string(), "holds SoundSpaces-NVAS and Replay-NVAS",
                      "choose the layout, soundspaces or replay");
   }
+  if (rwavs && !soundspaces && !replay) return DatasetLayout::rwavs;
   if (!soundspaces && !replay) {
     throw InputError(folder.string(),
                      fmt::format("holds neither a dataset.json nor {} nor {}", published, recorded),
@@ -130,6 +137,16 @@ ReplayDataset::Options replay_options(const fs::path& folder, const std::string&
   ReplayDataset::Options options;
   options.root = replay_root(folder).value();
   options.split = split;
+  return options;
+}
+
+RwavsDataset::Options rwavs_options(const fs::path& folder, const std::string& split) {
+  static_cast<void>(dataset_layout(folder, DatasetLayout::rwavs));
+  RwavsDataset::Options options{
+      .root = rwavs_root(folder).value(), .split = split, .scene = std::nullopt};
+  if (!fs::exists(folder / "position.json")) {
+    options.scene = fs::weakly_canonical(folder).filename().string();
+  }
   return options;
 }
 

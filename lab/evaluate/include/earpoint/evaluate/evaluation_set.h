@@ -83,4 +83,14 @@ struct PairChoice {
     const std::filesystem::path& folder, const std::string& split,
     std::optional<std::size_t> limit);
 
+/// The poses of a split of RWAVS, each with the second of sound around it; a scene is a cluster.
+/// Methods get the dry sound as RwavsDataset::sample() has it, and the loudspeaker's position, but
+/// no picture.
+/// @param folder  as rwavs_options() knows it
+/// @param split   train or val
+/// @throws InputError as RwavsDataset
+[[nodiscard]] std::unique_ptr<EvaluationSet> rwavs_evaluation_set(
+    const std::filesystem::path& folder, const std::string& split,
+    std::optional<std::size_t> limit);
+
 }  // namespace earpoint

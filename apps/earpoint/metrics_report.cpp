@@ -1,0 +1,32 @@
+#include "metrics_report.h"
+
+#include "json_text.h"
+
+#include <fmt/format.h>
+
+#include <earpoint/audio/resample.h>
+
+void to_rate(earpoint::Waveform& wave, int rate_hz, const std::filesystem::path& path,
+             MetricsReport& report) {
+  if (wave.sample_rate_hz() == rate_hz) return;
+  report.notes.push_back(
+      fmt::format("{} resampled from {} to {} Hz", path.string(), wave.sample_rate_hz(), rate_hz));
+  wave = earpoint::resample(wave, rate_hz);
+}
+
+void print_report(const MetricsReport& report, bool as_json) {
+  if (as_json) {
+    nlohmann::ordered_json json = nlohmann::ordered_json::object();
+    for (const MetricsRow& row : report.rows) json[row.key] = row.value;
+    json.update(report.extra);
+    json["notes"] = report.notes;
+    fmt::print("{}\n", earpoint::json_text(json));
+    return;
+  }
+  for (const MetricsRow& row : report.rows) {
+    const std::string value =
+        row.value.is_null() ? "-" : fmt::format("{:.6g}", row.value.get<double>());
+    fmt::print("{:<18}{:>14}{}{}\n", row.key, value, row.unit.empty() ? "" : " ", row.unit);
+  }
+  for (const std::string& note : report.notes) fmt::print("note: {}\n", note);
+}

@@ -1,0 +1,95 @@
+#include "run_program.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <earpoint/audio/sound_file.h>
+#include <earpoint/dataset_testing/tiny_published.h>
+
+namespace {
+
+namespace fs = std::filesystem;
+
+class ResponsesCommand : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    room_ = fs::path(testing::TempDir()) /
+            (std::string("responses_command_") +
+             testing::UnitTest::GetInstance()->current_test_info()->name());
+    fs::remove_all(room_);
+    earpoint::write_tiny_raf(room_);
+  }
+  void TearDown() override { fs::remove_all(room_); }
+
+  [[nodiscard]] ProgramOutcome run(std::vector<std::string> arguments) const {
+    arguments.insert(arguments.begin(), {"responses", "--data", room_.string()});
+    return run_earpoint(arguments);
+  }
+  [[nodiscard]] nlohmann::json json_of(std::vector<std::string> arguments) const {
+    arguments.emplace_back("--json");
+    const ProgramOutcome outcome = run(arguments);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
+    return nlohmann::json::parse(outcome.output);
+  }
+
+  fs::path room_;
+};
+
+TEST_F(ResponsesCommand, ListsPlacesAsTraceTakesThem) {
+  const ProgramOutcome outcome = run({});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
+  EXPECT_EQ(outcome.output,
+            "000005  source 0,2,1,yaw=-90  listener 2.5,0,1.5\n"
+            "000007  source 0,2,1,yaw=-90  listener 3.5,0,1.5\n");
+  const nlohmann::json json = json_of({"--limit", "1", "--split", "all"});
+  EXPECT_EQ(json.at("items").size(), 1U);
+  EXPECT_EQ(json.at("items")[0].at("listener"), "0,0,1.5");
+}
+
+TEST_F(ResponsesCommand, EstimatesThatAreTheTruthHaveNoError) {
+  const fs::path estimates = room_ / "estimates";
+  fs::create_directories(estimates);
+  for (const char* id : {"000005", "000007"}) {
+    fs::copy_file(room_ / "data" / id / "rir.wav", estimates / (std::string(id) + ".wav"));
+  }
+  for (const char* convention : {"raf", "naf", "avr", "iso"}) {
+    const nlohmann::json json =
+        json_of({"--estimates", estimates.string(), "--convention", convention});
+    EXPECT_EQ(json.at("items"), 2);
+    EXPECT_EQ(json.at("convention"), convention);
+    for (const auto& [key, value] : json.items()) {
+      if (value.is_number_float()) EXPECT_EQ(value, 0.0) << convention << " " << key;
+    }
+  }
+  fs::remove(estimates / "000007.wav");
+  const ProgramOutcome outcome = run({"--estimates", estimates.string()});
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_EQ(std::count(outcome.errors.begin(), outcome.errors.end(), '\n'), 1) << outcome.errors;
+  EXPECT_NE(outcome.errors.find("000007.wav: no such file"), std::string::npos) << outcome.errors;
+}
+
+TEST_F(ResponsesCommand, TheNearestResponseOfTrainingIsABaseline) {
+  const nlohmann::json json = json_of({"--nearest"});
+  // 000004 for 000005 and 000006 for 000007: T60 of 0.38 s for 0.4 s and of 0.42 s for 0.44 s, 5 %.
+  // Noise moves the time between -5 and -15 dB by some percent more.
+  EXPECT_GT(json.at("t60_error_percent").get<double>(), 0.5);
+  EXPECT_LT(json.at("t60_error_percent").get<double>(), 15.0);
+  EXPECT_GT(json.at("stft_error").get<double>(), 0.1);
+  EXPECT_EQ(json.at("items"), 2);
+  EXPECT_EQ(run({"--nearest", "--estimates", "out"}).exit_code, 2);
+}
+
+TEST_F(ResponsesCommand, AFolderThatIsNoRoomGivesOneLine) {
+  const ProgramOutcome outcome =
+      run_earpoint({"responses", "--data", (room_ / "metadata").string()});
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_EQ(std::count(outcome.errors.begin(), outcome.errors.end(), '\n'), 1) << outcome.errors;
+  EXPECT_NE(outcome.errors.find("holds no folder data"), std::string::npos) << outcome.errors;
+}
+
+}  // namespace
