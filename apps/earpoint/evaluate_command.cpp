@@ -287,8 +287,9 @@ void add_evaluate_command(CLI::App& app) {
       "Instead of a data set: a JSON file with a clip and its true sound at other positions");
   command->add_option("--split", options->split, "Split of the pairs")->capture_default_str();
   command
-      ->add_option("--layout", options->layout,
-                   "Which data set, where a folder holds SoundSpaces-NVAS and Replay-NVAS; or rwavs")
+      ->add_option(
+          "--layout", options->layout,
+          "Which data set, where a folder holds SoundSpaces-NVAS and Replay-NVAS; or rwavs")
       ->check(CLI::IsMember({"soundspaces", "replay", "rwavs"}));
   auto* pairs = command->add_option("--pairs", options->pairs,
                                     "Another pair list than pairs-<split>.json of the data set");

@@ -250,9 +250,9 @@ Report compare_impulse_responses(const MetricsOptions& options) {
 Report compare(MetricsOptions options) {
   const earpoint::MetricConvention convention = earpoint::convention_named(options.convention);
   if (earpoint::compares_responses(convention)) {
-    for (const auto& [given, flag] : {std::pair{options.trim, "--trim"},
-                                      std::pair{options.sign_fix, "--sign-fix"},
-                                      std::pair{!options.rt60_model.empty(), "--rt60-model"}}) {
+    for (const auto& [given, flag] :
+         {std::pair{options.trim, "--trim"}, std::pair{options.sign_fix, "--sign-fix"},
+          std::pair{!options.rt60_model.empty(), "--rt60-model"}}) {
       if (given) {
         throw earpoint::InputError(flag, "is of binaural sounds, not of impulse responses",
                                    "leave it out");

@@ -232,8 +232,7 @@ TEST_F(MetricsCommand, ConventionsOfImpulseResponsesHaveTheirKeys) {
       {"iso",
        {"edt_error_percent", "t20_error_percent", "t30_error_percent", "c50_error_db",
         "c80_error_db", "d50_error", "ts_error_ms"}}};
-  const auto released =
-      nlohmann::json::parse(earpoint::read_text_file(sounds / "released.json"));
+  const auto released = nlohmann::json::parse(earpoint::read_text_file(sounds / "released.json"));
   for (const auto& [convention, names] : keys) {
     const nlohmann::json json = json_of({reference, estimate, "--convention", convention});
     for (const std::string& name : names) {
@@ -268,10 +267,10 @@ TEST_F(MetricsCommand, AConventionThatDoesNotFitGivesOneLine) {
   expect_refused({response, response, "--convention", "raf", "--trim"}, "--trim");
   expect_refused({response, response, "--convention", "rwavs"}, "has 1 channel");
   expect_refused({noisy, noisy, "--convention", "paper", "--length", "1"}, "--length");
-  EXPECT_EQ(run_earpoint({"metrics", response, response, "--convention", "naf", "--variant",
-                          "rwavs"})
-                .exit_code,
-            2);
+  EXPECT_EQ(
+      run_earpoint({"metrics", response, response, "--convention", "naf", "--variant", "rwavs"})
+          .exit_code,
+      2);
 }
 
 TEST_F(MetricsCommand, BadInputGivesOneLine) {

@@ -137,8 +137,8 @@ class Means {
   [[nodiscard]] MetricsReport report() const {
     MetricsReport result;
     for (const Sum& row : rows_) {
-      result.rows.push_back({row.key, row.count > 0 ? Json(row.sum / row.count) : Json(nullptr),
-                             row.unit});
+      result.rows.push_back(
+          {row.key, row.count > 0 ? Json(row.sum / row.count) : Json(nullptr), row.unit});
       if (row.count < items_) {
         result.notes.push_back(
             fmt::format("{} has no value for {} of {} items", row.key, items_ - row.count, items_));

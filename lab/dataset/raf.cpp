@@ -28,8 +28,9 @@ std::vector<double> read_numbers(const fs::path& path, std::size_t count) {
   const std::string text = read_text_file(path);
   std::vector<double> numbers;
   std::string_view rest = text;
-  const auto skip = [&rest] { rest.remove_prefix(std::min(rest.find_first_not_of(", \t\r\n"),
-                                                          rest.size())); };
+  const auto skip = [&rest] {
+    rest.remove_prefix(std::min(rest.find_first_not_of(", \t\r\n"), rest.size()));
+  };
   for (skip(); !rest.empty(); skip()) {
     double value = 0.0;
     const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), value);
@@ -85,9 +86,8 @@ std::vector<std::string> ids_in(const fs::path& data) {
 
 std::vector<std::string> ids_of(const RafDataset::Options& options) {
   if (options.split == "all") return ids_in(options.folder / "data");
-  const fs::path file = options.split_file.empty()
-                            ? options.folder / "metadata" / "data-split.json"
-                            : options.split_file;
+  const fs::path file = options.split_file.empty() ? options.folder / "metadata" / "data-split.json"
+                                                   : options.split_file;
   if (!fs::exists(file)) {
     throw InputError(file.string(), "no such file",
                      "get the room's list (data-split_emptyroom.json or data-split_furnishedroom."
@@ -135,8 +135,8 @@ Waveform RafDataset::response(const RafItem& item) const {
   const fs::path file = options_.folder / "data" / item.id / "rir.wav";
   Waveform response = read_sound(stored_input(file));
   if (response.channels() != 1) {
-    throw InputError(file.string(), fmt::format("has {} channels, expected 1",
-                                                response.channels()));
+    throw InputError(file.string(),
+                     fmt::format("has {} channels, expected 1", response.channels()));
   }
   if (response.samples() == 0) throw InputError(file.string(), "holds no samples");
   return response;

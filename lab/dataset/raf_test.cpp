@@ -20,8 +20,7 @@ class RafDatasetTest : public ::testing::Test {
  protected:
   void SetUp() override {
     room_ = fs::path(testing::TempDir()) /
-            (std::string("raf_") +
-             testing::UnitTest::GetInstance()->current_test_info()->name());
+            (std::string("raf_") + testing::UnitTest::GetInstance()->current_test_info()->name());
     fs::remove_all(room_);
     write_tiny_raf(room_);
   }

@@ -55,10 +55,14 @@ Quaternion quaternion_from_axes(const Vector3& x, const Vector3& y, const Vector
   const auto largest = std::ranges::max_element(squares) - squares.begin();
   const double a = squares[static_cast<std::size_t>(largest)];
   switch (largest) {
-    case 0: return normalized({a, y.z - z.y, z.x - x.z, x.y - y.x});
-    case 1: return normalized({y.z - z.y, a, x.y + y.x, x.z + z.x});
-    case 2: return normalized({z.x - x.z, x.y + y.x, a, y.z + z.y});
-    default: return normalized({x.y - y.x, x.z + z.x, y.z + z.y, a});
+    case 0:
+      return normalized({a, y.z - z.y, z.x - x.z, x.y - y.x});
+    case 1:
+      return normalized({y.z - z.y, a, x.y + y.x, x.z + z.x});
+    case 2:
+      return normalized({z.x - x.z, x.y + y.x, a, y.z + z.y});
+    default:
+      return normalized({x.y - y.x, x.z + z.x, y.z + z.y, a});
   }
 }
 
@@ -100,8 +104,8 @@ std::vector<RwavsMoment> read_moments(const fs::path& scene, const std::string& 
 Waveform read_channels(const fs::path& file, int channels) {
   Waveform sound = read_sound(stored_input(file));
   if (sound.channels() != channels) {
-    throw InputError(file.string(), fmt::format("has {} channels, expected {}", sound.channels(),
-                                                channels));
+    throw InputError(file.string(),
+                     fmt::format("has {} channels, expected {}", sound.channels(), channels));
   }
   if (!std::ranges::all_of(sound.planar(), [](float x) { return std::isfinite(x); })) {
     throw InputError(file.string(), "holds NaN or infinite samples", "write the file again");

@@ -23,8 +23,7 @@ class RwavsDatasetTest : public ::testing::Test {
  protected:
   void SetUp() override {
     root_ = fs::path(testing::TempDir()) /
-            (std::string("rwavs_") +
-             testing::UnitTest::GetInstance()->current_test_info()->name());
+            (std::string("rwavs_") + testing::UnitTest::GetInstance()->current_test_info()->name());
     fs::remove_all(root_);
     write_tiny_rwavs(root_);
   }
@@ -82,18 +81,16 @@ TEST_F(RwavsDatasetTest, ASampleIsTheSecondAroundAFrame) {
     EXPECT_EQ(sample.target.samples(), kPairSamples);
     EXPECT_EQ(sample.target.sample_rate_hz(), 16000);
     // The ear on the loudspeaker's side is the louder one, and our frame agrees on which that is.
-    const Vector3 speaker =
-        transform_point(inverse(sample.source_from_target), sample.speaker_m);
-    EXPECT_EQ(speaker.y > 0.0,
-              energy(sample.target.channel(0)) > energy(sample.target.channel(1)));
+    const Vector3 speaker = transform_point(inverse(sample.source_from_target), sample.speaker_m);
+    EXPECT_EQ(speaker.y > 0.0, energy(sample.target.channel(0)) > energy(sample.target.channel(1)));
     EXPECT_NEAR(norm(speaker), kRwavsDistance_m, 1e-9);
     // Both sounds are the same noise, at the same time; 16 bits round them.
     double product = 0.0;
     for (std::ptrdiff_t n = 0; n < kPairSamples; ++n) {
       product += double{sample.dry.channel(0)[n]} * sample.target.channel(0)[n];
     }
-    const double likeness = product / std::sqrt(energy(sample.dry.channel(0)) *
-                                                energy(sample.target.channel(0)));
+    const double likeness =
+        product / std::sqrt(energy(sample.dry.channel(0)) * energy(sample.target.channel(0)));
     EXPECT_GT(likeness, 0.999);
     // One gain a scene brings the dry sound to the level of the ears: sounds are stored in 16 bits.
     const double level = energy(sample.target.channel(0)) + energy(sample.target.channel(1));
@@ -127,8 +124,9 @@ TEST_F(RwavsDatasetTest, DamagedAndMissingFilesGiveOneLine) {
     return message;
   };
   using Pose = nlohmann::json;
-  EXPECT_NE(with_pose([](Pose& p) { p["camera_to_world"].erase(0); })
-                .find("camera_path[0].camera_to_world: expected 16 numbers"),
+  EXPECT_NE(with_pose([](Pose& p) {
+              p["camera_to_world"].erase(0);
+            }).find("camera_path[0].camera_to_world: expected 16 numbers"),
             std::string::npos);
   EXPECT_NE(with_pose([](Pose& p) { p["camera_to_world"][6] = 2.0; }).find("expected a rotation"),
             std::string::npos);

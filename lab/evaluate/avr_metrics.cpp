@@ -186,8 +186,8 @@ double multi_resolution_loss(const ResponsePair& pair) {
 AvrMetrics avr_metrics(const ResponsePair& pair) {
   const std::ptrdiff_t least = kResolutions.front().fft_size / 2 + 1;
   if (pair.reference.samples() < least) {
-    throw InputError(kWhere, fmt::format("have {} samples, avr needs {}", pair.reference.samples(),
-                                         least));
+    throw InputError(kWhere,
+                     fmt::format("have {} samples, avr needs {}", pair.reference.samples(), least));
   }
   const int rate_hz = pair.reference.sample_rate_hz();
   const double share = 1.0 / pair.reference.channels();
@@ -206,10 +206,10 @@ AvrMetrics avr_metrics(const ResponsePair& pair) {
     const Decay b = decay_of(estimate, rate_hz);
     metrics.edt_error_s += share * std::abs(a.edt_s - b.edt_s);
     c50_db += share * std::abs(a.c50_db - b.c50_db);
-    t60_percent = t60_percent && a.t60_s && b.t60_s
-                      ? std::optional(*t60_percent +
-                                      100.0 * share * std::abs(*a.t60_s - *b.t60_s) / *a.t60_s)
-                      : std::nullopt;
+    t60_percent =
+        t60_percent && a.t60_s && b.t60_s
+            ? std::optional(*t60_percent + 100.0 * share * std::abs(*a.t60_s - *b.t60_s) / *a.t60_s)
+            : std::nullopt;
   }
   metrics.t60_error_percent = t60_percent;
   if (std::isfinite(c50_db)) metrics.c50_error_db = c50_db;

@@ -64,8 +64,8 @@ struct Shares {
 
 Shares shares_of(const Sections& sections, Channel response, std::size_t direct, double split_s,
                  int rate_hz) {
-  const auto split = std::min(
-      response.size(), direct + static_cast<std::size_t>(std::lround(split_s * rate_hz)));
+  const auto split =
+      std::min(response.size(), direct + static_cast<std::size_t>(std::lround(split_s * rate_hz)));
   const auto ringing = static_cast<std::ptrdiff_t>(kRingingS * rate_hz);
   const Shares shares{
       energy_of(filtered(sections, response.subspan(direct, split - direct), ringing)),
@@ -113,14 +113,15 @@ IsoBand band_of(Channel response, std::size_t direct, double centre_hz, int rate
   const std::vector<float> rounded(band.begin(), band.end());
   const Shares at_50 = shares_of(sections, response, direct, 0.05, rate_hz);
   const Shares at_80 = shares_of(sections, response, direct, 0.08, rate_hz);
-  return {.centre_hz = centre_hz,
-          .edt_s = decay_time_s(rounded, rate_hz, early_decay_time_s),
-          .t20_s = decay_time_s(rounded, rate_hz, reverberation_time_t20_s),
-          .t30_s = decay_time_s(rounded, rate_hz, reverberation_time_t30_s),
-          .c50_db = 10.0 * std::log10(at_50.early / at_50.late),
-          .c80_db = 10.0 * std::log10(at_80.early / at_80.late),
-          .d50 = at_50.early / (at_50.early + at_50.late),
-          .ts_s = centre_time_s(sections, band, static_cast<std::ptrdiff_t>(direct), ringing, rate_hz)};
+  return {
+      .centre_hz = centre_hz,
+      .edt_s = decay_time_s(rounded, rate_hz, early_decay_time_s),
+      .t20_s = decay_time_s(rounded, rate_hz, reverberation_time_t20_s),
+      .t30_s = decay_time_s(rounded, rate_hz, reverberation_time_t30_s),
+      .c50_db = 10.0 * std::log10(at_50.early / at_50.late),
+      .c80_db = 10.0 * std::log10(at_80.early / at_80.late),
+      .d50 = at_50.early / (at_50.early + at_50.late),
+      .ts_s = centre_time_s(sections, band, static_cast<std::ptrdiff_t>(direct), ringing, rate_hz)};
 }
 
 /// The mean of a parameter over the bands of 500 Hz and 1 kHz.
@@ -130,8 +131,9 @@ std::optional<double> single_number(const std::vector<IsoBand>& bands, Parameter
   for (const double centre_hz : kSingleNumberHz) {
     const auto band = std::ranges::find(bands, centre_hz, &IsoBand::centre_hz);
     if (band == bands.end()) {
-      throw InputError(kWhere, fmt::format("their sample rate is too low for the octave at {:.0f} Hz",
-                                           centre_hz));
+      throw InputError(
+          kWhere,
+          fmt::format("their sample rate is too low for the octave at {:.0f} Hz", centre_hz));
     }
     const std::optional<double> value = (*band).*parameter;
     if (!value) return std::nullopt;

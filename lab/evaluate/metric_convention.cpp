@@ -102,8 +102,8 @@ ResponsePair response_pair(Waveform reference, std::string_view reference_name, 
   std::ptrdiff_t samples = std::max(reference.samples(), estimate.samples());
   if (length_s) {
     EARPOINT_CHECK(*length_s > 0.0);
-    samples = std::min(samples, static_cast<std::ptrdiff_t>(
-                                    std::lround(*length_s * reference.sample_rate_hz())));
+    samples = std::min(
+        samples, static_cast<std::ptrdiff_t>(std::lround(*length_s * reference.sample_rate_hz())));
   }
   if (reference.samples() != samples) reference = of_length(reference, samples);
   if (estimate.samples() != samples) estimate = of_length(estimate, samples);

@@ -1,3 +1,5 @@
+#include <earpoint/evaluate/response_metrics.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -9,7 +11,6 @@
 
 #include <earpoint/audio/butterworth.h>
 #include <earpoint/error.h>
-#include <earpoint/evaluate/response_metrics.h>
 
 #include "reflected_stft.h"
 
@@ -178,16 +179,16 @@ RafMetrics raf_metrics(const ResponsePair& pair) {
   const StftShape shape = raf_shape(rate_hz);
   const std::ptrdiff_t samples = pair.reference.samples();
   if (samples <= shape.fft_size / 2) {
-    throw InputError(kWhere, fmt::format("have {} samples, raf needs {}", samples,
-                                         shape.fft_size / 2 + 1));
+    throw InputError(kWhere,
+                     fmt::format("have {} samples, raf needs {}", samples, shape.fft_size / 2 + 1));
   }
   RafMetrics metrics;
   for (int c = 0; c < pair.reference.channels(); ++c) {
-    metrics.stft_error += log_difference(reflected_power(shape, pair.reference.channel(c)),
-                                         reflected_power(shape, pair.estimate.channel(c)),
-                                         static_cast<int>(samples / shape.hop),
-                                         shape.fft_size / 2 + 1) /
-                          pair.reference.channels();
+    metrics.stft_error +=
+        log_difference(reflected_power(shape, pair.reference.channel(c)),
+                       reflected_power(shape, pair.estimate.channel(c)),
+                       static_cast<int>(samples / shape.hop), shape.fft_size / 2 + 1) /
+        pair.reference.channels();
   }
   const T60Error t60 = t60_error(pair, [&](Channel response) {
     return two_point_t60_s<float>(highpassed(response, rate_hz), 10.0, rate_hz);
@@ -196,9 +197,8 @@ RafMetrics raf_metrics(const ResponsePair& pair) {
   metrics.t60_invalid = t60.invalid;
   metrics.edt_error_s =
       mean_difference(pair, [&](Channel response) { return early_decay_s(response, rate_hz); });
-  metrics.c50_error_db = mean_difference(pair, [&](Channel response) {
-    return std::optional<double>(clarity_db(response, rate_hz));
-  });
+  metrics.c50_error_db = mean_difference(
+      pair, [&](Channel response) { return std::optional<double>(clarity_db(response, rate_hz)); });
   return metrics;
 }
 
@@ -212,12 +212,10 @@ NafMetrics naf_metrics(const ResponsePair& pair) {
   for (int c = 0; c < both.reference.channels(); ++c) {
     const PowerSpectrogram a = naf_spectrum(both.reference.channel(c));
     const PowerSpectrogram b = naf_spectrum(both.estimate.channel(c));
-    metrics.spectral_loss +=
-        log_difference(a, b, a.frames, a.bins - 1) / both.reference.channels();
+    metrics.spectral_loss += log_difference(a, b, a.frames, a.bins - 1) / both.reference.channels();
   }
-  const T60Error t60 = t60_error(both, [](Channel response) {
-    return two_point_t60_s<double>(response, 30.0, kNafRateHz);
-  });
+  const T60Error t60 = t60_error(
+      both, [](Channel response) { return two_point_t60_s<double>(response, 30.0, kNafRateHz); });
   metrics.t60_error_percent = t60.percent;
   metrics.t60_invalid = t60.invalid;
   return metrics;

@@ -37,9 +37,7 @@ Stand stand_of(int second, double radius) {
           second % 2 == 0};
 }
 
-bool speaker_is_left(const Stand& stand) {
-  return (kSpeaker.y > stand.at.y) != stand.turned;
-}
+bool speaker_is_left(const Stand& stand) { return (kSpeaker.y > stand.at.y) != stand.turned; }
 
 nlohmann::json pose_of(int second, const Stand& stand) {
   // Columns of a camera that looks along x: right is -y, up is z, back is -x.

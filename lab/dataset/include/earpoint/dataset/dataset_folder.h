@@ -24,10 +24,11 @@ enum class DatasetLayout {
 
 /// What a folder holds. A published data set is found from its root, the folder that holds
 /// data/synthetic_dataset/v16 or data/appen_dataset/v3, and from every folder on the way there,
-/// that one included; one of `earpoint simulate` by its dataset.json; RWAVS from the folder with its
-/// position.json, or from a scene.
+/// that one included; one of `earpoint simulate` by its dataset.json; RWAVS from the folder with
+/// its position.json, or from a scene.
 /// @param asked  the layout to look for; nothing: whichever there is
-/// @throws InputError if there is none, not the one that was asked for, or several and none was asked
+/// @throws InputError if there is none, not the one that was asked for, or several and none was
+/// asked
 ///         for
 [[nodiscard]] DatasetLayout dataset_layout(const std::filesystem::path& folder,
                                            std::optional<DatasetLayout> asked);

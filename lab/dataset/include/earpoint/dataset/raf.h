@@ -11,9 +11,9 @@ namespace earpoint {
 
 /// One measured room impulse response of Real Acoustic Fields.
 struct RafItem {
-  std::string id;             ///< name of its folder, e.g. "004568"
-  Vector3 receiver_m;         ///< an omnidirectional microphone; our frame: x front, y left, z up
-  Pose world_from_speaker;    ///< the loudspeaker, level; its yaw is where it faces
+  std::string id;           ///< name of its folder, e.g. "004568"
+  Vector3 receiver_m;       ///< an omnidirectional microphone; our frame: x front, y left, z up
+  Pose world_from_speaker;  ///< the loudspeaker, level; its yaw is where it faces
 };
 
 /// A room of the Real Acoustic Fields data set: data/<id>/{rir.wav,rx_pos.txt,tx_pos.txt} and a

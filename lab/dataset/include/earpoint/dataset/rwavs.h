@@ -16,9 +16,9 @@ namespace earpoint {
 
 /// One second of the Real-World Audio-Visual Scenes: where the head was when a frame was taken.
 struct RwavsMoment {
-  std::string scene;  ///< name of its folder, e.g. "1"
-  std::string frame;  ///< as its pose file names it, e.g. "frames/00012.png"
-  int time_s = 0;     ///< of the frame, and the middle of the second
+  std::string scene;         ///< name of its folder, e.g. "1"
+  std::string frame;         ///< as its pose file names it, e.g. "frames/00012.png"
+  int time_s = 0;            ///< of the frame, and the middle of the second
   Pose world_from_listener;  ///< our axes, z up; metres by RwavsScene::metres_per_unit
 };
 
@@ -38,8 +38,8 @@ inline constexpr double kRwavsDistance_m = 2.0;
 class RwavsDataset {
  public:
   struct Options {
-    std::filesystem::path root;      ///< holds position.json and the scenes
-    std::string split = "val";       ///< train or val
+    std::filesystem::path root;        ///< holds position.json and the scenes
+    std::string split = "val";         ///< train or val
     std::optional<std::string> scene;  ///< only this one
   };
 
@@ -53,9 +53,9 @@ class RwavsDataset {
 
   /// What was played and what was heard in the second around a moment, at 16 kHz. The data have no
   /// other listener, so the source is the dry sound in both ears, as a head would hear it that
-  /// faces the loudspeaker from RwavsScene::distance_m. It is scaled by one gain a scene, so that it
-  /// is as loud as the recordings are in the training split on average.
-  /// Any thread may call this; sounds of the last scene are kept.
+  /// faces the loudspeaker from RwavsScene::distance_m. It is scaled by one gain a scene, so that
+  /// it is as loud as the recordings are in the training split on average. Any thread may call
+  /// this; sounds of the last scene are kept.
   /// @return  no picture and no box; PairSample::dry is the scaled dry sound
   /// @throws InputError naming the sound file that is missing, damaged, too short or has the wrong
   ///         number of channels

@@ -6,9 +6,9 @@ namespace earpoint {
 
 /// Test support: a data set in the form of RWAVS with two scenes, "1" and "2", of 8.4 s at
 /// 22,050 Hz. In each the loudspeaker stands at (0.1, 0.2, 0.3) and plays pulses of noise; poses of
-/// the seconds 1 to 8 lie on a circle of 0.4 around it (scene 2: 0.2) and look along x or -x. Seconds
-/// 4 and 8 are val, the others train. The ear on the loudspeaker's side hears it 6 dB louder than the
-/// other. Scene 2 is half as loud.
+/// the seconds 1 to 8 lie on a circle of 0.4 around it (scene 2: 0.2) and look along x or -x.
+/// Seconds 4 and 8 are val, the others train. The ear on the loudspeaker's side hears it 6 dB
+/// louder than the other. Scene 2 is half as loud.
 /// @param folder  gets position.json and the scenes
 void write_tiny_rwavs(const std::filesystem::path& folder);
 
