@@ -73,17 +73,17 @@ Zero is best, except for speech. Both sounds are binaural (left, right) and of e
                   0.4 s of speech
 --impulse-responses (any number of channels; means of absolute differences):
   t60_error_s, t60_error_percent, edt_error_s, c50_error_db
---convention: the definitions that a field's papers use, equal to their released code. Binaural sounds:
+--convention: the definitions of other papers and of a standard, as their released code computes them.
+Binaural sounds:
   paper           the default above
   rwavs           AV-NeRF on RWAVS; the same as --variant rwavs
-Impulse responses only, any number of channels; rates must agree or have a rule below. Without decay in the
-reference they are refused:
+Impulse responses, of any number of channels; a reference that does not decay is refused:
   raf             Real Acoustic Fields, 48 kHz (or 16): stft_error, t60_error_percent after a high-pass at
                   200 Hz from -5 to -15 dB, edt_error_s, c50_error_db
   naf             Neural Acoustic Fields, 22.05 kHz: spectral_loss, t60_error_percent from -5 to -35 dB
-  avr             Acoustic Volume Rendering, the files' rate: phase, amp, env, t60_error_percent from -5 to
+  avr             Acoustic Volume Rendering, the rate of both files: phase, amp, env, t60_error_percent from -5 to
                   -25 dB, edt_error_s, c50_error_db, multi_stft
-  iso             ISO 3382-1, the files' rate: edt, t20 and t30_error_percent, c50 and c80_error_db, d50_error,
+  iso             ISO 3382-1, the rate of both files: edt, t20 and t30_error_percent, c50 and c80_error_db, d50_error,
                   ts_error_ms, means of the octaves at 500 Hz and 1 kHz; --json has 125 Hz to 4 kHz
 A T60 that cannot be measured counts as 100 % by raf and naf, as in their code, and is noted. docs/metrics.md
 has the differences and what each leaves out.

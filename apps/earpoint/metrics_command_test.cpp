@@ -259,7 +259,7 @@ TEST_F(MetricsCommand, AConventionThatDoesNotFitGivesOneLine) {
   const std::string response = (sounds / "rir_reference.wav").string();
   const std::string noisy = write("a.wav", noise(48000, 48000, 1));
   expect_refused({noisy, response, "--convention", "raf"},
-                 "a.wav: channel 0 is no impulse response");
+                 "a.wav: channel 0 is not an impulse response");
   expect_refused({response, write("b.wav", noise(48000, 48000)), "--convention", "avr"},
                  "b.wav: has 2 channels");
   expect_refused({response, write("c.wav", noise(16000, 16000, 1)), "--convention", "iso"},

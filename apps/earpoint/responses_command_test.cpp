@@ -63,7 +63,8 @@ TEST_F(ResponsesCommand, EstimatesThatAreTheTruthHaveNoError) {
     EXPECT_EQ(json.at("items"), 2);
     EXPECT_EQ(json.at("convention"), convention);
     for (const auto& [key, value] : json.items()) {
-      if (value.is_number_float()) EXPECT_EQ(value, 0.0) << convention << " " << key;
+      if (!value.is_number_float()) continue;
+      EXPECT_EQ(value, 0.0) << convention << " " << key;
     }
   }
   fs::remove(estimates / "000007.wav");

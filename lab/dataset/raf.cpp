@@ -53,7 +53,9 @@ RafItem read_item(const fs::path& data, const std::string& id) {
   const fs::path speaker_file = folder / "tx_pos.txt";
   const std::vector<double> receiver = read_numbers(folder / "rx_pos.txt", kReceiverNumbers);
   const std::vector<double> speaker = read_numbers(speaker_file, kSpeakerNumbers);
-  RafItem item{.id = id, .receiver_m = position_from_raf({receiver[0], receiver[1], receiver[2]})};
+  RafItem item;
+  item.id = id;
+  item.receiver_m = position_from_raf({receiver[0], receiver[1], receiver[2]});
   item.world_from_speaker.position_m = position_from_raf({speaker[4], speaker[5], speaker[6]});
   try {
     item.world_from_speaker.orientation = quaternion_from_euler(

@@ -144,6 +144,7 @@ TEST_F(RwavsDatasetTest, DamagedAndMissingFilesGiveOneLine) {
   expect_refusal("source_syn_re.wav: ");
   write_file(scene / "binaural_syn_re.wav", std::string_view("RIFF"));
   expect_refusal("binaural_syn_re.wav: ");
+  write_tiny_rwavs(root_);
   write_file(poses, std::string_view("{"));
   expect_refusal("transforms_scale_val.json: is not valid JSON");
   fs::remove(scene / "transforms_scale_train.json");

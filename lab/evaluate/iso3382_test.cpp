@@ -9,6 +9,7 @@
 #include <earpoint/core/random.h>
 #include <earpoint/error.h>
 #include <earpoint/evaluate/iso3382.h>
+#include <earpoint/pose.h>
 
 namespace earpoint {
 namespace {
@@ -27,25 +28,29 @@ Waveform decaying_noise(double t60_s, double seconds = 2.0) {
   return wave;
 }
 
-TEST(IsoBands, OfDecayingNoiseHaveItsTimesAndEnergies) {
+TEST(IsoBands, OfADecayingToneHaveItsTimesAndEnergies) {
   constexpr double kT60 = 1.0;
-  const Waveform wave = decaying_noise(kT60, 4.0);
-  const std::vector<IsoBand> bands = iso_bands(wave.channel(0), kRateHz);
-  ASSERT_EQ(bands.size(), 6U);
   const double rate = 6.0 * std::log(10.0) / kT60;  // of the energy
-  for (const IsoBand& band : bands) {
-    SCOPED_TRACE(band.centre_hz);
-    // The energy of noise in a band of B hertz over t seconds varies by 1 / sqrt(B t): by 18 % in
-    // the decay's 0.3 s and the 88 Hz of the lowest octave, by 3 % in the highest.
-    const double spread = 1.0 / std::sqrt(band.centre_hz / std::sqrt(2.0) * 0.3);
-    EXPECT_NEAR(*band.t30_s, kT60, spread * kT60);
-    EXPECT_NEAR(*band.t20_s, kT60, 1.5 * spread * kT60);
-    EXPECT_NEAR(*band.edt_s, kT60, 2.0 * spread * kT60);
-    EXPECT_NEAR(band.ts_s, 1.0 / rate, 2.0 * spread / rate);
+  for (int octave = 0; octave < 6; ++octave) {
+    const double centre_hz = 125.0 * std::exp2(octave);
+    SCOPED_TRACE(centre_hz);
+    Waveform wave(1, 2 * kRateHz, kRateHz);
+    for (std::ptrdiff_t n = 480; n < wave.samples(); ++n) {
+      const double t = static_cast<double>(n - 480) / kRateHz;
+      wave.channel(0)[n] =
+          static_cast<float>(0.5 * std::exp(-rate * t / 2.0) * std::cos(2.0 * kPi * centre_hz * t));
+    }
+    const IsoBand band = iso_bands(wave.channel(0), kRateHz).at(octave);
+    // A band of B hertz tells times apart by about 1 / B, here 1.4 / centre; twice that of kT60.
+    const double spread = 2.8 / centre_hz;
+    EXPECT_NEAR(*band.t30_s, kT60, 1e-3);  // below -5 dB the decay is straight
+    EXPECT_NEAR(*band.t20_s, kT60, 1e-3);
+    EXPECT_NEAR(*band.edt_s, kT60, spread);
+    EXPECT_NEAR(band.ts_s, 1.0 / rate, spread);
     EXPECT_NEAR(band.d50, 1.0 - std::exp(-0.05 * rate), spread);
-    EXPECT_NEAR(band.c50_db, 10.0 * std::log10(std::expm1(0.05 * rate)), 10.0 * spread);
-    EXPECT_NEAR(band.c80_db, 10.0 * std::log10(std::expm1(0.08 * rate)), 10.0 * spread);
-    EXPECT_NEAR(band.d50, 1.0 / (1.0 + std::pow(10.0, -band.c50_db / 10.0)), 1e-9);
+    // The derivative of decibels: 4.34 / (d (1 - d)) with d near 0.5 and 0.67.
+    EXPECT_NEAR(band.c50_db, 10.0 * std::log10(std::expm1(0.05 * rate)), 20.0 * spread);
+    EXPECT_NEAR(band.c80_db, 10.0 * std::log10(std::expm1(0.08 * rate)), 20.0 * spread);
   }
 }
 

@@ -78,9 +78,10 @@ void check_decays(const Waveform& sound, std::string_view name) {
     const double last = energy(decay.last(quarter));
     if (first > 0.0 && last <= first * std::pow(10.0, -kLeastDecayDb / 10.0)) continue;
     throw InputError(
-        name, fmt::format("channel {} is no impulse response: it does not decay after its loudest "
-                          "sample",
-                          c));
+        name,
+        fmt::format("channel {} is not an impulse response: it does not decay after its loudest "
+                    "sample",
+                    c));
   }
 }
 

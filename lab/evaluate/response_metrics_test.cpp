@@ -172,7 +172,7 @@ TEST(ResponsePair, RefusesWhatIsNoImpulseResponse) {
     return message_of([&] { (void)response_pair(reference, "a", estimate, "b", {}); });
   };
   EXPECT_EQ(message(noise(48000, 48000), rir.estimate),
-            "a: channel 0 is no impulse response: it does not decay after its loudest sample");
+            "a: channel 0 is not an impulse response: it does not decay after its loudest sample");
   EXPECT_EQ(message(rir.reference, noise(100, 48000, 2)), "b: has 2 channels, a has 1");
   EXPECT_EQ(message(rir.reference, noise(100, 16000)),
             "b: has 16000 Hz, a has 48000 Hz; resample one of them");
