@@ -12,6 +12,7 @@
 #include <earpoint/audio/sound_file.h>
 #include <earpoint/core/file.h>
 #include <earpoint/core/random.h>
+#include <earpoint/dataset_testing/tiny_published.h>
 #include <earpoint/network/pose_encoding.h>
 #include <earpoint/network_testing/random_weights.h>
 #include <earpoint/vigas/weights.h>
@@ -324,6 +325,38 @@ TEST_F(EvaluateCommandTest, BadUseIsOneLine) {
             std::string::npos);
   EXPECT_NE(error_of({"--clips", "home-0000/1"}).find("--figure"), std::string::npos);
   EXPECT_FALSE(fs::exists(figure));
+}
+
+TEST(EvaluateRwavs, MeasuresEveryPoseByInputAndDsp) {
+  const fs::path folder =
+      fs::path(testing::TempDir()) / ("evaluate_rwavs." + std::to_string(::getpid()));
+  fs::remove_all(folder);
+  earpoint::write_tiny_rwavs(folder);
+  const auto evaluate = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), {"evaluate", "--data", folder.string(), "--quiet"});
+    return run_earpoint(words);
+  };
+  const ProgramOutcome outcome = evaluate({"--split", "val", "--json"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
+  const auto json = nlohmann::json::parse(outcome.output);
+  EXPECT_EQ(json.at("pairs"), "every pose of the split");
+  ASSERT_EQ(json.at("rows").size(), 2U) << outcome.output;
+  EXPECT_NE(evaluate({}).errors.find("use --split val"), std::string::npos);
+  for (const std::vector<std::string>& words : {std::vector<std::string>{"--methods", "gtf"},
+                                                {"--methods", "tf"},
+                                                {"--report", "out"},
+                                                {"--figure", "clips.svg"},
+                                                {"--boxes", "none"},
+                                                {"--ambient", "-40"},
+                                                {"--context", "1"}}) {
+    std::vector<std::string> all{"--split", "val"};
+    all.insert(all.end(), words.begin(), words.end());
+    const ProgramOutcome refused = evaluate(all);
+    EXPECT_EQ(refused.exit_code, 2) << words[0];
+    EXPECT_EQ(std::count(refused.errors.begin(), refused.errors.end(), '\n'), 1) << refused.errors;
+    EXPECT_NE(refused.errors.find("RWAVS"), std::string::npos) << refused.errors;
+  }
+  fs::remove_all(folder);
 }
 
 }  // namespace

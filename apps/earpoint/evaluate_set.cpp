@@ -52,9 +52,12 @@ std::unique_ptr<earpoint::EvaluationSet> rwavs_set(const EvaluateOptions& option
   const auto refuse = [](const char* flag, const char* why) {
     throw InputError(flag, why, "leave it out");
   };
+  if (options.split != "train" && options.split != "val") {
+    throw InputError("--split " + options.split, "RWAVS has train and val", "use --split val");
+  }
   if (options.enhance) refuse("--enhance", "RWAVS has no microphones close to mouths");
   if (options.context_s > 0.0) refuse("--context", "RWAVS is measured second by second");
-  if (!options.ambient.empty()) refuse("--ambient", "recordings have their own ambient sound");
+  if (!options.ambient.empty()) refuse("--ambient", "RWAVS has its own ambient sound");
   if (options.pairs) refuse("--pairs", "RWAVS has no pairs: every pose of a split is measured");
   if (!options.draw.empty()) refuse("--draw", "RWAVS has no pairs: every pose is measured");
   if (options.report) refuse("--report", "RWAVS has no source view to show");
