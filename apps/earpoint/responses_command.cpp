@@ -42,8 +42,8 @@ Examples:
 
 --data names one room of Real Acoustic Fields: data/ID/{rir.wav,rx_pos.txt,tx_pos.txt}, and the room's split
 list as metadata/data-split.json or by --split-file. Without --estimates and --nearest the items are listed:
-the microphone and the loudspeaker in metres (x front, y left, z up; the published y is up), as --listener and
---source of `earpoint trace` take them. With --estimates ID.wav of that folder is compared with each response of
+the microphone and the loudspeaker in metres, in the frame in which `earpoint trace` reads the room's model, as its
+--listener and --source take them. With --estimates ID.wav of that folder is compared with each response of
 the split, with --nearest the response of the nearest item of the split train, and the means are printed.
 --convention is as in `earpoint metrics` (raf, naf, avr, iso). Of raf and naf a T60 that cannot be measured
 counts as 100 %; other missing values are left out of their mean, and counted.

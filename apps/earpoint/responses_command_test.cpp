@@ -1,6 +1,7 @@
 #include "run_program.h"
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -8,8 +9,10 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include <earpoint/audio/sound_file.h>
+#include <earpoint/core/file.h>
+#include <earpoint/dataset/raf.h>
 #include <earpoint/dataset_testing/tiny_published.h>
+#include <earpoint/scene/import.h>
 
 namespace {
 
@@ -44,11 +47,21 @@ TEST_F(ResponsesCommand, ListsPlacesAsTraceTakesThem) {
   const ProgramOutcome outcome = run({});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
   EXPECT_EQ(outcome.output,
-            "000005  source 0,2,1,yaw=-90  listener 2.5,0,1.5\n"
-            "000007  source 0,2,1,yaw=-90  listener 3.5,0,1.5\n");
+            "000005  source 2,0,1,yaw=180  listener 0,2.5,1.5\n"
+            "000007  source 2,0,1,yaw=180  listener 0,3.5,1.5\n");
   const nlohmann::json json = json_of({"--limit", "1", "--split", "all"});
   EXPECT_EQ(json.at("items").size(), 1U);
   EXPECT_EQ(json.at("items")[0].at("listener"), "0,0,1.5");
+}
+
+TEST_F(ResponsesCommand, PlacesAreInTheFrameOfTheRoomsModel) {
+  earpoint::write_file(room_ / "room.obj",
+                       std::string_view("v 1 2 3\nv 4 5 7\nv 6 2 1\nf 1 2 3\n"));
+  const earpoint::Scene scene = earpoint::import_scene(room_ / "room.obj").scene;
+  const earpoint::Vector3 place = earpoint::position_from_raf({4.0, 5.0, 7.0});
+  const std::array<float, 3> expected{static_cast<float>(place.x), static_cast<float>(place.y),
+                                      static_cast<float>(place.z)};
+  EXPECT_NE(std::ranges::find(scene.mesh.positions, expected), scene.mesh.positions.end());
 }
 
 TEST_F(ResponsesCommand, EstimatesThatAreTheTruthHaveNoError) {

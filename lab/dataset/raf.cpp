@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <limits>
 #include <string_view>
 #include <utility>
 
@@ -104,13 +103,14 @@ std::vector<std::string> ids_of(const RafDataset::Options& options) {
 
 }  // namespace
 
-Vector3 position_from_raf(const Vector3& raf) { return {raf.x, raf.z, raf.y}; }
+Vector3 position_from_raf(const Vector3& raf) { return {raf.z, raf.x, raf.y}; }
 
 double yaw_from_raf(double x, double y, double z, double w) {
   const double scale = x * x + y * y + z * z + w * w;
   if (!(scale > 0.0)) throw InputError("quaternion", "is zero");
-  const double front = -2.0 * (x * z + w * y) / scale;
-  const double left = -(1.0 - 2.0 * (x * x + y * y) / scale);
+  // Adding zero makes -0 to 0, so that an unturned loudspeaker is at 180 degrees, not at -180.
+  const double front = -(1.0 - 2.0 * (x * x + y * y) / scale);
+  const double left = -2.0 * (x * z + w * y) / scale + 0.0;
   if (std::hypot(front, left) < 1e-6) {
     throw InputError("quaternion", "the loudspeaker faces straight up or down");
   }

@@ -55,24 +55,23 @@ TEST_F(RafDatasetTest, PositionsAreInOurFrame) {
   ASSERT_EQ(dataset.items().size(), 2U);
   const RafItem& item = dataset.items().front();
   EXPECT_EQ(item.id, "000005");
-  EXPECT_EQ(item.receiver_m, (Vector3{2.5, 0.0, 1.5}));
-  EXPECT_EQ(item.world_from_speaker.position_m, (Vector3{0.0, 2.0, 1.0}));
-  // It faces the side that the room's front is on its left.
+  EXPECT_EQ(item.receiver_m, (Vector3{0.0, 2.5, 1.5}));
+  EXPECT_EQ(item.world_from_speaker.position_m, (Vector3{2.0, 0.0, 1.0}));
+  // It faces the origin.
   const Vector3 front = rotate(item.world_from_speaker.orientation, {1.0, 0.0, 0.0});
-  EXPECT_NEAR(front.x, 0.0, 1e-12);
-  EXPECT_NEAR(front.y, -1.0, 1e-12);
+  EXPECT_NEAR(front.x, -1.0, 1e-12);
+  EXPECT_NEAR(front.y, 0.0, 1e-12);
   const Waveform response = dataset.response(item);
   EXPECT_EQ(response.sample_rate_hz(), 48000);
   EXPECT_EQ(response.samples(), 19200);
 }
 
 TEST_F(RafDatasetTest, TheQuaternionTurnsAboutTheUprightAxis) {
-  // A quarter turn about y takes RAF's -z, the right, to -x, the back: the way that the released
-  // loader of AVR computes it.
+  // A quarter turn about y takes -z to -x, which is our right.
   const double half = std::sqrt(0.5);
-  EXPECT_NEAR(std::abs(yaw_from_raf(0.0, half, 0.0, half)), kPi, 1e-12);
-  EXPECT_NEAR(yaw_from_raf(0.0, -half, 0.0, half), 0.0, 1e-12);
-  EXPECT_NEAR(yaw_from_raf(0.0, 0.0, 0.0, 2.0), -kPi / 2.0, 1e-12);
+  EXPECT_NEAR(yaw_from_raf(0.0, half, 0.0, half), -kPi / 2.0, 1e-12);
+  EXPECT_NEAR(yaw_from_raf(0.0, -half, 0.0, half), kPi / 2.0, 1e-12);
+  EXPECT_NEAR(yaw_from_raf(0.0, 0.0, 0.0, 2.0), kPi, 1e-12);
   EXPECT_THROW((void)yaw_from_raf(0.0, 0.0, 0.0, 0.0), InputError);
   EXPECT_THROW((void)yaw_from_raf(half, 0.0, 0.0, half), InputError);
 }
@@ -94,7 +93,7 @@ TEST_F(RafDatasetTest, TheNearestItemIsFound) {
   RafItem turned = train.items()[2];
   turned.world_from_speaker.orientation = quaternion_from_euler({.yaw_rad = kPi / 2.0});
   RafItem shifted = train.items()[2];
-  shifted.receiver_m.x += 1.0;
+  shifted.receiver_m.y += 1.0;
   EXPECT_EQ(nearest_item(train.items()[2], {turned, shifted}).receiver_m, shifted.receiver_m);
 }
 

@@ -199,9 +199,9 @@ void RwavsDataset::read_scene(const std::string& name, const Vector3& position) 
     throw InputError(poses_file(folder, "train").string(), "every pose is at the loudspeaker");
   }
   RwavsScene& scene = scenes_[name];
-  scene.metres_per_unit = kRwavsDistance_m / mean;
+  scene.metres_per_unit = kRwavsMeanDistance_m / mean;
   scene.speaker_m = scene.metres_per_unit * position;
-  scene.distance_m = kRwavsDistance_m;
+  scene.distance_m = kRwavsMeanDistance_m;
 
   const SoundInfo info = probe_sound(folder / kHeardSound);
   const double duration_s = static_cast<double>(info.frames) / info.sample_rate_hz;

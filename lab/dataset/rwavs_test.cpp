@@ -64,7 +64,7 @@ TEST_F(RwavsDatasetTest, PosesAreInOurAxesAndTwoMetresOnAverage) {
   for (const RwavsMoment& moment : dataset.moments()) {
     const RwavsScene& scene = dataset.scene(moment.scene);
     // All poses lie on one circle.
-    EXPECT_NEAR(norm(moment.world_from_listener.position_m - scene.speaker_m), kRwavsDistance_m,
+    EXPECT_NEAR(norm(moment.world_from_listener.position_m - scene.speaker_m), kRwavsMeanDistance_m,
                 1e-9);
     // Seconds 4 and 8 look along -x, level.
     const Vector3 front = rotate(moment.world_from_listener.orientation, {1.0, 0.0, 0.0});
@@ -83,7 +83,7 @@ TEST_F(RwavsDatasetTest, ASampleIsTheSecondAroundAFrame) {
     // The ear on the loudspeaker's side is the louder one, and our frame agrees on which that is.
     const Vector3 speaker = transform_point(inverse(sample.source_from_target), sample.speaker_m);
     EXPECT_EQ(speaker.y > 0.0, energy(sample.target.channel(0)) > energy(sample.target.channel(1)));
-    EXPECT_NEAR(norm(speaker), kRwavsDistance_m, 1e-9);
+    EXPECT_NEAR(norm(speaker), kRwavsMeanDistance_m, 1e-9);
     // Both sounds are the same noise, at the same time; 16 bits round them.
     double product = 0.0;
     for (std::ptrdiff_t n = 0; n < kPairSamples; ++n) {

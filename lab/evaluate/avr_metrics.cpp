@@ -151,12 +151,12 @@ struct SpectralSums {
   double count = 0.0;
 
   void add(const StftShape& shape, Channel reference, Channel estimate) {
-    constexpr float kLeastPower = 1e-8F;
+    constexpr float kMinPower = 1e-8F;
     const PowerSpectrogram a = reflected_power(shape, reference);
     const PowerSpectrogram b = reflected_power(shape, estimate);
     for (std::size_t i = 0; i < a.values.size(); ++i) {
-      const double x = std::sqrt(double{std::max(a.values[i], kLeastPower)});
-      const double y = std::sqrt(double{std::max(b.values[i], kLeastPower)});
+      const double x = std::sqrt(double{std::max(a.values[i], kMinPower)});
+      const double y = std::sqrt(double{std::max(b.values[i], kMinPower)});
       squared_difference += (y - x) * (y - x);
       squared_estimate += y * y;
       logarithmic += std::abs(std::log(x) - std::log(y));

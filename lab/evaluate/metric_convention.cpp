@@ -15,7 +15,7 @@
 namespace earpoint {
 namespace {
 
-constexpr double kLeastDecayDb = 3.0;
+constexpr double kMinDecayDb = 3.0;
 constexpr std::array kNames{
     std::pair{"paper", MetricConvention::paper}, std::pair{"rwavs", MetricConvention::rwavs},
     std::pair{"raf", MetricConvention::raf},     std::pair{"naf", MetricConvention::naf},
@@ -76,7 +76,7 @@ void check_decays(const Waveform& sound, std::string_view name) {
     const std::size_t quarter = decay.size() / 4;
     const double first = energy(decay.first(quarter));
     const double last = energy(decay.last(quarter));
-    if (first > 0.0 && last <= first * std::pow(10.0, -kLeastDecayDb / 10.0)) continue;
+    if (first > 0.0 && last <= first * std::pow(10.0, -kMinDecayDb / 10.0)) continue;
     throw InputError(
         name,
         fmt::format("channel {} is not an impulse response: it does not decay after its loudest "

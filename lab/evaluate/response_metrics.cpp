@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 #include <span>
 #include <vector>
 
@@ -21,7 +20,7 @@ constexpr const char* kWhere = "impulse responses";
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr int kNafRateHz = 22050;
-constexpr std::size_t kNafShortest = 4410;
+constexpr std::size_t kNafMinLength = 4410;
 constexpr StftShape kNafShape{512, 512, 128, Window::hann};
 constexpr double kHighpassHz = 200.0;
 constexpr double kHighpassQuality = 0.707;
@@ -165,7 +164,7 @@ Waveform clamped(Waveform wave) {
 
 PowerSpectrogram naf_spectrum(Channel response) {
   std::vector<float> extended(response.begin(), response.end());
-  extended.resize(std::max(response.size() + kNafShape.fft_size / 2, kNafShortest));
+  extended.resize(std::max(response.size() + kNafShape.fft_size / 2, kNafMinLength));
   return reflected_power(kNafShape, extended);
 }
 

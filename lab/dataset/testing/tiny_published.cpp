@@ -108,7 +108,7 @@ void write_tiny_raf(const fs::path& folder) {
       response.channel(0)[n] = static_cast<float>(0.1 * fall * random.normal());
     }
     write_sound(item / "rir.wav", response, SampleFormat::float32);
-    // x front, y up, z left; without a turn the loudspeaker faces along -z, to the right.
+    // y is up; without a turn the loudspeaker faces along -z.
     const std::string receiver = fmt::format("{},1.5,0\n", 0.5 * i);
     const std::string speaker = "0,0,0,1,0,1,2\n";
     write_file(item / "rx_pos.txt", std::string_view(receiver));

@@ -17,7 +17,10 @@ struct RafItem {
 };
 
 /// A room of the Real Acoustic Fields data set: data/<id>/{rir.wav,rx_pos.txt,tx_pos.txt} and a
-/// split file. The published frame (x front, y up, z left, metres) is converted to ours.
+/// split file, metres.
+/// Positions are converted as import_scene() converts the room's model: y is up, z becomes our x
+/// and x our y. The data set's description calls x front and z left, which would be a left-handed
+/// frame; its model is right-handed, and so is this.
 class RafDataset {
  public:
   struct Options {
@@ -48,7 +51,7 @@ class RafDataset {
 /// @param others  not empty; the first of equally near ones is taken
 [[nodiscard]] const RafItem& nearest_item(const RafItem& item, const std::vector<RafItem>& others);
 
-/// The position of RAF's frame (x front, y up, z left) in ours.
+/// A published position (y up) in our frame.
 [[nodiscard]] Vector3 position_from_raf(const Vector3& raf);
 
 /// The yaw of a loudspeaker from its quaternion in RAF's frame: it faces along its negative z axis,

@@ -26,12 +26,12 @@ struct RwavsMoment {
 struct RwavsScene {
   Vector3 speaker_m;  ///< the loudspeaker, in the frame of the moments
   /// Published coordinates are scaled to [-1, 1] and have no unit. They are multiplied by this,
-  /// such that the mean distance from the loudspeaker in training is kRwavsDistance_m. Directions
-  /// do not depend on it, nor ratios of distances.
+  /// such that the mean distance from the loudspeaker in training is kRwavsMeanDistance_m.
+  /// Directions do not depend on it, nor ratios of distances.
   double metres_per_unit = 1.0;
   double distance_m = 0.0;  ///< that mean distance
 };
-inline constexpr double kRwavsDistance_m = 2.0;
+inline constexpr double kRwavsMeanDistance_m = 2.0;
 
 /// A split of RWAVS: position.json and, for each scene, transforms_scale_{train,val}.json,
 /// source_syn_re.wav (dry, one channel) and binaural_syn_re.wav.

@@ -13,8 +13,8 @@ namespace earpoint {
 void write_tiny_rwavs(const std::filesystem::path& folder);
 
 /// Test support: a room in the form of Real Acoustic Fields: data/000000 to data/000007 and
-/// metadata. Item i has its microphone i / 2 m in front of the origin, 1.5 m high, and the
-/// loudspeaker 2 m to the left, 1 m high; it faces to the right. Responses are noise at 48 kHz,
+/// metadata. In our frame item i has its microphone i / 2 m to the left of the origin, 1.5 m high,
+/// and the loudspeaker 2 m in front of it, 1 m high, facing it. Responses are noise at 48 kHz,
 /// 0.4 s long, that falls by 60 dB in 0.3 + 0.02 i seconds. Items 0, 2, 4, 6 are train, 1 and 3
 /// validation, 5 and 7 test.
 /// @param folder  of the room
