@@ -1,3 +1,4 @@
+#include "completion_command.h"
 #include "enhance_command.h"
 #include "evaluate_command.h"
 #include "locate_command.h"
@@ -50,5 +51,6 @@ int main(int argc, char** argv) {
 #endif
   add_view_command(app);
 #endif
+  add_completion_commands(app);
   return run_app(app, argc, argv);
 }
