@@ -35,8 +35,10 @@ function(earpoint_add_component name)
   if(EARPOINT_SANITIZE)
     target_link_options(${target} PUBLIC -fsanitize=${EARPOINT_SANITIZE})
   endif()
-  install(TARGETS ${target} EXPORT earpoint-${name} COMPONENT ${name}
-    LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+  # What programs run with is a component apart from what they are compiled with.
+  install(TARGETS ${target} EXPORT earpoint-${name}
+    LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT ${name}_library NAMELINK_COMPONENT ${name}
+    ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT ${name})
   install(EXPORT earpoint-${name} NAMESPACE earpoint:: DESTINATION ${EARPOINT_PACKAGE_DIR} COMPONENT ${name})
   list(TRANSFORM arg_HEADERS PREPEND ${PROJECT_SOURCE_DIR}/include/earpoint/)
   install(FILES ${arg_HEADERS} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/earpoint COMPONENT ${name})
@@ -77,11 +79,9 @@ install(FILES ${PROJECT_BINARY_DIR}/earpointConfig.cmake ${PROJECT_BINARY_DIR}/e
   DESTINATION ${EARPOINT_PACKAGE_DIR} COMPONENT renderer)
 
 # A shared library links what it needs; with a static one the program must link it.
-set(EARPOINT_PC_REQUIRES "sndfile soxr libmysofa libzip libhwy fmt")
-set(EARPOINT_PC_LIBS " -ldnnl -lgomp -pthread -lstdc++ -lm")
-if(BUILD_SHARED_LIBS)
-  set(EARPOINT_PC_PRIVATE .private)
-  set(EARPOINT_PC_LIBS "\nLibs.private:${EARPOINT_PC_LIBS}")
+if(NOT BUILD_SHARED_LIBS)
+  set(EARPOINT_PC_REQUIRES "sndfile soxr libmysofa libzip libhwy fmt")
+  set(EARPOINT_PC_LIBS " -ldnnl -lgomp -pthread -lstdc++ -lm")
 endif()
 file(RELATIVE_PATH EARPOINT_PC_PREFIX ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig ${CMAKE_INSTALL_PREFIX})
 configure_file(${PROJECT_SOURCE_DIR}/cmake/package/earpoint.pc.in ${PROJECT_BINARY_DIR}/earpoint.pc @ONLY)

@@ -1,0 +1,17 @@
+# Adds to each package, once its files are in place, what Debian expects in /usr/share/doc, and compresses manual pages.
+cmake_path(GET CMAKE_CURRENT_LIST_DIR PARENT_PATH source)
+foreach(component IN LISTS CPACK_COMPONENTS_ALL)
+  string(TOUPPER ${component} upper)
+  set(package ${CPACK_DEBIAN_${upper}_PACKAGE_NAME})
+  set(root ${CPACK_TEMPORARY_INSTALL_DIRECTORY}/${component}/usr)
+  if(NOT IS_DIRECTORY ${root})
+    message(FATAL_ERROR "component ${component} has no files")
+  endif()
+  set(documents ${root}/share/doc/${package})
+  file(MAKE_DIRECTORY ${documents})
+  configure_file(${CMAKE_CURRENT_LIST_DIR}/copyright ${documents}/copyright COPYONLY)
+  configure_file(${source}/CHANGELOG.md ${documents}/changelog COPYONLY)
+  file(GLOB pages ${root}/share/man/man1/*.1)
+  # Without the name and time of the file, so that the same tree gives the same package.
+  execute_process(COMMAND gzip -9nf ${documents}/changelog ${pages} COMMAND_ERROR_IS_FATAL ANY)
+endforeach()
