@@ -59,15 +59,6 @@ std::vector<std::pair<std::string, std::string>> bundled_parameters() {
           {"speaker_z", "0.147"}};
 }
 
-Settings in_single_precision(Settings settings) {
-  const auto round = [](Vector3 v) {
-    return Vector3{static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
-  };
-  settings.earpoint.position_m = round(settings.earpoint.position_m);
-  settings.speaker_m = round(*settings.speaker_m);
-  return settings;
-}
-
 std::string ffmpeg_filter() {
   std::string controls;
   for (const auto& [symbol, value] : bundled_parameters()) {
@@ -81,8 +72,7 @@ TEST_F(OtherHosts, FfmpegGivesTheLibrarysStreamOfARealClip) {
   run("ffmpeg -v error -i " EARPOINT_SOURCE_DIR "/examples/clip.mp4 -vn -af '" + ffmpeg_filter() +
       "' -c:a pcm_f32le there.wav");
   const Waveform there = read_sound(folder_.path() / "there.wav");
-  const Waveform expected =
-      stream_of_library("gtf", in_single_precision(bundled_settings()), bundled_clip());
+  const Waveform expected = stream_of_library("gtf", bundled_settings(), bundled_clip());
   ASSERT_EQ(there.samples(), expected.samples());
   EXPECT_TRUE(same(there, expected));
 }
@@ -144,8 +134,7 @@ TEST_F(OtherHosts, Lv2applyGivesTheLibrarysStream) {
   }
   run("lv2apply -i here.wav -o there.wav" + controls + " urn:earpoint:plugin");
   const Waveform there = read_sound(folder_.path() / "there.wav");
-  const Waveform expected =
-      stream_of_library("gtf", in_single_precision(bundled_settings()), sound);
+  const Waveform expected = stream_of_library("gtf", bundled_settings(), sound);
   EXPECT_TRUE(same(there, expected));
 }
 
@@ -153,7 +142,8 @@ TEST_F(OtherHosts, Lv2lsAndLv2infoKnowIt) {
   SKIP_WITHOUT("lv2ls");
   EXPECT_NE(run("lv2ls").find("urn:earpoint:plugin\n"), std::string::npos);
   const std::string info = run("lv2info urn:earpoint:plugin");
-  for (const char* text : {"Earpoint", "earpoint_x", "lv2_latency", "gtf", "enhance", "Apache"}) {
+  for (const char* text :
+       {"Earpoint", "earpoint_x", "lv2_latency", "gtf", "enhance", "Speaker given"}) {
     EXPECT_NE(info.find(text), std::string::npos) << text << " is not in\n" << info;
   }
 }
@@ -161,9 +151,10 @@ TEST_F(OtherHosts, Lv2lsAndLv2infoKnowIt) {
 TEST_F(OtherHosts, ItsDescriptionIsValid) {
   SKIP_WITHOUT("lv2_validate");
   SKIP_WITHOUT("sord_validate");
+  // It fails if there is an error.
   const std::string report =
       run("lv2_validate earpoint.lv2/manifest.ttl earpoint.lv2/earpoint.ttl");
-  EXPECT_EQ(report.find("error"), std::string::npos) << report;
+  EXPECT_NE(report.find("Found 0 errors"), std::string::npos) << report;
 }
 
 }  // namespace

@@ -28,9 +28,9 @@ const Waveform& bundled_clip() {
 }
 
 Settings bundled_settings() {
-  return {.earpoint = {{1.49, -0.2, 0.0},
+  return {.earpoint = {{1.49F, -0.2F, 0.0F},
                        quaternion_from_euler({.yaw_rad = radians_from_degrees(-45.0)})},
-          .speaker_m = Vector3{1.89, 0.196, 0.147}};
+          .speaker_m = Vector3{1.89F, 0.196F, 0.147F}};
 }
 
 Waveform stream_of_library(const std::string& model, const Settings& settings,

@@ -13,7 +13,8 @@ namespace earpoint::plugin {
 /// still.
 [[nodiscard]] const Waveform& bundled_clip();
 
-/// The first earpoint of examples/earpoints.json, and that clip's speaker.
+/// The first earpoint of examples/earpoints.json, and that clip's speaker, in single precision as
+/// hosts have it.
 [[nodiscard]] Settings bundled_settings();
 
 /// What a stream of the library gives for a whole sound with these settings.
