@@ -183,48 +183,91 @@ TEST_P(PluginFormat, OffersTheNetworksThatStream) {
   EXPECT_TRUE(same(plugin->process(sound, 512), stream_of_library("enhance", {}, sound)));
 }
 
-/// Energy of a tone's sound where the tone is not: what differences of fourth order leave, which
-/// attenuate 200 Hz at 48 kHz by 126 dB, and a step not at all.
-double splatter(std::span<const float> sound) {
-  double sum = 0.0;
+constexpr std::ptrdiff_t kSecond = 48000;
+
+/// 200 Hz in both ears, so that a click stands alone above it.
+Waveform tone(std::ptrdiff_t samples) {
+  Waveform sound(2, samples, 48000);
+  for (std::ptrdiff_t i = 0; i < samples; ++i) {
+    const double phase = 2.0 * std::numbers::pi * 200.0 * static_cast<double>(i) / 48000.0;
+    sound.channel(0)[i] = sound.channel(1)[i] = static_cast<float>(0.2 * std::sin(phase));
+  }
+  return sound;
+}
+
+/// The largest click: of differences of fourth order, which attenuate 200 Hz at 48 kHz by 126 dB,
+/// and a step not at all.
+double largest_click(std::span<const float> sound) {
+  double largest = 0.0;
   for (std::size_t i = 4; i < sound.size(); ++i) {
     const double x = sound[i] - 4.0 * sound[i - 1] + 6.0 * sound[i - 2] - 4.0 * sound[i - 3] +
                      double{sound[i - 4]};
-    sum = std::max(sum, std::abs(x));
+    largest = std::max(largest, std::abs(x));
   }
-  return sum;
+  return largest;
+}
+
+double largest_click(const Waveform& sound) {
+  return std::max(largest_click(sound.channel(0)), largest_click(sound.channel(1)));
+}
+
+/// The sound of two more seconds of the tone, at whose beginning parameters change.
+Waveform changed(HostedPlugin& plugin, const std::function<void(HostedPlugin&)>& change) {
+  (void)plugin.process(tone(2 * kSecond), 512);
+  change(plugin);
+  return plugin.process(tone(2 * kSecond), 512);
+}
+
+/// `first`, and from its loudest sample after a second on `second`: what must not be heard.
+Waveform cut_between(const Waveform& first, const Waveform& second) {
+  const auto here = first.channel(0).subspan(kSecond, 480);
+  const auto place = kSecond + (std::ranges::max_element(here) - here.begin());
+  Waveform cut = first;
+  for (int ear = 0; ear < 2; ++ear) {
+    std::copy(second.channel(ear).begin() + place, second.channel(ear).end(),
+              cut.channel(ear).begin() + place);
+  }
+  return cut;
+}
+
+/// @param most  that `changing` may click, as a multiple of what both do without a change
+void expect_no_click(const Waveform& before, const Waveform& after, const Waveform& changing,
+                     double most) {
+  const double without = std::max(largest_click(before), largest_click(after));
+  EXPECT_GT(largest_click(cut_between(before, after)), 3.0 * without) << "no click could be told";
+  EXPECT_LT(largest_click(changing), most * without);
 }
 
 TEST_P(PluginFormat, SwitchesModelsWithoutAClick) {
-  constexpr std::ptrdiff_t kSecond = 48000;
-  Waveform tone(2, 4 * kSecond, 48000);
-  for (std::ptrdiff_t i = 0; i < tone.samples(); ++i) {
-    const double phase = 2.0 * std::numbers::pi * 200.0 * static_cast<double>(i) / 48000.0;
-    tone.channel(0)[i] = tone.channel(1)[i] = static_cast<float>(0.2 * std::sin(phase));
-  }
   const auto run = [&](int first, int second) {
     const auto plugin = load();
     plugin->set(kModel, first);
-    const Waveform before = plugin->process(part_of(tone, 0, 2 * kSecond), 512);
-    plugin->set(kModel, second);
-    return plugin->process(part_of(tone, 2 * kSecond, 2 * kSecond), 512);
+    return changed(*plugin, [&](HostedPlugin& same) { same.set(kModel, second); });
   };
   const Waveform gtf = run(0, 0);
-  const Waveform enhance = run(1, 1);
   const Waveform switched = run(0, 1);
   // It begins as the one and ends as the other.
   EXPECT_TRUE(same(part_of(switched, 0, kSecond), part_of(gtf, 0, kSecond)));
   EXPECT_FALSE(same(switched, gtf));
-  const auto left = [](const Waveform& sound) { return sound.channel(0).subspan(kSecond / 2); };
-  const double without = std::max(splatter(left(gtf)), splatter(left(enhance)));
-  // A cut between the same two, at the loudest moment of the tone, is what must not be heard.
-  Waveform cut = gtf;
-  const auto loudest = std::ranges::max_element(gtf.channel(0).subspan(kSecond, 480));
-  const auto place = loudest - gtf.channel(0).begin();
-  std::copy(enhance.channel(0).begin() + place, enhance.channel(0).end(),
-            cut.channel(0).begin() + place);
-  ASSERT_GT(splatter(left(cut)), 3.0 * without) << "a click could not be told from the models";
-  EXPECT_LT(splatter(left(switched)), 1.05 * without);
+  // A sum of both by parts has no more than the larger.
+  expect_no_click(gtf, run(1, 1), switched, 1.05);
+}
+
+TEST_P(PluginFormat, MovesWithoutAClick) {
+  const auto at = [](double metres) {
+    return [metres](HostedPlugin& plugin) {
+      plugin.set(kEarpointX, metres);
+      plugin.set(kYaw, 90.0 * metres);
+      plugin.set(kSpeakerGiven, 1);
+    };
+  };
+  const auto run = [&](double first, double second) {
+    const auto plugin = load();
+    at(first)(*plugin);
+    return changed(*plugin, at(second));
+  };
+  // Frames of 25 ms overlap. Measured: 1.13; a cut is above 3.
+  expect_no_click(run(0, 0), run(1, 1), run(0, 1), 1.3);
 }
 
 TEST(ClapPlugin, KeepsItsParametersInTheSession) {
