@@ -5,6 +5,7 @@
 
 #include <cstring>
 
+// NOLINTNEXTLINE(readability-identifier-naming): the build calls DPF's so.
 extern "C" const clap_plugin_entry_t dpf_clap_entry;
 
 namespace {

@@ -13,6 +13,7 @@
 #include <gtest/gtest.h>
 
 #include <earpoint/audio/energy.h>
+#include <earpoint/core_testing/allocation_count.h>
 #include <earpoint/waveform.h>
 
 #include "bundled_clip.h"
@@ -173,6 +174,23 @@ TEST_P(PluginFormat, RestartsFromSilence) {
   const Waveform first = plugin->process(sound, 512);
   plugin->restart();
   EXPECT_TRUE(same(plugin->process(sound, 512), first));
+}
+
+TEST_P(PluginFormat, AllocatesNothingWhileItRuns) {
+  const AllocationCount loading;
+  const auto plugin = load();
+  ASSERT_GT(loading.count(), 1000) << "what the plugin allocates is not counted";
+  plugin->set(kModel, 1);
+  const Waveform sound = part_of(bundled_clip(), 48000, 512);
+  Waveform result(2, 512, 48000);
+  const float* const in[] = {sound.channel(0).data(), sound.channel(1).data()};
+  float* const out[] = {result.channel(0).data(), result.channel(1).data()};
+  plugin->process(in, out, 512);
+  plugin->set(kModel, 0);
+  plugin->set(kEarpointX, 1.0);
+  const AllocationCount running;
+  for (int block = 0; block < 200; ++block) plugin->process(in, out, 512);  // 2 s: with the switch
+  EXPECT_EQ(running.count(), 0);
 }
 
 TEST_P(PluginFormat, OffersTheNetworksThatStream) {

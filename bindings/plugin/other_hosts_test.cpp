@@ -123,6 +123,16 @@ TEST_F(OtherHosts, FfmpegGivesNearlyWhatTheProgramRenders) {
   for (int ear = 0; ear < 2; ++ear) EXPECT_NEAR(level_db(heard, ear), level_db(wanted, ear), 0.6);
 }
 
+TEST_F(OtherHosts, FfmpegGetsItsSoundBackWithoutModels) {
+  SKIP_WITHOUT("ffmpeg");
+  const std::string said =
+      run("mkdir empty && export EARPOINT_MODELS_DIR=$PWD/empty && ffmpeg -v error "
+          "-i " EARPOINT_SOURCE_DIR "/examples/clip.mp4 -vn -af '" +
+          ffmpeg_filter() + "' -c:a pcm_f32le there.wav");
+  EXPECT_NE(said.find("models: none is installed"), std::string::npos) << said;
+  EXPECT_TRUE(same(read_sound(folder_.path() / "there.wav"), bundled_clip()));
+}
+
 TEST_F(OtherHosts, Lv2applyGivesTheLibrarysStream) {
   SKIP_WITHOUT("lv2apply");
   const Waveform sound = part_of(bundled_clip(), 0, 48000);

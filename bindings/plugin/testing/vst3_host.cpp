@@ -100,6 +100,7 @@ class Vst3Plugin : public HostedPlugin {
     for (const v3_bus_direction way : {V3_INPUT, V3_OUTPUT}) {
       check(v3_cpp_obj(component_)->activate_bus(component_, V3_AUDIO, way, 0, true), "bus");
     }
+    told_.queues.reserve(kParameterCount + kOwnParameters);
     start(true);
   }
   ~Vst3Plugin() override {
@@ -149,7 +150,7 @@ class Vst3Plugin : public HostedPlugin {
     float* outs[] = {out[0], out[1]};
     v3_audio_bus_buffers input{2, 0, {ins}};
     v3_audio_bus_buffers output{2, 0, {outs}};
-    Changes told;
+    told_.queues.clear();
     v3_process_data data{};
     data.process_mode = V3_REALTIME;
     data.symbolic_sample_size = V3_SAMPLE_32;
@@ -158,7 +159,7 @@ class Vst3Plugin : public HostedPlugin {
     data.inputs = &input;
     data.outputs = &output;
     data.input_params = reinterpret_cast<v3_param_changes**>(&changes_);
-    data.output_params = reinterpret_cast<v3_param_changes**>(&told);
+    data.output_params = reinterpret_cast<v3_param_changes**>(&told_);
     check(v3_cpp_obj(processor_)->process(processor_, &data), "process");
     changes_.queues.clear();
   }
@@ -197,6 +198,7 @@ class Vst3Plugin : public HostedPlugin {
   v3_audio_processor** processor_ = nullptr;
   v3_edit_controller** controller_ = nullptr;
   Changes changes_;
+  Changes told_;  // what the plugin tells
 };
 
 }  // namespace
