@@ -80,6 +80,7 @@ class Lv2Plugin : public HostedPlugin {
     lilv_scale_points_free(points);
     lilv_node_free(symbol);
     std::vector<std::string> in_order;
+    in_order.reserve(names.size());
     for (const auto& [number, name] : names) in_order.push_back(name);
     return in_order;
   }
