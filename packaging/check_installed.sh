@@ -61,6 +61,10 @@ gcc -std=c99 -Wall -Wextra -pedantic -Werror listen.c -o listen $(pkg-config --c
 earpoint render whole.wav --model input --yaw 0 -o again.wav --quiet
 earpoint render live.wav --model input --yaw 0 -o again.wav --quiet
 
+step "Debian's own checker"
+install lintian
+lintian --allow-root --fail-on error /packages/*.deb || fail "lintian reports an error"
+
 step "Removing the packages"
 quiet apt-get purge -y -q libearpoint-dev libearpoint0.1 earpoint earpoint-models
 [ ! -e /usr/share/earpoint ] && [ ! -e /usr/include/earpoint ] || fail "files were left behind"

@@ -1,5 +1,11 @@
 # Adds to each package, once its files are in place, what Debian expects in /usr/share/doc, and compresses manual pages.
 cmake_path(GET CMAKE_CURRENT_LIST_DIR PARENT_PATH source)
+
+# The time of the last commit, so that the same sources give the same packages.
+execute_process(COMMAND git -C ${source} log -1 --format=%cD OUTPUT_VARIABLE date OUTPUT_STRIP_TRAILING_WHITESPACE
+                COMMAND_ERROR_IS_FATAL ANY)
+set(change "  * Release ${CPACK_PACKAGE_VERSION}; its changes are in changelog.gz.")
+
 foreach(component IN LISTS CPACK_COMPONENTS_ALL)
   string(TOUPPER ${component} upper)
   set(package ${CPACK_DEBIAN_${upper}_PACKAGE_NAME})
@@ -11,7 +17,11 @@ foreach(component IN LISTS CPACK_COMPONENTS_ALL)
   file(MAKE_DIRECTORY ${documents})
   configure_file(${CMAKE_CURRENT_LIST_DIR}/copyright ${documents}/copyright COPYONLY)
   configure_file(${source}/CHANGELOG.md ${documents}/changelog COPYONLY)
+  file(WRITE ${documents}/changelog.Debian
+    "earpoint (${CPACK_PACKAGE_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE}) unstable; urgency=medium\n\n${change}\n\n"
+    " -- ${CPACK_PACKAGE_CONTACT}  ${date}\n")
   file(GLOB pages ${root}/share/man/man1/*.1)
-  # Without the name and time of the file, so that the same tree gives the same package.
-  execute_process(COMMAND gzip -9nf ${documents}/changelog ${pages} COMMAND_ERROR_IS_FATAL ANY)
+  # Without names and times of files.
+  execute_process(COMMAND gzip -9nf ${documents}/changelog ${documents}/changelog.Debian ${pages}
+                  COMMAND_ERROR_IS_FATAL ANY)
 endforeach()

@@ -11,13 +11,10 @@ make_packages() {
   ensure_packages "${package_packages[@]}"
   EARPOINT_OPENCV=OFF build package --target earpoint
   EARPOINT_OPENCV=OFF build package-library --target earpoint_component_renderer
-  local version
-  version=$(sed -nE 's/^CMAKE_PROJECT_VERSION:STATIC=//p' build/package/CMakeCache.txt)
   rm -rf "$package_folder"
   mkdir -p "$package_folder"
-  say "Packing version $version"
-  cpack --config packaging/debian.cmake -D EARPOINT_VERSION="$version" -B "$package_folder" \
-    >"$package_folder/cpack.log" 2>&1 || { cat "$package_folder/cpack.log" >&2; fail "cpack failed"; }
+  say "Packing"
+  cpack --config packaging/debian.cmake -B "$package_folder" >"$package_folder/cpack.log" 2>&1 || { cat "$package_folder/cpack.log" >&2; fail "cpack failed"; }
   rm -rf "$package_folder/_CPack_Packages" "$package_folder/cpack.log"
   # Room for the Python wheel, the LV2 bundle and the npm tarball: their commands write into the same folder.
   ls -l "$package_folder"

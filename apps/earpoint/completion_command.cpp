@@ -5,6 +5,7 @@
 
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -78,17 +79,15 @@ void add_completion_commands(CLI::App& app) {
   completion->footer(kFooter);
   completion->callback([shell] { print_script(*shell); });
 
-  CLI::App* answer = app.add_subcommand("complete", "Print what may follow the given words.");
-  answer->group("");
-  answer->set_help_flag();
-  answer->prefix_command();
-  answer->callback([&app, answer] {
-    std::vector<std::string> words = answer->remaining();
-    if (!words.empty() && words.front() == "--") words.erase(words.begin());
-    for (const Completion& it : complete(app, words)) fmt::print("{}\t{}\n", it.word, it.meaning);
-  });
-
   CLI::App* manual = app.add_subcommand(
       "manual", "Print the manual page, as `earpoint manual | man -l -` shows it.");
   manual->callback([&app] { fmt::print("{}", manual_page(app, EARPOINT_VERSION)); });
+}
+
+bool answer_completion(const CLI::App& app, std::span<char* const> arguments) {
+  if (arguments.size() < 2 || std::string_view(arguments[1]) != "complete") return false;
+  std::vector<std::string> words(arguments.begin() + 2, arguments.end());
+  if (!words.empty() && words.front() == "--") words.erase(words.begin());
+  for (const Completion& it : complete(app, words)) fmt::print("{}\t{}\n", it.word, it.meaning);
+  return true;
 }

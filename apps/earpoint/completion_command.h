@@ -1,11 +1,19 @@
 #pragma once
 
+#include <span>
+
 namespace CLI {
 class App;
 }
 
 /// `earpoint completion SHELL` prints a script that completes commands and options in that shell;
-/// `earpoint complete`, which the scripts call, prints what fits, a word and its meaning in each
-/// line; `earpoint manual` prints the manual page. All read the program's own commands, so nothing
+/// `earpoint manual` prints the manual page. Both read the program's own commands, so that nothing
 /// of them can be out of date.
 void add_completion_commands(CLI::App& app);
+
+/// `earpoint complete -- WORD...`, which the scripts call: prints what may stand in place of the
+/// last word, each in a line with a tab and its meaning. Words look like options, so this is no
+/// command of `app`.
+/// @param arguments  of the program
+/// @return  whether they were such a question
+bool answer_completion(const CLI::App& app, std::span<char* const> arguments);

@@ -52,5 +52,6 @@ int main(int argc, char** argv) {
   add_view_command(app);
 #endif
   add_completion_commands(app);
+  if (answer_completion(app, {argv, static_cast<std::size_t>(argc)})) return 0;
   return run_app(app, argc, argv);
 }
