@@ -1,6 +1,7 @@
 #include <earpoint/kernels/dense.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 
 #include <earpoint/error.h>
@@ -32,6 +33,10 @@ void Dense::apply(std::span<const float> in, std::span<float> out) const {
 
 void apply_relu(std::span<float> values) {
   for (float& value : values) value = std::max(value, 0.0F);
+}
+
+void silu(std::span<float> values) {
+  for (float& x : values) x = x / (1.0F + std::exp(-x));
 }
 
 }  // namespace earpoint::kernels

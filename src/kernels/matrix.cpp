@@ -80,8 +80,4 @@ void softmax_rows(std::span<float> values, int columns) {
   }
 }
 
-void silu(std::span<float> values) {
-  for (float& x : values) x = x / (1.0F + std::exp(-x));
-}
-
 }  // namespace earpoint::kernels

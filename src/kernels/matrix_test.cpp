@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <earpoint/kernels/dense.h>
 #include <earpoint/kernels/matrix.h>
 
 namespace earpoint::kernels {

@@ -8,8 +8,6 @@
 #include <numeric>
 #include <vector>
 
-#include <fmt/format.h>
-
 #include <earpoint/audio/butterworth.h>
 #include <earpoint/audio/energy.h>
 #include <earpoint/audio/peak_limiter.h>
@@ -20,6 +18,7 @@
 #include <earpoint/gtf/engine.h>
 #include <earpoint/gtf/level.h>
 #include <earpoint/gtf/view.h>
+#include <earpoint/render/stream_rates.h>
 #include <earpoint/synthesis/earpoint_path.h>
 
 namespace earpoint {
@@ -27,18 +26,12 @@ namespace {
 
 using D = GtfDescription;
 
-constexpr int kLowestRate_hz = D::kSampleRateHz;
-constexpr int kHighestRate_hz = 192000;
 constexpr double kHop_s = double{D::kHop} / D::kSampleRateHz;
 
 /// How a stream of any rate is cut so that every part is a whole number of samples at both rates.
 struct StreamShape {
   explicit StreamShape(int sample_rate_hz) : rate_hz(sample_rate_hz) {
-    if (rate_hz < kLowestRate_hz || rate_hz > kHighestRate_hz || rate_hz % 50 != 0) {
-      throw InputError(
-          "sample rate", fmt::format("{} Hz is not supported", rate_hz),
-          fmt::format("use a multiple of 50 Hz from {} to {} Hz", kLowestRate_hz, kHighestRate_hz));
-    }
+    check_stream_rate(rate_hz);
     hops = rate_hz % 100 == 0 ? 1 : 2;
     model = hops * D::kHop;
     native = native_of(model);

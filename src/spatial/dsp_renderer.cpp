@@ -16,6 +16,14 @@ using Complex = std::complex<double>;
 using EarSpectra = std::array<std::vector<Complex>, 2>;
 
 constexpr double kFilterLength_s = 0.08;
+// Nearer than this a direction means nothing; the distance gain is clamped at 0.2 m anyway.
+constexpr double kNearest_m = 0.01;
+
+Spherical seen_from(const Vector3& point_m) {
+  Spherical spherical = spherical_from_cartesian(point_m);
+  if (spherical.distance_m < kNearest_m) spherical = {.distance_m = kNearest_m};
+  return spherical;
+}
 
 // Designs filters in the frequency domain at twice their length, then cuts and fades them.
 class FilterDesign {
@@ -128,6 +136,12 @@ EarFilterMatrix dsp_filters(const HrtfSet& hrtf, const Spherical& speaker_from_s
     }
   }
   return matrix;
+}
+
+EarFilterMatrix dsp_filters(const HrtfSet& hrtf, const Vector3& speaker_m,
+                            const Pose& source_from_target) {
+  const Vector3 from_target = transform_point(inverse(source_from_target), speaker_m);
+  return dsp_filters(hrtf, seen_from(speaker_m), seen_from(from_target));
 }
 
 Waveform apply_filters(const EarFilterMatrix& filters, const Waveform& binaural) {

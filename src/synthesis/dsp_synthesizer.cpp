@@ -11,14 +11,6 @@ namespace earpoint {
 namespace {
 
 constexpr double kHalfWindow_s = 0.05;
-// Nearer than this a direction means nothing; the distance gain is clamped at 0.2 m anyway.
-constexpr double kNearest_m = 0.01;
-
-Spherical seen_from(const Vector3& point_m) {
-  Spherical spherical = spherical_from_cartesian(point_m);
-  if (spherical.distance_m < kNearest_m) spherical = {.distance_m = kNearest_m};
-  return spherical;
-}
 
 std::ptrdiff_t half_window(int sample_rate_hz) {
   return static_cast<std::ptrdiff_t>(std::lround(kHalfWindow_s * sample_rate_hz));
@@ -76,9 +68,7 @@ Waveform DspSynthesizer::synthesize(const Pose& source_from_target) {
   const int rate = sound_.sample_rate_hz();
   const std::ptrdiff_t samples = 2 * half_window(rate);
   const std::ptrdiff_t context = (sound_.samples() - samples) / 2;
-  const Vector3 from_target = transform_point(inverse(source_from_target), speaker_m_);
-  const EarFilterMatrix filters =
-      dsp_filters(hrtf(rate), seen_from(speaker_m_), seen_from(from_target));
+  const EarFilterMatrix filters = dsp_filters(hrtf(rate), speaker_m_, source_from_target);
 
   Waveform result(2, samples, rate);
   for (int ear = 0; ear < 2; ++ear) {

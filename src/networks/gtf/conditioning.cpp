@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include <earpoint/error.h>
-#include <earpoint/kernels/matrix.h>
+#include <earpoint/kernels/dense.h>
 
 namespace earpoint::gtf {
 

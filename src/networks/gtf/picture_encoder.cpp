@@ -8,7 +8,7 @@
 #include <earpoint/error.h>
 #include <earpoint/gtf/constants.h>
 #include <earpoint/gtf/description.h>
-#include <earpoint/kernels/matrix.h>
+#include <earpoint/kernels/dense.h>
 #include <earpoint/kernels/norms.h>
 
 namespace earpoint::gtf {

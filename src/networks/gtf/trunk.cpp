@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include <earpoint/kernels/matrix.h>
+#include <earpoint/kernels/dense.h>
 
 namespace earpoint::gtf {
 namespace {

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include <earpoint/error.h>
+#include <earpoint/kernels/dense.h>
 #include <earpoint/kernels/matrix.h>
 #include <earpoint/kernels/openmp_threads.h>
 #include <earpoint/kernels/resnet18.h>

@@ -28,4 +28,7 @@ class Dense {
 /// Negative values become zero.
 void apply_relu(std::span<float> values);
 
+/// x * sigmoid(x).
+void silu(std::span<float> values);
+
 }  // namespace earpoint::kernels

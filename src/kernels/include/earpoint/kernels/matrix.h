@@ -30,7 +30,4 @@ void layer_norm(std::span<const float> in, std::span<const float> weight,
 /// Every row becomes exp(x) / sum of exp(x).
 void softmax_rows(std::span<float> values, int columns);
 
-/// x * sigmoid(x).
-void silu(std::span<float> values);
-
 }  // namespace earpoint::kernels

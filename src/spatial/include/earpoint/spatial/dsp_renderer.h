@@ -55,6 +55,12 @@ struct EarFilterMatrix {
 [[nodiscard]] EarFilterMatrix dsp_filters(const HrtfSet& hrtf, const Spherical& speaker_from_source,
                                           const Spherical& speaker_from_target);
 
+/// The same for a speaker's place; one nearer than a centimetre, whose direction means nothing, is
+/// straight ahead.
+/// @param speaker_m  in the source's frame
+[[nodiscard]] EarFilterMatrix dsp_filters(const HrtfSet& hrtf, const Vector3& speaker_m,
+                                          const Pose& source_from_target);
+
 /// Filters a whole sound and takes the delay off.
 /// @param binaural  shape [2][samples]
 /// @return  the same shape and rate
