@@ -20,7 +20,7 @@ namespace {
 using Spectrum = std::vector<std::complex<float>>;
 
 constexpr double kBlock_s = 0.01;
-constexpr int kFadeBlocks = 2;  // from one earpoint's filters to the next
+constexpr int kFadeBlocks = 4;  // from one earpoint's filters to the next
 
 /// target += a * b; written out because std::complex's product checks for NaN.
 void add_product(std::span<const std::complex<float>> a, std::span<const std::complex<float>> b,

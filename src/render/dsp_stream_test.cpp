@@ -105,7 +105,7 @@ TEST(DspStream, WithoutASpeakerTheSoundPassesUnchanged) {
   EXPECT_FALSE(stream.speaker_m().has_value());
 }
 
-/// Energy above 5 kHz, by first differences of a low tone: what a click adds.
+/// The largest second difference: small for a low tone, large where there is a click.
 double roughness(const Waveform& sound, std::ptrdiff_t from) {
   double largest = 0.0;
   const auto samples = sound.channel(0);
@@ -119,7 +119,8 @@ double roughness(const Waveform& sound, std::ptrdiff_t from) {
 TEST(DspStream, MovesWithoutAClick) {
   Waveform tone(2, kRate_hz, kRate_hz);
   for (std::ptrdiff_t i = 0; i < tone.samples(); ++i) {
-    const auto sample = static_cast<float>(0.2 * std::sin(2.0 * kPi * 300.0 * i / kRate_hz));
+    const double time_s = static_cast<double>(i) / kRate_hz;
+    const auto sample = static_cast<float>(0.2 * std::sin(2.0 * kPi * 300.0 * time_s));
     tone.channel(0)[i] = tone.channel(1)[i] = sample;
   }
   const auto heard_when = [&](bool moves) {
@@ -133,7 +134,7 @@ TEST(DspStream, MovesWithoutAClick) {
     }
     return roughness(heard, kRate_hz / 4);
   };
-  // A cross-fade of 20 ms bends the tone's waveform a little; a switch would be as large as the
+  // A cross-fade of 40 ms bends the tone's waveform a little; a switch would be as large as the
   // tone itself, hundreds of times its second difference.
   EXPECT_LT(heard_when(true), 4.0 * heard_when(false));
 }

@@ -13,7 +13,7 @@
 namespace earpoint {
 
 /// The signal-processing baseline (DspSynthesizer) for sound that arrives live, in blocks of any
-/// size: filters for the earpoint of that moment, cross-faded every 20 ms while it moves. Standing
+/// size: filters for the earpoint of that moment, cross-faded every 40 ms while it moves. Standing
 /// still, the output is that of DspSynthesizer.
 ///
 /// Without a known speaker the sound passes unchanged. process() designs filters while the earpoint
