@@ -26,7 +26,11 @@
 #include <earpoint/spatial/hrtf.h>
 #include <earpoint/synthesis/speaker_track.h>
 
+#ifdef __EMSCRIPTEN__
 #define EARPOINT_EXPORT(name) extern "C" __attribute__((export_name(#name), used))
+#else
+#define EARPOINT_EXPORT(name) extern "C"
+#endif
 
 using namespace earpoint;
 
@@ -80,8 +84,8 @@ Model model_of(SafetensorsFile file) {
 using LiveStream = std::variant<RenderStream, DspStream>;
 
 // Rounding may take a hair off either end.
-constexpr double kNarrowestView_deg = 10.0 - 1e-9;
-constexpr double kWidestView_deg = 170.0 + 1e-9;
+constexpr double kNarrowestViewDeg = 10.0 - 1e-9;
+constexpr double kWidestViewDeg = 170.0 + 1e-9;
 
 struct Options {
   int sample_rate_hz;
@@ -96,7 +100,7 @@ struct Options {
 void check_options(const Options& options) {
   check_stream_rate(options.sample_rate_hz);
   const double fov_deg = degrees_from_radians(options.horizontal_fov_rad);
-  if (!(fov_deg > kNarrowestView_deg && fov_deg < kWidestView_deg)) {
+  if (!(fov_deg > kNarrowestViewDeg && fov_deg < kWidestViewDeg)) {
     throw InputError("field of view", fmt::format("{:.3g} degrees is not a camera's", fov_deg),
                      "give degrees, from 10 to 170");
   }

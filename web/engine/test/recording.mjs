@@ -2,8 +2,10 @@
 import { readFileSync } from 'node:fs';
 import { join } from 'node:path';
 
-/** Largest difference of a sample that is still rounding: the native kernels fuse multiplications and additions, WebAssembly has
- *  no such instruction, and the network's layers and filters add up thousands of them. */
+/**
+ * Largest difference of a sample that is still rounding: native kernels may fuse multiplications and additions, and the C
+ * libraries round exponentials and sines differently in the last bit.
+ */
 export const TOLERANCE = 1e-4;
 
 function floats(path) {

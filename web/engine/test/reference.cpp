@@ -39,7 +39,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::ptrdiff_t kBlock = 128;  // of the browsers' audio worklets
+constexpr std::ptrdiff_t kLongest_s = 60;  // what a clip may last; the rest is left out
+constexpr std::ptrdiff_t kBlock = 128;     // of the browsers' audio worklets
 
 template <typename T>
 void write(const fs::path& path, std::span<const T> values) {
@@ -52,7 +53,7 @@ void write(const fs::path& path, std::span<const T> values) {
 /// The clip's sound at a rate, cut to whole blocks: [2][samples].
 Waveform sound_of(const std::string& clip, int rate_hz) {
   AudioReader reader(clip);
-  const Waveform whole = resample(reader.read(60 * reader.sample_rate_hz()), rate_hz);
+  const Waveform whole = resample(reader.read(kLongest_s * reader.sample_rate_hz()), rate_hz);
   Waveform sound(2, whole.samples() / kBlock * kBlock, rate_hz);
   for (int ear = 0; ear < 2; ++ear) {
     std::copy_n(whole.channel(ear).begin(), sound.samples(), sound.channel(ear).begin());

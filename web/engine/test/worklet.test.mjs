@@ -103,6 +103,45 @@ for (const folder of FOLDERS) {
   });
 }
 
+test('moves and speakers that are told while it plays are heard', async () => {
+  const recording = readRecording(FOLDERS[0]);
+  const heard = await page.evaluate(async ({ model, rate, speaker }) => {
+    const { EarpointNode } = await import('/index.js');
+    const samples = rate;
+    /** A second of a pulse train; half a second later the earpoint turns to the right, if it does. */
+    const render = async (turns, mouth) => {
+      const context = new OfflineAudioContext(2, samples, rate);
+      const earpoint = await EarpointNode.create(context, {
+        wasm: '/engine.wasm', weights: `/${model}`, processor: '/processor.js', speaker,
+      });
+      earpoint.placeSpeaker(mouth);
+      const buffer = new AudioBuffer({ length: samples, numberOfChannels: 2, sampleRate: rate });
+      for (const ear of [0, 1]) for (let i = 0; i < samples; i += 400) buffer.getChannelData(ear)[i] = 0.5;
+      const source = new AudioBufferSourceNode(context, { buffer });
+      source.connect(earpoint.node).connect(context.destination);
+      source.start();
+      void context.suspend(0.5).then(() => {
+        if (turns) earpoint.moveTo({ x: 0, y: 0, z: 0, yawDeg: -90 });
+        return context.resume();
+      });
+      const sound = await context.startRendering();
+      await new Promise((resolve) => setTimeout(resolve, 100)); // the last report is on its way
+      const levels = [0, 1].map((half) => [0, 1].map((ear) => {
+        // Not the tenth of a second in which the turn becomes audible.
+        const part = sound.getChannelData(ear).subarray((half * samples) / 2 + samples / 10, ((half + 1) * samples) / 2);
+        return 10 * Math.log10(part.reduce((sum, value) => sum + value * value, 1e-12));
+      }));
+      return { differences_db: levels.map(([left, right]) => left - right), speaker: earpoint.speaker };
+    };
+    return [await render(true, [2, 0, 0]), await render(false, [2, 0, 0]), await render(false, [0, 2, 0])];
+  }, { model: 'kemar.safetensors', rate: recording.sampleRate, speaker: recording.speaker });
+  const [turned, still, moved] = heard;
+  // Turned to the right, one who was in front is on the left.
+  assert.ok(Math.abs(turned.differences_db[0]) < 1 && turned.differences_db[1] > 6, `${turned.differences_db} dB`);
+  assert.ok(Math.abs(still.differences_db[1]) < 1, `${still.differences_db} dB`);
+  assert.deepEqual([still.speaker, moved.speaker], [[2, 0, 0], [0, 2, 0]]);
+});
+
 test('a wrong weight file is refused before the node is made', async () => {
   const message = await page.evaluate(async () => {
     const { EarpointNode, InputError } = await import('/index.js');
