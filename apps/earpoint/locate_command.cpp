@@ -1,8 +1,7 @@
 #include "locate_command.h"
 
 #include "json_text.h"
-#include "source_arguments.h"
-#include "speaker_search.h"
+#include "locate_report.h"
 
 #include <cmath>
 #include <cstdio>
@@ -15,19 +14,11 @@
 #include <nlohmann/json.hpp>
 
 #include <earpoint/core/file.h>
-#include <earpoint/error.h>
-#include <earpoint/gtf/weights.h>
 #include <earpoint/locate/plot_people.h>
 #include <earpoint/media/image_file.h>
-#include <earpoint/network/model_names.h>
-#include <earpoint/network/shipped_model.h>
-#include <earpoint/render_files/locate_speaker.h>
-#include <earpoint/weights/safetensors.h>
 
 namespace earpoint {
 namespace {
-
-constexpr const char* kShipped = "gtf.safetensors";
 
 constexpr const char* kFooter = R"(
 The direction is seen from the camera: azimuth to its left, elevation up, degrees. x points to the
@@ -56,81 +47,12 @@ Stereo that is not binaural (panned, two equal channels, one silent or inverted 
 carries no direction of the speaker, and the spread is large.)";
 
 struct LocateArguments {
-  SourceArguments source;
-  std::string model;
+  LocateRequest request;
   std::string output;
   std::string plot;
-  std::string detector;  ///< empty: the shipped one
   bool is_3d = false;
   bool json = false;
-  bool quiet = false;
 };
-
-std::string model_of(const LocateArguments& arguments) {
-  if (!arguments.model.empty()) return resolve_model(arguments.model);
-  if (const auto path = shipped_model_path(kShipped)) return path->string();
-  throw InputError("locate", fmt::format("{} is not among the shipped models", kShipped),
-                   "choose a gtf weight file with --model");
-}
-
-double azimuth_deg(const Vector3& p) { return degrees_from_radians(std::atan2(p.y, p.x)); }
-
-double elevation_deg(const Vector3& p) {
-  return degrees_from_radians(std::atan2(p.z, std::hypot(p.x, p.y)));
-}
-
-nlohmann::json json_of(const GtfSpeaker& speaker, bool is_3d) {
-  const Vector3& p = speaker.position_m;
-  nlohmann::json json{{"azimuth_deg", azimuth_deg(p)}};
-  if (!is_3d) return json;
-  json["elevation_deg"] = elevation_deg(p);
-  json["distance_m"] = norm(p);
-  json["position_m"] = {p.x, p.y, p.z};
-  json["heading_deg"] = degrees_from_radians(speaker.yaw_rad);
-  json["heading_certainty"] = speaker.yaw_certainty;
-  return json;
-}
-
-nlohmann::json json_of(const PeopleFrame& frame) {
-  nlohmann::json people = nlohmann::json::array();
-  for (std::size_t i = 0; i < frame.people.size(); ++i) {
-    const Box& box = frame.people[i].box;
-    people.push_back({{"track", frame.people[i].track},
-                      {"box", {box.x_min, box.y_min, box.x_max, box.y_max}},
-                      {"seen", frame.people[i].is_seen},
-                      {"speaking", frame.speaking(i)}});
-  }
-  return {{"time_s", frame.time_s},
-          {"people", std::move(people)},
-          {"outside", frame.belief.voice * frame.belief.outside},
-          {"voice", frame.belief.voice}};
-}
-
-void print_json(const LocateArguments& arguments, const std::string& model,
-                const PeopleInClip& people, const LocatedSpeaker& located) {
-  nlohmann::json speaker = json_of(located.speaker, arguments.is_3d);
-  speaker["azimuth_spread_deg"] = degrees_from_radians(located.azimuth_spread_rad);
-  if (arguments.is_3d) speaker["distance_spread"] = std::expm1(located.log_distance_spread);
-  nlohmann::json document{{"model", model},
-                          {"by", nlohmann::json::array({"sound"})},
-                          {"stereo", name_of(located.survey.stereo)},
-                          {"warnings", located.survey.warnings},
-                          {"speaker", speaker},
-                          {"windows", nlohmann::json::array()},
-                          {"detector", people.detector},
-                          {"people", earpoint::json_of(people)},
-                          {"frames", nlohmann::json::array()}};
-  for (const PeopleFrame& frame : people.frames) document["frames"].push_back(json_of(frame));
-  if (located.has_picture) document["by"].push_back("picture");
-  if (located.has_box) document["by"].push_back("box");
-  for (const SpeakerSighting& sighting : located.sightings) {
-    nlohmann::json window = json_of(sighting.speaker, arguments.is_3d);
-    window["time_s"] = sighting.time_s;
-    window["level_db"] = 20.0 * std::log10(sighting.level);
-    document["windows"].push_back(std::move(window));
-  }
-  fmt::print("{}\n", json_text(document));
-}
 
 /// "12.3 degrees left"
 std::string angle_text(double deg, const char* positive, const char* negative) {
@@ -169,41 +91,24 @@ bool is_movie_path(const std::string& path) {
 }
 
 void run_locate(const LocateArguments& arguments) {
-  const std::string model = model_of(arguments);
-  RenderInput source = parse_source(arguments.source);
-  const GtfWeights weights = read_gtf_weights(model);
-  if (!weights.description.geometry) {
-    throw InputError(model, "cannot locate speakers: it has no geometry",
-                     "choose another one with --model");
-  }
   const bool plots_movie = is_movie_path(arguments.plot);
   if (!arguments.plot.empty() && !plots_movie) check_image_path(arguments.plot);
-  const double fov_rad =
-      radians_from_degrees(fov_deg_of(arguments.source, source, !arguments.quiet));
   SilentProgress silent;
   StreamProgress stream(stderr);
-  ProgressSink& progress = arguments.quiet ? static_cast<ProgressSink&>(silent) : stream;
-  const SpeakerSearchResult search = search_speaker(arguments.source,
-                                                    {.horizontal_fov_rad = fov_rad,
-                                                     .detector = arguments.detector,
-                                                     .always_looks = true,
-                                                     .quiet = arguments.quiet},
-                                                    source, progress);
-  // Locate in the recording itself, without placing its voice.
-  source.sound.placement = nullptr;
-  const LocatedSpeaker located = locate_speaker(source, weights, fov_rad, progress);
-  print_warnings(arguments.source, located.survey);
+  ProgressSink& progress = arguments.request.quiet ? static_cast<ProgressSink&>(silent) : stream;
+  const LocateResult result = locate(arguments.request, progress);
+  print_warnings(arguments.request.source, result.speaker.survey);
   if (arguments.json) {
-    print_json(arguments, model, *search.people, located);
+    fmt::print("{}\n", json_text(json_of(result, arguments.is_3d)));
   } else {
-    print_text(arguments, located);
-    print_people(*search.people);
+    print_text(arguments, result.speaker);
+    print_people(result.people);
   }
-  if (!arguments.output.empty()) write_file(arguments.output, csv_of(*search.people));
+  if (!arguments.output.empty()) write_file(arguments.output, csv_of(result.people));
   if (plots_movie) {
-    write_people_movie(arguments.plot, source, *search.people, progress);
+    write_people_movie(arguments.plot, result.source, result.people, progress);
   } else if (!arguments.plot.empty()) {
-    write_image(arguments.plot, plot_speaker(located, fov_rad));
+    write_image(arguments.plot, plot_speaker(result.speaker, result.horizontal_fov_rad));
   }
 }
 
@@ -214,12 +119,13 @@ void add_locate_command(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("locate", "Find the speaker of a clip by picture, box and sound");
   command->footer(kFooter);
-  add_source_inputs(*command, arguments->source);
-  add_box_options(*command, arguments->source);
-  command->add_option("--model", arguments->model, "A gtf weight file; default: the shipped one");
-  add_detector_option(*command, arguments->detector);
-  add_channel_option(*command, arguments->source);
-  add_recording_option(*command, arguments->source);
+  add_source_inputs(*command, arguments->request.source);
+  add_box_options(*command, arguments->request.source);
+  command->add_option("--model", arguments->request.model,
+                      "A gtf weight file; default: the shipped one");
+  add_detector_option(*command, arguments->request.detector);
+  add_channel_option(*command, arguments->request.source);
+  add_recording_option(*command, arguments->request.source);
   command->add_flag("--3d", arguments->is_3d, "Distance, height and heading as well");
   command->add_option(
       "-o,--output", arguments->output,
@@ -229,7 +135,7 @@ void add_locate_command(CLI::App& app) {
       "--plot", arguments->plot,
       "Draw a map from above (.png), or a movie with everybody's box (.mp4 or .mov)");
   command->add_flag("--json", arguments->json, "Print JSON, with every window");
-  command->add_flag("--quiet", arguments->quiet, "No progress");
+  command->add_flag("--quiet", arguments->request.quiet, "No progress");
   command->callback([arguments] { run_locate(*arguments); });
 }
 
