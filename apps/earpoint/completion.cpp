@@ -7,6 +7,7 @@
 
 #include <CLI/CLI.hpp>
 
+namespace earpoint {
 namespace {
 
 /// The first sentence, on one line.
@@ -107,3 +108,5 @@ std::vector<Completion> complete(const CLI::App& app, const std::vector<std::str
   std::erase_if(found, [&](const Completion& it) { return !it.word.starts_with(current); });
   return found;
 }
+
+}  // namespace earpoint

@@ -5,8 +5,11 @@
 
 namespace CLI {
 class App;
+
+namespace earpoint {
+
 class Option;
-}  // namespace CLI
+}  // namespace earpoint
 
 /// A word that may stand at the place of the cursor, and what it means in one line.
 struct Completion {
@@ -26,3 +29,5 @@ struct Completion {
 
 /// The options that --help lists, without positionals.
 [[nodiscard]] std::vector<const CLI::Option*> visible_options(const CLI::App& app);
+
+}  // namespace CLI

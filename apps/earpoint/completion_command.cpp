@@ -11,6 +11,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+namespace earpoint {
 namespace {
 
 constexpr const char* kFooter = R"(
@@ -91,3 +92,5 @@ bool answer_completion(const CLI::App& app, std::span<char* const> arguments) {
   for (const Completion& it : complete(app, words)) fmt::print("{}\t{}\n", it.word, it.meaning);
   return true;
 }
+
+}  // namespace earpoint

@@ -4,7 +4,8 @@
 
 namespace CLI {
 class App;
-}
+
+namespace earpoint {}
 
 /// `earpoint completion SHELL` prints a script that completes commands and options in that shell;
 /// `earpoint manual` prints the manual page. Both read the program's own commands, so that nothing
@@ -17,3 +18,5 @@ void add_completion_commands(CLI::App& app);
 /// @param arguments  of the program
 /// @return  whether they were such a question
 bool answer_completion(const CLI::App& app, std::span<char* const> arguments);
+
+}  // namespace CLI

@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+namespace earpoint {
 namespace {
 
 std::vector<std::string> lines_of(const std::string& text) {
@@ -109,3 +110,5 @@ TEST(ManualPage, HasEveryOptionOfTheHelp) {
 }
 
 }  // namespace
+
+}  // namespace earpoint

@@ -34,17 +34,16 @@
 #include <earpoint/rt60/engine.h>
 #include <earpoint/rt60/weights.h>
 
+namespace earpoint {
 namespace {
 
 namespace fs = std::filesystem;
-using earpoint::InputError;
 
 // White noise at full scale against silence has a Mag of about 25.
 constexpr double kAbsurdMag = 100.0;
 
-constexpr std::array<earpoint::Metric, 5> kEnhancementMetrics{
-    earpoint::Metric::mag, earpoint::Metric::rte, earpoint::Metric::level, earpoint::Metric::si_sdr,
-    earpoint::Metric::estoi};
+constexpr std::array<Metric, 5> kEnhancementMetrics{Metric::mag, Metric::rte, Metric::level,
+                                                    Metric::si_sdr, Metric::estoi};
 
 constexpr const char* kExamples = R"(
 Examples:
@@ -104,24 +103,23 @@ confidence, bootstrapped by home where there are several, else by conversation.
 )";
 
 /// Makes the estimator behind RTE, or nothing where there is none.
-std::function<earpoint::ReverberationEstimator()> estimator_maker(const fs::path& given) {
+std::function<ReverberationEstimator()> estimator_maker(const fs::path& given) {
   const std::optional<fs::path> model = rt60_model(given);
   if (!model) {
     fmt::print(stderr, "earpoint: {}\n", kNoRt60Model);
     return {};
   }
-  auto weights = std::make_shared<earpoint::Rt60EstimatorWeights>(
-      earpoint::read_rt60_estimator_weights(*model));
-  return [weights]() -> earpoint::ReverberationEstimator {
-    auto estimator = std::make_shared<earpoint::Rt60Estimator>(*weights);
-    return [estimator](const earpoint::Waveform& sound) { return estimator->estimate_s(sound); };
+  auto weights = std::make_shared<Rt60EstimatorWeights>(read_rt60_estimator_weights(*model));
+  return [weights]() -> ReverberationEstimator {
+    auto estimator = std::make_shared<Rt60Estimator>(*weights);
+    return [estimator](const Waveform& sound) { return estimator->estimate_s(sound); };
   };
 }
 
 /// The released loader takes the samples of 16-bit speech as integers, 32768 times too loud.
-void warn_of_levels(const earpoint::EvaluationTable& table) {
-  for (const earpoint::TableRow& row : table.rows) {
-    const auto& mag = row[earpoint::Metric::mag].mean;
+void warn_of_levels(const EvaluationTable& table) {
+  for (const TableRow& row : table.rows) {
+    const auto& mag = row[Metric::mag].mean;
     if (!mag || mag->value < kAbsurdMag) continue;
     fmt::print(stderr,
                "earpoint: warning: a Mag of {:.0f} means sounds far above full scale: 16-bit "
@@ -133,9 +131,9 @@ void warn_of_levels(const earpoint::EvaluationTable& table) {
   }
 }
 
-void check_boxes(earpoint::SpeakerBoxes boxes, std::span<const earpoint::MethodEntry> methods) {
-  if (boxes != earpoint::SpeakerBoxes::none) return;
-  for (const earpoint::MethodEntry& method : methods) {
+void check_boxes(SpeakerBoxes boxes, std::span<const MethodEntry> methods) {
+  if (boxes != SpeakerBoxes::none) return;
+  for (const MethodEntry& method : methods) {
     if (!method.needs_speaker) continue;
     throw InputError("--methods " + method.name, "needs the speaker's position",
                      "leave it out with --boxes none, or use --boxes detected");
@@ -149,12 +147,12 @@ void run_on_clip(const EvaluateOptions& options) {
       .methods = options.methods.words,
       .report = options.report,
       .figure = options.figure,
-      .estimator = make_estimator ? make_estimator() : earpoint::ReverberationEstimator{},
-      .threads = options.jobs > 0 ? options.jobs : earpoint::available_cores(),
+      .estimator = make_estimator ? make_estimator() : ReverberationEstimator{},
+      .threads = options.jobs > 0 ? options.jobs : available_cores(),
       .json = options.json};
-  earpoint::SilentProgress silent;
-  earpoint::StreamProgress bar(stderr);
-  evaluate_earpoints(request, options.quiet ? static_cast<earpoint::ProgressSink&>(silent) : bar);
+  SilentProgress silent;
+  StreamProgress bar(stderr);
+  evaluate_earpoints(request, options.quiet ? static_cast<ProgressSink&>(silent) : bar);
 }
 
 /// Clips instead of numbers.
@@ -166,46 +164,45 @@ void run_figure(const EvaluateOptions& options) {
                         .count = options.limit.value_or(1)};
   request.methods.data = options.data;
   request.methods.layout = layout_of(options);
-  if (request.methods.layout == earpoint::DatasetLayout::rwavs) {
+  if (request.methods.layout == DatasetLayout::rwavs) {
     throw InputError("--figure", "RWAVS has no source view to draw", "leave it out");
   }
-  request.methods.recorded = request.methods.layout == earpoint::DatasetLayout::replay;
+  request.methods.recorded = request.methods.layout == DatasetLayout::replay;
   if (request.methods.words.empty()) request.methods.words = {"gtf"};
-  earpoint::SilentProgress silent;
-  earpoint::StreamProgress bar(stderr);
-  draw_figure(request, options.quiet ? static_cast<earpoint::ProgressSink&>(silent) : bar);
+  SilentProgress silent;
+  StreamProgress bar(stderr);
+  draw_figure(request, options.quiet ? static_cast<ProgressSink&>(silent) : bar);
 }
 
 /// The request for methods_of(): the options, and what the data set holds.
-MethodRequest method_request(const EvaluateOptions& options, const earpoint::EvaluationSet& set) {
+MethodRequest method_request(const EvaluateOptions& options, const EvaluationSet& set) {
   MethodRequest request = options.methods;
   request.data = options.data;
   request.enhance = options.enhance;
   request.layout = layout_of(options);
-  request.recorded = request.layout != earpoint::DatasetLayout::soundspaces;
+  request.recorded = request.layout != DatasetLayout::soundspaces;
   request.knows_speaker = set.knows_speaker();
   if (request.words.empty()) {
     request.words = {"input"};
-    const bool is_told = earpoint::boxes_named(options.boxes) != earpoint::SpeakerBoxes::none;
+    const bool is_told = boxes_named(options.boxes) != SpeakerBoxes::none;
     if (!options.enhance && set.knows_speaker() && is_told) request.words.emplace_back("dsp");
   }
   return request;
 }
 
-earpoint::EvaluationOptions evaluation_options(const EvaluateOptions& options) {
-  earpoint::EvaluationOptions how;
-  how.jobs = options.jobs > 0 ? options.jobs : earpoint::available_cores();
+EvaluationOptions evaluation_options(const EvaluateOptions& options) {
+  EvaluationOptions how;
+  how.jobs = options.jobs > 0 ? options.jobs : available_cores();
   how.skip_bad = options.skip_bad;
   how.judges_speech = options.enhance;
   how.make_estimator = estimator_maker(options.rt60_model);
-  how.make_telling = telling_maker(earpoint::boxes_named(options.boxes), options.detector);
+  how.make_telling = telling_maker(boxes_named(options.boxes), options.detector);
   return how;
 }
 
 /// Describes the data for the report.
-earpoint::ReportOptions report_options(const EvaluateOptions& options,
-                                       const earpoint::EvaluationSet& set) {
-  earpoint::ReportOptions report;
+ReportOptions report_options(const EvaluateOptions& options, const EvaluationSet& set) {
+  ReportOptions report;
   report.data = options.data.string();
   if (options.enhance) report.data += ", speech to be enhanced";
   const EvaluateAmbient ambient = ambient_of(options);
@@ -222,8 +219,8 @@ earpoint::ReportOptions report_options(const EvaluateOptions& options,
   return report;
 }
 
-void print_result(const EvaluateOptions& options, const earpoint::EvaluationSet& set,
-                  const earpoint::EvaluationTable& table) {
+void print_result(const EvaluateOptions& options, const EvaluationSet& set,
+                  const EvaluationTable& table) {
   if (options.json) {
     const EvaluateAmbient ambient = ambient_of(options);
     fmt::print("{}", json_of(table, {options.data.string(), options.split, set.pairs(),
@@ -231,31 +228,27 @@ void print_result(const EvaluateOptions& options, const earpoint::EvaluationSet&
                                      options.context_s, options.boxes}));
     return;
   }
-  const std::span<const earpoint::Metric> told =
-      options.enhance ? kEnhancementMetrics : earpoint::told_metrics();
+  const std::span<const Metric> told = options.enhance ? kEnhancementMetrics : told_metrics();
   fmt::print("{}Pairs: {}.\n", text_of(table, told), set.pairs());
 }
 
 void run_on_data(const EvaluateOptions& options) {
-  const std::unique_ptr<earpoint::EvaluationSet> set = evaluation_set(options);
+  const std::unique_ptr<EvaluationSet> set = evaluation_set(options);
   std::set<std::string> scenes;
   for (std::size_t pair = 0; pair < set->size(); ++pair) scenes.insert(set->scene(pair));
-  const std::vector<earpoint::MethodEntry> methods =
-      methods_of(method_request(options, *set), scenes);
-  check_boxes(earpoint::boxes_named(options.boxes), methods);
-  earpoint::SilentProgress silent;
-  earpoint::StreamProgress bar(stderr);
-  earpoint::ProgressSink& progress =
-      options.quiet ? static_cast<earpoint::ProgressSink&>(silent) : bar;
-  const earpoint::EvaluationResult result =
-      evaluate(*set, methods, evaluation_options(options), progress);
-  for (const earpoint::BadPair& pair : result.skipped) {
+  const std::vector<MethodEntry> methods = methods_of(method_request(options, *set), scenes);
+  check_boxes(boxes_named(options.boxes), methods);
+  SilentProgress silent;
+  StreamProgress bar(stderr);
+  ProgressSink& progress = options.quiet ? static_cast<ProgressSink&>(silent) : bar;
+  const EvaluationResult result = evaluate(*set, methods, evaluation_options(options), progress);
+  for (const BadPair& pair : result.skipped) {
     fmt::print(stderr, "earpoint: left out {}: {}\n", pair.name, pair.problem);
   }
   if (options.report) {
     write_report(*options.report, *set, methods, result, report_options(options, *set), progress);
   }
-  const earpoint::EvaluationTable table = make_table(result);
+  const EvaluationTable table = make_table(result);
   print_result(options, *set, table);
   warn_of_levels(table);
 }
@@ -331,7 +324,7 @@ void add_evaluate_command(CLI::App& app) {
   command
       ->add_option("--context", options->context_s,
                    "Seconds of preceding sound for dsp and networks; see below")
-      ->check(earpoint::within(0.0, 60.0))
+      ->check(within(0.0, 60.0))
       ->capture_default_str();
   command->add_flag(
       "--enhance", options->enhance,
@@ -374,3 +367,5 @@ void add_evaluate_command(CLI::App& app) {
   command->footer(kExamples);
   command->callback([options] { run(*options); });
 }
+
+}  // namespace earpoint

@@ -17,6 +17,7 @@
 #include <earpoint/network_testing/random_weights.h>
 #include <earpoint/vigas/weights.h>
 
+namespace earpoint {
 namespace {
 
 namespace fs = std::filesystem;
@@ -32,13 +33,13 @@ class EvaluateCommandTest : public ::testing::Test {
     ::setenv("EARPOINT_DATA_DIR", (folder_ / "nothing").c_str(), 1);
     std::string index = "file,speaker,gender,split\n";
     for (const std::string gender : {"female", "male"}) {
-      earpoint::Waveform sound(1, 20000, 16000);
-      earpoint::RandomStream random(gender.size());
+      Waveform sound(1, 20000, 16000);
+      RandomStream random(gender.size());
       for (float& sample : sound.channel(0)) sample = static_cast<float>(random.uniform(-0.1, 0.1));
-      earpoint::write_sound(folder_ / "speech" / (gender + ".wav"), sound);
+      write_sound(folder_ / "speech" / (gender + ".wav"), sound);
       index += gender + ".wav," + gender + " voice," + gender + ",test\n";
     }
-    earpoint::write_file(folder_ / "speech" / "speech.csv", index);
+    write_file(folder_ / "speech" / "speech.csv", index);
     const ProgramOutcome outcome = run_earpoint(
         {"simulate", "--scenes", "1", "--conversations", "3", "--split", "test", "--speech",
          (folder_ / "speech").string(), "--out", (folder_ / "data").string(), "--rays", "50",
@@ -156,13 +157,12 @@ TEST_F(EvaluateCommandTest, BrokenPairsAreNamedAndSkippedOnlyWhenAsked) {
   // Every viewpoint is the target of one pair.
   for (const std::string speaker : {"0", "1"}) {
     fs::remove(scene / ("0/rir_0_" + speaker + ".wav"));
-    earpoint::write_file(scene / ("0/rir_1_" + speaker + ".wav"), std::string_view(""));
-    earpoint::write_sound(scene / ("1/rir_0_" + speaker + ".wav"),
-                          earpoint::Waveform(2, 100, 8000));
+    write_file(scene / ("0/rir_1_" + speaker + ".wav"), std::string_view(""));
+    write_sound(scene / ("1/rir_0_" + speaker + ".wav"), Waveform(2, 100, 8000));
     const fs::path path = scene / ("2/rir_1_" + speaker + ".wav");
-    std::string bytes = earpoint::read_text_file(path);
+    std::string bytes = read_text_file(path);
     std::fill(bytes.end() - 8, bytes.end(), '\xFF');  // the last sample of both ears
-    earpoint::write_file(path, bytes);
+    write_file(path, bytes);
   }
   const ProgramOutcome stopped = evaluate(data, {"--methods", "input"});
   EXPECT_EQ(stopped.exit_code, 2);
@@ -191,17 +191,17 @@ TEST_F(EvaluateCommandTest, BrokenPairsAreNamedAndSkippedOnlyWhenAsked) {
 
 /// A small ViGAS network with random weights.
 void write_network(const fs::path& path, const std::string& name) {
-  earpoint::ViGasDescription description;
-  description.pose_encoding = earpoint::PoseEncoding::full;
+  ViGasDescription description;
+  description.pose_encoding = PoseEncoding::full;
   description.inputs = {{"tgt_pose", 3}, {"tgt_rotation", 6}, {"bboxes", 4}};
   description.fusion_width = 8;
   description.conditioning_width = 8;
   description.channels = 8;
   description.blocks = 1;
   description.layers_per_block = 2;
-  earpoint::ViGasWeights weights{.description = description, .tensors = {}, .unused = {}};
-  earpoint::RandomStream random(name.size());
-  weights.tensors = earpoint::random_tensors(required_tensors(description), random, -0.3, 0.3);
+  ViGasWeights weights{.description = description, .tensors = {}, .unused = {}};
+  RandomStream random(name.size());
+  weights.tensors = random_tensors(required_tensors(description), random, -0.3, 0.3);
   write_safetensors(path, to_weight_file(weights));
 }
 
@@ -233,9 +233,9 @@ TEST_F(EvaluateCommandTest, RunsAndShippedModelsAreRows) {
   fs::create_directories(folder_ / "models");
   write_network(folder_ / "models/vigas.safetensors", "vigas");
   write_network(folder_ / "models/vigas-blind.safetensors", "vigas-blind");
-  earpoint::write_gtf_file(folder_ / "models/gtf.safetensors");
-  earpoint::write_gtf_file(folder_ / "models/gtf-no-3d.safetensors", 32, false);
-  earpoint::write_gtf_file(folder_ / "models/other.safetensors");
+  write_gtf_file(folder_ / "models/gtf.safetensors");
+  write_gtf_file(folder_ / "models/gtf-no-3d.safetensors", 32, false);
+  write_gtf_file(folder_ / "models/other.safetensors");
   ::setenv("EARPOINT_MODELS_DIR", (folder_ / "models").c_str(), 1);
   EXPECT_EQ(methods_of(with({"--ablations"})),
             (std::vector<std::string>{"input", "gtf", "gtf-no-3d", "vigas", "vigas-blind"}));
@@ -248,7 +248,7 @@ TEST_F(EvaluateCommandTest, RunsAndShippedModelsAreRows) {
 }
 
 TEST_F(EvaluateCommandTest, ATextureIsAskedForAfterAColon) {
-  earpoint::write_gtf_file(folder_ / "two.safetensors", 32, true, true);
+  write_gtf_file(folder_ / "two.safetensors", 32, true, true);
   const std::string file = (folder_ / "two.safetensors").string();
   const ProgramOutcome outcome =
       evaluate(folder_ / "data",
@@ -288,7 +288,7 @@ TEST_F(EvaluateCommandTest, FigureShowsASourceItsTargetsAndTheVoice) {
       {"--methods", "input", "--clips", "home-0000/1:2,home-0000/2", "--figure", figure.string()});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
   EXPECT_EQ(outcome.output, "");
-  const std::string svg = earpoint::read_text_file(figure);
+  const std::string svg = read_text_file(figure);
   for (const char* title : {">Source<", ">Target 1<", ">Target 3<", ">Enhancement<", ">truth<"}) {
     EXPECT_NE(svg.find(title), std::string::npos) << title;
   }
@@ -331,7 +331,7 @@ TEST(EvaluateRwavs, MeasuresEveryPoseByInputAndDsp) {
   const fs::path folder =
       fs::path(testing::TempDir()) / ("evaluate_rwavs." + std::to_string(::getpid()));
   fs::remove_all(folder);
-  earpoint::write_tiny_rwavs(folder);
+  write_tiny_rwavs(folder);
   const auto evaluate = [&](std::vector<std::string> words) {
     words.insert(words.begin(), {"evaluate", "--data", folder.string(), "--quiet"});
     return run_earpoint(words);
@@ -360,3 +360,5 @@ TEST(EvaluateRwavs, MeasuresEveryPoseByInputAndDsp) {
 }
 
 }  // namespace
+
+}  // namespace earpoint

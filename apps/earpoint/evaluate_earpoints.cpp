@@ -12,11 +12,10 @@
 #include <earpoint/evaluate/earpoint_comparison.h>
 #include <earpoint/network/model_names.h>
 
+namespace earpoint {
 namespace {
 
 namespace fs = std::filesystem;
-using earpoint::ClipMethod;
-using earpoint::InputError;
 
 ClipMethod method_of(const std::string& word) {
   if (word == "input" || word == "dsp") return {word, word};
@@ -26,7 +25,7 @@ ClipMethod method_of(const std::string& word) {
     }
     return {word.substr(0, equals), word.substr(equals + 1)};
   }
-  if (const auto path = earpoint::shipped_model(word)) {
+  if (const auto path = shipped_model(word)) {
     return {word, path->string()};
   }
   throw InputError("--methods " + word,
@@ -34,8 +33,7 @@ ClipMethod method_of(const std::string& word) {
                    "name a weight file: " + word + "=FILE.safetensors");
 }
 
-std::vector<ClipMethod> methods_of(const EarpointsRequest& request,
-                                   const earpoint::EarpointClip& clip) {
+std::vector<ClipMethod> methods_of(const EarpointsRequest& request, const EarpointClip& clip) {
   std::vector<std::string> words = request.methods;
   if (words.empty()) {
     words.emplace_back("input");
@@ -59,19 +57,19 @@ std::vector<ClipMethod> methods_of(const EarpointsRequest& request,
 
 }  // namespace
 
-void evaluate_earpoints(const EarpointsRequest& request, earpoint::ProgressSink& progress) {
+void evaluate_earpoints(const EarpointsRequest& request, ProgressSink& progress) {
   if (request.figure) check_figure_path(*request.figure);
-  const earpoint::EarpointClip clip = earpoint::read_earpoint_clip(request.description);
+  const EarpointClip clip = read_earpoint_clip(request.description);
   const std::vector<ClipMethod> methods = methods_of(request, clip);
   // Without a report the sounds are not kept.
-  std::optional<earpoint::TemporaryFolder> passing;
+  std::optional<TemporaryFolder> passing;
   if (request.report) {
-    earpoint::create_folder(*request.report);
+    create_folder(*request.report);
   } else {
     passing.emplace();
   }
   const fs::path folder = request.report ? *request.report : passing->path();
-  const earpoint::EarpointComparison comparison =
+  const EarpointComparison comparison =
       compare_earpoints(clip, methods, folder,
                         {.estimator = request.estimator, .threads = request.threads}, progress);
   if (request.report) write_earpoint_page(comparison, *request.report);
@@ -80,3 +78,5 @@ void evaluate_earpoints(const EarpointsRequest& request, earpoint::ProgressSink&
   }
   fmt::print("{}", request.json ? json_of(comparison) : text_of(comparison));
 }
+
+}  // namespace earpoint

@@ -13,33 +13,31 @@
 #include <earpoint/render/make_synthesizer.h>
 #include <earpoint/render_files/render.h>
 
+namespace earpoint {
 namespace {
 
 namespace fs = std::filesystem;
-using earpoint::InputError;
-using earpoint::MethodEntry;
 
 constexpr const char* kEnhancer = "enhance";
 
 /// The speech of the clip's speaker; nothing where no model for that is shipped.
-std::optional<fs::path> enhanced(const earpoint::EarpointClip& clip, const fs::path& folder,
-                                 int threads, earpoint::ProgressSink& progress) {
-  const auto model = earpoint::shipped_model(kEnhancer);
+std::optional<fs::path> enhanced(const EarpointClip& clip, const fs::path& folder, int threads,
+                                 ProgressSink& progress) {
+  const auto model = shipped_model(kEnhancer);
   if (!model) return std::nullopt;
-  earpoint::RenderInput source;
+  RenderInput source;
   source.sound.path = clip.clip;
-  if (clip.speaker_box) source.speaker_track = earpoint::SpeakerTrack(*clip.speaker_box);
-  earpoint::SynthesizerOptions how;
+  if (clip.speaker_box) source.speaker_track = SpeakerTrack(*clip.speaker_box);
+  SynthesizerOptions how;
   how.threads = threads;
   how.enhances = true;
-  if (clip.fov_deg) how.horizontal_fov_rad = earpoint::radians_from_degrees(*clip.fov_deg);
-  earpoint::ClipRenderOptions options;
-  options.answer = earpoint::RenderAnswer::voice;
+  if (clip.fov_deg) how.horizontal_fov_rad = radians_from_degrees(*clip.fov_deg);
+  ClipRenderOptions options;
+  options.answer = RenderAnswer::voice;
   options.threads = threads;
   const fs::path output = folder / "enhanced.flac";
-  const earpoint::RenderTarget target{earpoint::EarpointPath(earpoint::Pose{}), output};
-  (void)render(source, *earpoint::make_synthesizer(model->string(), how), {&target, 1}, options,
-               progress);
+  const RenderTarget target{EarpointPath(Pose{}), output};
+  (void)render(source, *make_synthesizer(model->string(), how), {&target, 1}, options, progress);
   return output;
 }
 
@@ -50,20 +48,19 @@ void check_figure_path(const fs::path& path) {
     throw InputError("--figure " + path.string(), "figures are written as .svg",
                      "convert it afterwards, or name a file that ends in .svg");
   }
-  const earpoint::AtomicFile probe(path);
+  const AtomicFile probe(path);
 }
 
-void draw_figure(const FigureRequest& request, earpoint::ProgressSink& progress) {
+void draw_figure(const FigureRequest& request, ProgressSink& progress) {
   check_figure_path(request.output);
-  const std::vector<earpoint::ViewedClip> clips =
-      earpoint::read_viewed_clips({.data = request.methods.data,
-                                   .layout = request.methods.layout,
-                                   .split = request.split,
-                                   .names = request.clips,
-                                   .count = request.count});
+  const std::vector<ViewedClip> clips = read_viewed_clips({.data = request.methods.data,
+                                                           .layout = request.methods.layout,
+                                                           .split = request.split,
+                                                           .names = request.clips,
+                                                           .count = request.count});
   std::set<std::string> scenes;
   MethodRequest wanted = request.methods;
-  for (const earpoint::ViewedClip& clip : clips) {
+  for (const ViewedClip& clip : clips) {
     scenes.insert(clip.scene);
     wanted.knows_speaker = wanted.knows_speaker && clip.knows_speaker;
   }
@@ -80,24 +77,26 @@ void draw_figure(const FigureRequest& request, earpoint::ProgressSink& progress)
     }
   }
   std::vector<MethodEntry> enhancers;
-  if (earpoint::shipped_model(kEnhancer)) {
+  if (shipped_model(kEnhancer)) {
     wanted.words = {kEnhancer};
     wanted.enhance = true;
     enhancers = methods_of(wanted, scenes);
   }
-  std::vector<earpoint::FigureRow> rows;
+  std::vector<FigureRow> rows;
   progress.begin("rendering", static_cast<double>(clips.size()), "clips");
-  for (const earpoint::ViewedClip& clip : clips) {
+  for (const ViewedClip& clip : clips) {
     rows.push_back(figure_row(clip, methods, enhancers.empty() ? nullptr : &enhancers.front()));
     progress.advance(1.0);
   }
   progress.finish();
-  earpoint::write_file(request.output, earpoint::view_figure_svg(rows));
+  write_file(request.output, view_figure_svg(rows));
 }
 
-void draw_figure(const fs::path& output, const earpoint::EarpointComparison& comparison,
-                 const fs::path& folder, int threads, earpoint::ProgressSink& progress) {
-  const earpoint::FigureRow row =
+void draw_figure(const fs::path& output, const EarpointComparison& comparison,
+                 const fs::path& folder, int threads, ProgressSink& progress) {
+  const FigureRow row =
       figure_row(comparison, enhanced(comparison.clip, folder, threads, progress));
-  earpoint::write_file(output, earpoint::view_figure_svg({&row, 1}));
+  write_file(output, view_figure_svg({&row, 1}));
 }
+
+}  // namespace earpoint

@@ -11,23 +11,20 @@
 #include <earpoint/evaluate/transfer_function.h>
 #include <earpoint/network/model_names.h>
 
+namespace earpoint {
 namespace {
 
 namespace fs = std::filesystem;
-using earpoint::InputError;
-using earpoint::MethodEntry;
-using earpoint::TransferIndex;
 
 // What `earpoint train` leaves in the folder of a run.
 constexpr const char* kBestWeights = "best.safetensors";
 
 MethodEntry transfer_function(const MethodRequest& request, const std::set<std::string>& scenes) {
-  const TransferIndex index =
-      request.tf_index == "locations" ? TransferIndex::locations
-      : request.tf_index == "relative"
-          ? TransferIndex::relative_pose
-          : earpoint::transfer_index_for(request.data, request.layout, scenes);
-  return earpoint::transfer_function_method(request.data, request.layout, index);
+  const TransferIndex index = request.tf_index == "locations" ? TransferIndex::locations
+                              : request.tf_index == "relative"
+                                  ? TransferIndex::relative_pose
+                                  : transfer_index_for(request.data, request.layout, scenes);
+  return transfer_function_method(request.data, request.layout, index);
 }
 
 /// Splits MODEL:TEXTURE into the model and the texture.
@@ -40,8 +37,8 @@ std::pair<std::string, std::optional<double>> split_texture(const std::string& w
 
 MethodEntry method_of(const std::string& word, const MethodRequest& request,
                       const std::set<std::string>& scenes) {
-  if (word == "input") return earpoint::input_method();
-  if (request.layout == earpoint::DatasetLayout::rwavs && word != "dsp") {
+  if (word == "input") return input_method();
+  if (request.layout == DatasetLayout::rwavs && word != "dsp") {
     throw InputError("--methods " + word,
                      "RWAVS has dry sound and positions, but no source view: only input and dsp "
                      "take these",
@@ -56,24 +53,24 @@ MethodEntry method_of(const std::string& word, const MethodRequest& request,
                      "needs the speakers' positions, which these recordings do not have",
                      "leave it out");
   }
-  if (word == "dsp") return earpoint::dsp_method();
+  if (word == "dsp") return dsp_method();
   if (word == "tf") return transfer_function(request, scenes);
-  for (MethodEntry& oracle : earpoint::oracle_methods()) {
+  for (MethodEntry& oracle : oracle_methods()) {
     if (word == oracle.name) return std::move(oracle);
   }
   const auto [model, texture] = split_texture(word);
-  earpoint::SynthesizerOptions options;
+  SynthesizerOptions options;
   options.texture = texture;
   options.enhances = request.enhance;
   if (const auto equals = model.find('='); equals != std::string::npos) {
     if (equals == 0 || equals + 1 == model.size()) {
       throw InputError("--methods " + word, "expected NAME=FILE");
     }
-    return earpoint::network_method(model.substr(0, equals) + word.substr(model.size()),
-                                    model.substr(equals + 1), options);
+    return network_method(model.substr(0, equals) + word.substr(model.size()),
+                          model.substr(equals + 1), options);
   }
-  if (const auto path = earpoint::shipped_model(model)) {
-    return earpoint::network_method(word, path->string(), options);
+  if (const auto path = shipped_model(model)) {
+    return network_method(word, path->string(), options);
   }
   throw InputError("--methods " + word, "is neither a known method nor a shipped model",
                    "name a weight file: " + word + "=FILE.safetensors");
@@ -100,7 +97,7 @@ std::vector<std::string> runs_in(const fs::path& folder) {
 
 /// The names of all shipped models of the families that are ablated: NAME and NAME-*.
 std::vector<std::string> shipped_families() {
-  std::vector<std::string> words = earpoint::shipped_model_names({"gtf", "vigas"});
+  std::vector<std::string> words = shipped_model_names({"gtf", "vigas"});
   if (words.empty()) {
     throw InputError("--ablations",
                      "neither gtf.safetensors nor vigas.safetensors is among the shipped models",
@@ -120,8 +117,8 @@ std::vector<std::string> words_of(const MethodRequest& request) {
   } else if (request.ablations) {
     add(shipped_families());
   }
-  if (!request.oracles || request.layout == earpoint::DatasetLayout::rwavs) return words;
-  for (const MethodEntry& oracle : earpoint::oracle_methods()) {
+  if (!request.oracles || request.layout == DatasetLayout::rwavs) return words;
+  for (const MethodEntry& oracle : oracle_methods()) {
     if (request.recorded && oracle.needs_truth) continue;
     if (std::ranges::find(words, oracle.name) == words.end()) words.push_back(oracle.name);
   }
@@ -142,3 +139,5 @@ std::vector<MethodEntry> methods_of(const MethodRequest& request,
   }
   return methods;
 }
+
+}  // namespace earpoint

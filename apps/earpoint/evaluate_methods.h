@@ -9,6 +9,8 @@
 #include <earpoint/dataset/dataset_folder.h>
 #include <earpoint/evaluate/method.h>
 
+namespace earpoint {
+
 /// What --methods and its companions ask for.
 struct MethodRequest {
   /// Known names, NAME=WEIGHTS.safetensors, or names of shipped models.
@@ -16,7 +18,7 @@ struct MethodRequest {
   std::filesystem::path data;  ///< where `tf` finds the training split
   std::string tf_index;        ///< locations, relative, or empty: by whether the scenes are known
   bool enhance = false;        ///< speech is asked for, not what a place hears
-  earpoint::DatasetLayout layout = earpoint::DatasetLayout::soundspaces;
+  DatasetLayout layout = DatasetLayout::soundspaces;
   bool recorded = false;      ///< the data tell no responses
   bool knows_speaker = true;  ///< the data tell where speakers are
   bool oracles = false;       ///< all of them as well, of recordings those that need no more
@@ -29,6 +31,8 @@ struct MethodRequest {
 
 /// The rows of the table.
 /// @param scenes  of the pairs
-/// @throws earpoint::InputError if a method is not known, is named twice, or its file is bad
-std::vector<earpoint::MethodEntry> methods_of(const MethodRequest& request,
-                                              const std::set<std::string>& scenes);
+/// @throws InputError if a method is not known, is named twice, or its file is bad
+std::vector<MethodEntry> methods_of(const MethodRequest& request,
+                                    const std::set<std::string>& scenes);
+
+}  // namespace earpoint

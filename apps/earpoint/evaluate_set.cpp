@@ -11,19 +11,18 @@
 #include <earpoint/error.h>
 #include <earpoint/evaluate/metrics.h>
 
+namespace earpoint {
 namespace {
-
-using earpoint::InputError;
 
 constexpr std::size_t kCacheBytes = std::size_t{512} << 20U;
 // As in the training configurations for enhancement.
 constexpr double kUsualAmbientDb = -40.0;
 
 std::ptrdiff_t context_of(const EvaluateOptions& options) {
-  return std::lround(options.context_s * earpoint::kMetricRateHz);
+  return std::lround(options.context_s * kMetricRateHz);
 }
 
-std::unique_ptr<earpoint::EvaluationSet> recorded_set(const EvaluateOptions& options) {
+std::unique_ptr<EvaluationSet> recorded_set(const EvaluateOptions& options) {
   if (options.enhance) {
     throw InputError("--enhance", "needs simulated data, whose dry speech is known",
                      "make some with `earpoint simulate`");
@@ -45,10 +44,10 @@ std::unique_ptr<earpoint::EvaluationSet> recorded_set(const EvaluateOptions& opt
     throw InputError("--draw every-target", "Replay-NVAS is drawn as the released test draws it",
                      "leave it out");
   }
-  return earpoint::replay_evaluation_set(options.data, options.split, options.limit);
+  return replay_evaluation_set(options.data, options.split, options.limit);
 }
 
-std::unique_ptr<earpoint::EvaluationSet> rwavs_set(const EvaluateOptions& options) {
+std::unique_ptr<EvaluationSet> rwavs_set(const EvaluateOptions& options) {
   const auto refuse = [](const char* flag, const char* why) {
     throw InputError(flag, why, "leave it out");
   };
@@ -62,20 +61,20 @@ std::unique_ptr<earpoint::EvaluationSet> rwavs_set(const EvaluateOptions& option
   if (!options.draw.empty()) refuse("--draw", "RWAVS has no pairs: every pose is measured");
   if (options.report) refuse("--report", "RWAVS has no source view to show");
   if (options.boxes != "true") refuse("--boxes", "RWAVS has no picture of the loudspeaker");
-  return earpoint::rwavs_evaluation_set(options.data, options.split, options.limit);
+  return rwavs_evaluation_set(options.data, options.split, options.limit);
 }
 
 }  // namespace
 
-earpoint::PairTarget target_of(const EvaluateOptions& options) {
-  return options.enhance ? earpoint::PairTarget::near_microphone : earpoint::PairTarget::viewpoint;
+PairTarget target_of(const EvaluateOptions& options) {
+  return options.enhance ? PairTarget::near_microphone : PairTarget::viewpoint;
 }
 
 EvaluateAmbient ambient_of(const EvaluateOptions& options) {
   EvaluateAmbient ambient;
   if (options.enhance || !options.ambient.empty()) ambient.level_db = kUsualAmbientDb;
   for (const std::string& word : options.ambient) {
-    if (const auto separation = earpoint::ambient_separation_named(word)) {
+    if (const auto separation = ambient_separation_named(word)) {
       ambient.separation = *separation;
       continue;
     }
@@ -83,30 +82,31 @@ EvaluateAmbient ambient_of(const EvaluateOptions& options) {
     if (!CLI::detail::lexical_cast(word, level_db) || !(level_db >= -120.0 && level_db <= 0.0)) {
       throw InputError("--ambient",
                        fmt::format("expected a level from -120 to 0 or one of {}, found '{}'",
-                                   fmt::join(earpoint::ambient_separation_names(), ", "), word));
+                                   fmt::join(ambient_separation_names(), ", "), word));
     }
     ambient.level_db = level_db;
   }
   return ambient;
 }
 
-earpoint::DatasetLayout layout_of(const EvaluateOptions& options) {
-  std::optional<earpoint::DatasetLayout> asked;
-  if (!options.layout.empty()) asked = earpoint::layout_named(options.layout);
+DatasetLayout layout_of(const EvaluateOptions& options) {
+  std::optional<DatasetLayout> asked;
+  if (!options.layout.empty()) asked = layout_named(options.layout);
   return dataset_layout(options.data, asked);
 }
 
-std::unique_ptr<earpoint::EvaluationSet> evaluation_set(const EvaluateOptions& options) {
-  if (layout_of(options) == earpoint::DatasetLayout::replay) {
+std::unique_ptr<EvaluationSet> evaluation_set(const EvaluateOptions& options) {
+  if (layout_of(options) == DatasetLayout::replay) {
     return recorded_set(options);
   }
-  if (layout_of(options) == earpoint::DatasetLayout::rwavs) return rwavs_set(options);
-  earpoint::PairChoice pairs{.list = options.pairs, .draw = std::nullopt};
-  if (!options.draw.empty()) pairs.draw = earpoint::draw_named(options.draw);
-  auto set =
-      earpoint::soundspaces_evaluation_set(options.data, options.split, pairs, options.limit,
-                                           kCacheBytes, target_of(options), context_of(options));
+  if (layout_of(options) == DatasetLayout::rwavs) return rwavs_set(options);
+  PairChoice pairs{.list = options.pairs, .draw = std::nullopt};
+  if (!options.draw.empty()) pairs.draw = draw_named(options.draw);
+  auto set = soundspaces_evaluation_set(options.data, options.split, pairs, options.limit,
+                                        kCacheBytes, target_of(options), context_of(options));
   const EvaluateAmbient ambient = ambient_of(options);
   return ambient.level_db ? with_ambient(std::move(set), *ambient.level_db, ambient.separation)
                           : std::move(set);
 }
+
+}  // namespace earpoint

@@ -14,6 +14,8 @@
 #include <earpoint/dataset/pair_sample.h>
 #include <earpoint/evaluate/evaluation.h>
 
+namespace earpoint {
+
 /// What `earpoint evaluate` is asked for.
 struct EvaluateOptions {
   std::filesystem::path data;
@@ -42,16 +44,18 @@ struct EvaluateOptions {
 /// Room noise in what sources hear, and how it is separated.
 struct EvaluateAmbient {
   std::optional<double> level_db;  ///< re full scale; nothing: no noise
-  earpoint::AmbientSeparation separation = earpoint::AmbientSeparation::bandpass;
+  AmbientSeparation separation = AmbientSeparation::bandpass;
 };
 
 /// @throws InputError if a word of --ambient is neither a level nor a separation
 EvaluateAmbient ambient_of(const EvaluateOptions& options);
 
-earpoint::PairTarget target_of(const EvaluateOptions& options);
-earpoint::DatasetLayout layout_of(const EvaluateOptions& options);
+PairTarget target_of(const EvaluateOptions& options);
+DatasetLayout layout_of(const EvaluateOptions& options);
 
 /// The pairs that methods are compared on.
 /// @throws InputError if the data set lacks something, or recordings are asked for what they do not
 ///         have
-std::unique_ptr<earpoint::EvaluationSet> evaluation_set(const EvaluateOptions& options);
+std::unique_ptr<EvaluationSet> evaluation_set(const EvaluateOptions& options);
+
+}  // namespace earpoint

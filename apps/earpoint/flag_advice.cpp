@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 
+namespace earpoint {
 namespace {
 
 /// Settings that messages of the libraries begin with.
@@ -76,3 +77,5 @@ const CLI::App& given_command(const CLI::App& app) {
   while (!command->get_subcommands().empty()) command = command->get_subcommands().back();
   return *command;
 }
+
+}  // namespace earpoint

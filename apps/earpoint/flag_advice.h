@@ -4,7 +4,8 @@
 
 namespace CLI {
 class App;
-}
+
+namespace earpoint {}
 
 /// A library's message for the command line: what it calls a setting gets the flag of the command
 /// that sets it. "layout: expected ..." becomes "--layout: expected ...", and "...; choose another
@@ -14,3 +15,5 @@ class App;
 
 /// The innermost subcommand that was given, or the program itself.
 [[nodiscard]] const CLI::App& given_command(const CLI::App& app);
+
+}  // namespace CLI

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+namespace earpoint {
+
 CLI::Validator whole_number() {
   return {[](const std::string& text) -> std::string {
             std::uint64_t value = 0;
@@ -15,3 +17,5 @@ CLI::Validator whole_number() {
           },
           ""};
 }
+
+}  // namespace earpoint

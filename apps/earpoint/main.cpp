@@ -28,30 +28,30 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   app.set_version_flag("--version", EARPOINT_VERSION);
   earpoint::add_enhance_command(app);
-  add_evaluate_command(app);
+  earpoint::add_evaluate_command(app);
   earpoint::add_locate_command(app);
-  add_metrics_command(app);
-  add_pairs_command(app);
+  earpoint::add_metrics_command(app);
+  earpoint::add_pairs_command(app);
 #if !defined(EARPOINT_RENDER_ONLY)
   earpoint::add_record_command(app);
 #endif
   earpoint::add_render_command(app);
-  add_responses_command(app);
-  add_model_command(app);
+  earpoint::add_responses_command(app);
+  earpoint::add_model_command(app);
 #if defined(EARPOINT_RENDER_ONLY)
   app.footer("This build only renders and measures; `./dev build` builds the whole program.");
 #else
   earpoint::add_serve_command(app);
   earpoint::add_unpack_command(app);
-  add_simulate_command(app);
+  earpoint::add_simulate_command(app);
   earpoint::add_study_command(app);
-  add_trace_command(app);
+  earpoint::add_trace_command(app);
 #if defined(EARPOINT_TRAIN)
-  add_train_program(app, argv);
+  earpoint::add_train_program(app, argv);
 #endif
-  add_view_command(app);
+  earpoint::add_view_command(app);
 #endif
-  add_completion_commands(app);
+  earpoint::add_completion_commands(app);
   if (answer_completion(app, {argv, static_cast<std::size_t>(argc)})) return 0;
-  return run_app(app, argc, argv);
+  return earpoint::run_app(app, argc, argv);
 }

@@ -10,6 +10,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+namespace earpoint {
 namespace {
 
 constexpr const char* kRest = R"(.SH ENVIRONMENT
@@ -141,3 +142,5 @@ std::string manual_page(const CLI::App& app, const std::string& version) {
   }
   return page + kRest;
 }
+
+}  // namespace earpoint

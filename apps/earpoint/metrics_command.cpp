@@ -28,11 +28,11 @@
 #include <earpoint/evaluate/speech_metrics.h>
 #include <earpoint/rt60/weights.h>
 
+namespace earpoint {
 namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
-using earpoint::Waveform;
 
 struct MetricsOptions {
   fs::path reference;
@@ -110,34 +110,33 @@ struct Pair {
 /// Refuses channels that do not correspond, and samples that are no numbers.
 void check_speech(const Pair& pair, const MetricsOptions& options) {
   if (pair.reference.channels() != pair.estimate.channels()) {
-    throw earpoint::InputError(options.estimate.string(),
-                               fmt::format("has {} channels, {} has {}", pair.estimate.channels(),
-                                           options.reference.string(), pair.reference.channels()),
-                               "compare sounds with the same number of channels");
+    throw InputError(options.estimate.string(),
+                     fmt::format("has {} channels, {} has {}", pair.estimate.channels(),
+                                 options.reference.string(), pair.reference.channels()),
+                     "compare sounds with the same number of channels");
   }
   for (const auto& [sound, path] : {std::pair{&pair.reference, &options.reference},
                                     std::pair{&pair.estimate, &options.estimate}}) {
     if (!std::ranges::all_of(sound->planar(), [](float x) { return std::isfinite(x); })) {
-      throw earpoint::InputError(path->string(), "contains NaN or infinite samples",
-                                 "write the file again");
+      throw InputError(path->string(), "contains NaN or infinite samples", "write the file again");
     }
   }
 }
 
 Pair read_pair(const MetricsOptions& options, Report& report) {
-  Pair pair{earpoint::read_sound(earpoint::stored_input(options.reference)),
-            earpoint::read_sound(earpoint::stored_input(options.estimate))};
-  const int rate_hz = options.variant == "rwavs" ? earpoint::kRwavsRateHz : earpoint::kMetricRateHz;
+  Pair pair{read_sound(stored_input(options.reference)),
+            read_sound(stored_input(options.estimate))};
+  const int rate_hz = options.variant == "rwavs" ? kRwavsRateHz : kMetricRateHz;
   to_rate(pair.reference, rate_hz, options.reference, report);
   to_rate(pair.estimate, rate_hz, options.estimate, report);
   const std::ptrdiff_t shorter = std::min(pair.reference.samples(), pair.estimate.samples());
   const std::ptrdiff_t longer = std::max(pair.reference.samples(), pair.estimate.samples());
   if (shorter != longer) {
     if (!options.trim) {
-      throw earpoint::InputError(options.estimate.string(),
-                                 fmt::format("has {} samples, {} has {}", pair.estimate.samples(),
-                                             options.reference.string(), pair.reference.samples()),
-                                 "use --trim to compare the common length");
+      throw InputError(options.estimate.string(),
+                       fmt::format("has {} samples, {} has {}", pair.estimate.samples(),
+                                   options.reference.string(), pair.reference.samples()),
+                       "use --trim to compare the common length");
     }
     report.notes.push_back(fmt::format("{} samples at the end left out", longer - shorter));
     trim_to(pair.reference, shorter);
@@ -146,8 +145,8 @@ Pair read_pair(const MetricsOptions& options, Report& report) {
   if (options.variant == "speech") {
     check_speech(pair, options);
   } else {
-    earpoint::check_comparable(pair.reference, options.reference.string(), pair.estimate,
-                               options.estimate.string());
+    check_comparable(pair.reference, options.reference.string(), pair.estimate,
+                     options.estimate.string());
   }
   return pair;
 }
@@ -157,7 +156,7 @@ Report compare_speech(const MetricsOptions& options) {
   Report report;
   const Pair pair = read_pair(options, report);
   const int channels = pair.reference.channels();
-  earpoint::Estoi estoi;
+  Estoi estoi;
   std::optional<double> ratio = 0.0;
   std::optional<double> intelligible = 0.0;
   const auto add = [channels](std::optional<double>& sum, const std::optional<double>& value) {
@@ -166,8 +165,8 @@ Report compare_speech(const MetricsOptions& options) {
   for (int c = 0; c < channels; ++c) {
     const auto reference = pair.reference.channel(c);
     const auto estimate = pair.estimate.channel(c);
-    add(ratio, earpoint::si_sdr_db(reference, estimate));
-    add(intelligible, estoi.measure(reference, estimate, earpoint::kMetricRateHz));
+    add(ratio, si_sdr_db(reference, estimate));
+    add(intelligible, estoi.measure(reference, estimate, kMetricRateHz));
   }
   const auto json = [](const std::optional<double>& value) {
     return value ? Json(*value) : Json(nullptr);
@@ -186,30 +185,29 @@ void add_reverberation_error(const MetricsOptions& options, const Pair& pair, Re
     report.rows.push_back({"rte_s", Json(nullptr), "s"});
     return;
   }
-  earpoint::Rt60Estimator estimator(earpoint::read_rt60_estimator_weights(*model));
+  Rt60Estimator estimator(read_rt60_estimator_weights(*model));
   report.rows.push_back(
-      {"rte_s", earpoint::reverberation_error_s(estimator, pair.reference, pair.estimate), "s"});
+      {"rte_s", reverberation_error_s(estimator, pair.reference, pair.estimate), "s"});
 }
 
 Report compare_sounds(const MetricsOptions& options) {
   Report report;
   Pair pair = read_pair(options, report);
   if (options.sign_fix) {
-    const earpoint::SignFix fix =
-        earpoint::fix_sign(std::span(&pair.estimate, 1), std::span(&pair.reference, 1));
-    report.notes.emplace_back(fix == earpoint::SignFix::none ? "the sign fix changed nothing"
-                              : fix == earpoint::SignFix::negated_left
+    const SignFix fix = fix_sign(std::span(&pair.estimate, 1), std::span(&pair.reference, 1));
+    report.notes.emplace_back(fix == SignFix::none ? "the sign fix changed nothing"
+                              : fix == SignFix::negated_left
                                   ? "the sign fix negated the left ear"
                                   : "the sign fix negated the right ear");
   }
   report.extra["samples"] = pair.reference.samples();
   report.extra["sample_rate_hz"] = pair.reference.sample_rate_hz();
   if (options.variant == "rwavs") {
-    const earpoint::RwavsMetrics m = earpoint::rwavs_metrics(pair.reference, pair.estimate);
+    const RwavsMetrics m = rwavs_metrics(pair.reference, pair.estimate);
     report.rows = {{"mag", m.mag, ""}, {"env", m.env, ""}};
     return report;
   }
-  const earpoint::BinauralMetrics m = earpoint::binaural_metrics(pair.reference, pair.estimate);
+  const BinauralMetrics m = binaural_metrics(pair.reference, pair.estimate);
   if (!m.lre_db) report.notes.emplace_back("a left ear is silent, so lre_db has no value");
   report.rows = {{"mag", m.mag, ""}, {"lre_db", m.lre_db ? Json(*m.lre_db) : Json(nullptr), "dB"}};
   add_reverberation_error(options, pair, report);
@@ -219,9 +217,9 @@ Report compare_sounds(const MetricsOptions& options) {
   return report;
 }
 
-Json json_of(const std::vector<earpoint::ChannelDecay>& channels) {
+Json json_of(const std::vector<ChannelDecay>& channels) {
   Json list = Json::array();
-  for (const earpoint::ChannelDecay& channel : channels) {
+  for (const ChannelDecay& channel : channels) {
     list.push_back(
         {{"t60_s", channel.t60_s}, {"edt_s", channel.edt_s}, {"c50_db", channel.c50_db}});
   }
@@ -229,10 +227,10 @@ Json json_of(const std::vector<earpoint::ChannelDecay>& channels) {
 }
 
 Report compare_impulse_responses(const MetricsOptions& options) {
-  const earpoint::DecayComparison found = earpoint::compare_decays(
-      earpoint::read_sound(earpoint::stored_input(options.reference)), options.reference.string(),
-      earpoint::read_sound(earpoint::stored_input(options.estimate)), options.estimate.string());
-  const bool t30 = found.range == earpoint::DecayRange::t30;
+  const DecayComparison found =
+      compare_decays(read_sound(stored_input(options.reference)), options.reference.string(),
+                     read_sound(stored_input(options.estimate)), options.estimate.string());
+  const bool t30 = found.range == DecayRange::t30;
   Report report;
   report.rows = {{"t60_error_s", found.t60_error_s, "s"},
                  {"t60_error_percent", found.t60_error_percent, "%"},
@@ -248,23 +246,22 @@ Report compare_impulse_responses(const MetricsOptions& options) {
 
 /// What the convention, or else the variant, asks for.
 Report compare(MetricsOptions options) {
-  const earpoint::MetricConvention convention = earpoint::convention_named(options.convention);
-  if (earpoint::compares_responses(convention)) {
+  const MetricConvention convention = convention_named(options.convention);
+  if (compares_responses(convention)) {
     for (const auto& [given, flag] :
          {std::pair{options.trim, "--trim"}, std::pair{options.sign_fix, "--sign-fix"},
           std::pair{!options.rt60_model.empty(), "--rt60-model"}}) {
       if (given) {
-        throw earpoint::InputError(flag, "is of binaural sounds, not of impulse responses",
-                                   "leave it out");
+        throw InputError(flag, "is of binaural sounds, not of impulse responses", "leave it out");
       }
     }
     return response_report(convention, options.reference, options.estimate, options.length_s);
   }
   if (options.length_s) {
-    throw earpoint::InputError("--length", "is of conventions that compare impulse responses",
-                               "leave it out, or choose raf, naf, avr or iso");
+    throw InputError("--length", "is of conventions that compare impulse responses",
+                     "leave it out, or choose raf, naf, avr or iso");
   }
-  if (convention == earpoint::MetricConvention::rwavs) options.variant = "rwavs";
+  if (convention == MetricConvention::rwavs) options.variant = "rwavs";
   if (options.impulse_responses) return compare_impulse_responses(options);
   return options.variant == "speech" ? compare_speech(options) : compare_sounds(options);
 }
@@ -317,3 +314,5 @@ void add_metrics_command(CLI::App& app) {
   command->footer(kExamples);
   command->callback([options] { print_report(compare(*options), options->json); });
 }
+
+}  // namespace earpoint

@@ -2,7 +2,10 @@
 
 namespace CLI {
 class App;
-}
+
+namespace earpoint {}
 
 /// Adds `earpoint metrics`: compares an estimate with its reference.
 void add_metrics_command(CLI::App& app);
+
+}  // namespace CLI

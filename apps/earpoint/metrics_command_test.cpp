@@ -17,10 +17,10 @@
 #include <earpoint/rt60/weights.h>
 #include <earpoint/weights/safetensors.h>
 
+namespace earpoint {
 namespace {
 
 namespace fs = std::filesystem;
-using earpoint::Waveform;
 
 class MetricsCommand : public ::testing::Test {
  protected:
@@ -33,7 +33,7 @@ class MetricsCommand : public ::testing::Test {
   void TearDown() override { fs::remove_all(folder_); }
 
   std::string write(const std::string& name, const Waveform& wave) {
-    earpoint::write_sound(folder_ / name, wave, earpoint::SampleFormat::float32);
+    write_sound(folder_ / name, wave, SampleFormat::float32);
     return (folder_ / name).string();
   }
 
@@ -58,7 +58,7 @@ class MetricsCommand : public ::testing::Test {
 };
 
 Waveform noise(std::ptrdiff_t samples, int rate_hz = 16000, int channels = 2) {
-  earpoint::RandomStream random(1);
+  RandomStream random(1);
   Waveform wave(channels, samples, rate_hz);
   for (float& x : wave.planar()) x = static_cast<float>(0.1 * random.normal());
   return wave;
@@ -99,15 +99,14 @@ TEST_F(MetricsCommand, PrintsTheAgreedKeys) {
 
 /// A weight file of an estimator that says `bias_s` of silence, and another time of sound.
 void write_estimator(const std::string& path, float bias_s) {
-  earpoint::Rt60EstimatorWeights weights{{1, {}}, {}, {}};
-  for (const auto& [name, shape] : earpoint::required_tensors(weights.description)) {
+  Rt60EstimatorWeights weights{{1, {}}, {}, {}};
+  for (const auto& [name, shape] : required_tensors(weights.description)) {
     const bool shifts = name.ends_with("bias") || name.ends_with("running_mean");
     const float value = name == "predictor.0.bias" ? bias_s : shifts ? 0.0F : 0.1F;
-    const std::vector<float> values(
-        static_cast<std::size_t>(earpoint::element_count(shape).value()), value);
-    weights.tensors[name] = earpoint::make_tensor<float>(values, shape);
+    const std::vector<float> values(static_cast<std::size_t>(element_count(shape).value()), value);
+    weights.tensors[name] = make_tensor<float>(values, shape);
   }
-  earpoint::write_safetensors(path, earpoint::to_weight_file(weights));
+  write_safetensors(path, to_weight_file(weights));
 }
 
 TEST_F(MetricsCommand, ReverberationErrorComesFromTheNamedEstimator) {
@@ -232,7 +231,7 @@ TEST_F(MetricsCommand, ConventionsOfImpulseResponsesHaveTheirKeys) {
       {"iso",
        {"edt_error_percent", "t20_error_percent", "t30_error_percent", "c50_error_db",
         "c80_error_db", "d50_error", "ts_error_ms"}}};
-  const auto released = nlohmann::json::parse(earpoint::read_text_file(sounds / "released.json"));
+  const auto released = nlohmann::json::parse(read_text_file(sounds / "released.json"));
   for (const auto& [convention, names] : keys) {
     const nlohmann::json json = json_of({reference, estimate, "--convention", convention});
     for (const std::string& name : names) {
@@ -276,7 +275,7 @@ TEST_F(MetricsCommand, AConventionThatDoesNotFitGivesOneLine) {
 TEST_F(MetricsCommand, BadInputGivesOneLine) {
   const std::string good = write("a.wav", noise(16000));
   expect_refused({good, (folder_ / "missing.wav").string()}, "missing.wav: no such file");
-  earpoint::write_file(folder_ / "text.wav", "not a sound");
+  write_file(folder_ / "text.wav", "not a sound");
   expect_refused({(folder_ / "text.wav").string(), good}, "text.wav: is not a readable sound file");
   expect_refused({good, write("mono.wav", noise(16000, 16000, 1))}, "mono.wav: has 1 channel");
 }
@@ -289,3 +288,5 @@ TEST_F(MetricsCommand, HelpTeachesByExample) {
 }
 
 }  // namespace
+
+}  // namespace earpoint

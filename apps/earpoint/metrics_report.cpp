@@ -6,12 +6,14 @@
 
 #include <earpoint/audio/resample.h>
 
-void to_rate(earpoint::Waveform& wave, int rate_hz, const std::filesystem::path& path,
+namespace earpoint {
+
+void to_rate(Waveform& wave, int rate_hz, const std::filesystem::path& path,
              MetricsReport& report) {
   if (wave.sample_rate_hz() == rate_hz) return;
   report.notes.push_back(
       fmt::format("{} resampled from {} to {} Hz", path.string(), wave.sample_rate_hz(), rate_hz));
-  wave = earpoint::resample(wave, rate_hz);
+  wave = resample(wave, rate_hz);
 }
 
 void print_report(const MetricsReport& report, bool as_json) {
@@ -20,7 +22,7 @@ void print_report(const MetricsReport& report, bool as_json) {
     for (const MetricsRow& row : report.rows) json[row.key] = row.value;
     json.update(report.extra);
     json["notes"] = report.notes;
-    fmt::print("{}\n", earpoint::json_text(json));
+    fmt::print("{}\n", json_text(json));
     return;
   }
   for (const MetricsRow& row : report.rows) {
@@ -30,3 +32,5 @@ void print_report(const MetricsReport& report, bool as_json) {
   }
   for (const std::string& note : report.notes) fmt::print("note: {}\n", note);
 }
+
+}  // namespace earpoint

@@ -8,6 +8,8 @@
 
 #include <earpoint/waveform.h>
 
+namespace earpoint {
+
 /// One line of the result: its JSON key, its value and what a table says about it.
 struct MetricsRow {
   std::string key;
@@ -23,7 +25,8 @@ struct MetricsReport {
 };
 
 /// Brings a sound to the rate that its metrics are published at, and notes that.
-void to_rate(earpoint::Waveform& wave, int rate_hz, const std::filesystem::path& path,
-             MetricsReport& report);
+void to_rate(Waveform& wave, int rate_hz, const std::filesystem::path& path, MetricsReport& report);
 
 void print_report(const MetricsReport& report, bool as_json);
+
+}  // namespace earpoint

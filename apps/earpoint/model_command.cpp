@@ -27,6 +27,7 @@
 #include <earpoint/weights/checkpoint.h>
 #include <earpoint/weights/safetensors.h>
 
+namespace earpoint {
 namespace {
 
 namespace fs = std::filesystem;
@@ -54,7 +55,7 @@ struct InfoOptions {
   bool json = false;
 };
 
-std::int64_t value_count(const std::map<std::string, earpoint::Tensor>& tensors) {
+std::int64_t value_count(const std::map<std::string, Tensor>& tensors) {
   std::int64_t count = 0;
   for (const auto& [name, tensor] : tensors) count += tensor.elements();
   return count;
@@ -62,12 +63,11 @@ std::int64_t value_count(const std::map<std::string, earpoint::Tensor>& tensors)
 
 void import_model(const ImportOptions& options) {
   const std::string where = options.checkpoint.string();
-  earpoint::Checkpoint checkpoint = earpoint::import_checkpoint(options.checkpoint);
+  Checkpoint checkpoint = import_checkpoint(options.checkpoint);
   const std::size_t found = checkpoint.state_dict.size();
-  const earpoint::SafetensorsFile file = earpoint::weight_file_from_checkpoint(
-      std::move(checkpoint),
-      options.keep_all ? earpoint::KeepTensors::all : earpoint::KeepTensors::required, where);
-  earpoint::write_safetensors(options.output, file);
+  const SafetensorsFile file = weight_file_from_checkpoint(
+      std::move(checkpoint), options.keep_all ? KeepTensors::all : KeepTensors::required, where);
+  write_safetensors(options.output, file);
   fmt::print("wrote {}: {} tensors, {} values", options.output.string(), file.tensors.size(),
              value_count(file.tensors));
   if (file.tensors.size() < found) {
@@ -78,10 +78,9 @@ void import_model(const ImportOptions& options) {
 }
 
 void export_model(const ExportOptions& options) {
-  const earpoint::ReleasedCheckpoint checkpoint = earpoint::released_checkpoint(
-      earpoint::read_safetensors(options.file), options.file.string());
-  earpoint::write_file(options.output,
-                       serialize_checkpoint(checkpoint, options.output.stem().string()));
+  const ReleasedCheckpoint checkpoint =
+      released_checkpoint(read_safetensors(options.file), options.file.string());
+  write_file(options.output, serialize_checkpoint(checkpoint, options.output.stem().string()));
   fmt::print("wrote {}: {} tensors, {} options", options.output.string(),
              checkpoint.state_dict.size(), checkpoint.hparams.size());
   if (!checkpoint.filled.empty()) {
@@ -106,33 +105,33 @@ struct ModelFacts {
 };
 
 ModelFacts facts_of(const fs::path& path) {
-  earpoint::SafetensorsFile file = earpoint::read_safetensors(path);
+  SafetensorsFile file = read_safetensors(path);
   const std::string where = path.string();
   ModelFacts facts;
-  const earpoint::NetworkKind kind = earpoint::network_kind(file, where);
-  facts.description = Json::parse(file.metadata.at(std::string(earpoint::kDescriptionKey)));
+  const NetworkKind kind = network_kind(file, where);
+  facts.description = Json::parse(file.metadata.at(std::string(kDescriptionKey)));
   const auto take = [&](auto weights) {
     facts.tensors = weights.tensors.size();
     facts.values = value_count(weights.tensors);
     facts.unused = std::move(weights.unused);
   };
   switch (kind) {
-    case earpoint::NetworkKind::vigas:
-      take(earpoint::vigas_weights(std::move(file), where));
+    case NetworkKind::vigas:
+      take(vigas_weights(std::move(file), where));
       break;
-    case earpoint::NetworkKind::gtf: {
-      earpoint::GtfWeights weights = earpoint::gtf_weights(std::move(file), where);
+    case NetworkKind::gtf: {
+      GtfWeights weights = gtf_weights(std::move(file), where);
       facts.training_range = Json::parse(to_json(weights.description.training_range));
       take(std::move(weights));
     } break;
-    case earpoint::NetworkKind::rt60_estimator:
-      take(earpoint::rt60_estimator_weights(std::move(file), where));
+    case NetworkKind::rt60_estimator:
+      take(rt60_estimator_weights(std::move(file), where));
       break;
-    case earpoint::NetworkKind::vam:
-      take(earpoint::vam_weights(std::move(file), where));
+    case NetworkKind::vam:
+      take(vam_weights(std::move(file), where));
       break;
-    case earpoint::NetworkKind::people:
-      take(earpoint::people_weights(std::move(file), where));
+    case NetworkKind::people:
+      take(people_weights(std::move(file), where));
       break;
   }
   return facts;
@@ -153,12 +152,12 @@ std::string text_of(const Json& value) {
 /// Writes the file with another training range; every tensor keeps its bytes.
 void set_training_range(const RangeOptions& options) {
   const std::string where = options.file.string();
-  earpoint::SafetensorsFile file = earpoint::read_safetensors(options.file);
-  const earpoint::GtfWeights weights = earpoint::gtf_weights(file, where);
-  const earpoint::GtfTrainingRange range = earpoint::gtf_training_range_from_json(
-      options.range, "--range", weights.description.training_range);
-  file.metadata[std::string(earpoint::kTrainingRangeKey)] = to_json(range);
-  earpoint::write_safetensors(options.output, file);
+  SafetensorsFile file = read_safetensors(options.file);
+  const GtfWeights weights = gtf_weights(file, where);
+  const GtfTrainingRange range =
+      gtf_training_range_from_json(options.range, "--range", weights.description.training_range);
+  file.metadata[std::string(kTrainingRangeKey)] = to_json(range);
+  write_safetensors(options.output, file);
   fmt::print("wrote {}: {}\n", options.output.string(), text_of(Json::parse(to_json(range))));
 }
 
@@ -171,7 +170,7 @@ void print_info(const InfoOptions& options) {
               {"values", facts.values},
               {"unused_tensors", facts.unused}};
     if (!facts.training_range.is_null()) json["training_range"] = facts.training_range;
-    fmt::print("{}\n", earpoint::json_text(json));
+    fmt::print("{}\n", json_text(json));
     return;
   }
   fmt::print("{}\n", options.file.string());
@@ -242,3 +241,5 @@ void add_model_command(CLI::App& app) {
   add_set_range(*model);
   add_model_run_command(*model);
 }
+
+}  // namespace earpoint

@@ -2,7 +2,10 @@
 
 namespace CLI {
 class App;
-}
+
+namespace earpoint {}
 
 /// Adds `earpoint model`: import, info, run.
 void add_model_command(CLI::App& app);
+
+}  // namespace CLI

@@ -11,6 +11,7 @@
 #include <earpoint/core/file.h>
 #include <earpoint/weights/safetensors.h>
 
+namespace earpoint {
 namespace {
 
 namespace fs = std::filesystem;
@@ -80,12 +81,12 @@ TEST_F(ModelCommand, ExportMakesACheckpointThatImportReadsBack) {
       << exported.errors;
   const std::string again = (folder_ / "again.safetensors").string();
   ASSERT_EQ(run_earpoint({"model", "import", checkpoint, "-o", again, "--keep-all"}).exit_code, 0);
-  EXPECT_EQ(earpoint::read_text_file(again), earpoint::read_text_file(output_));
+  EXPECT_EQ(read_text_file(again), read_text_file(output_));
 }
 
 TEST_F(ModelCommand, SetRangeChangesTheTrainingRangeAndNoTensor) {
   const std::string gtf = (folder_ / "gtf.safetensors").string();
-  earpoint::write_gtf_file(gtf);
+  write_gtf_file(gtf);
   ASSERT_EQ(run_earpoint(
                 {"model", "set-range", gtf, "--range", R"({"farthest_move_m": 8})", "-o", output_})
                 .exit_code,
@@ -94,7 +95,7 @@ TEST_F(ModelCommand, SetRangeChangesTheTrainingRangeAndNoTensor) {
   const nlohmann::json range = nlohmann::json::parse(info.output).at("training_range");
   EXPECT_EQ(range.at("farthest_move_m"), 8.0);
   EXPECT_EQ(range.at("farthest_speaker_m"), 4.0);
-  EXPECT_EQ(earpoint::read_safetensors(output_).tensors, earpoint::read_safetensors(gtf).tensors);
+  EXPECT_EQ(read_safetensors(output_).tensors, read_safetensors(gtf).tensors);
   fs::remove(output_);
   expect_refused({"model", "set-range", gtf, "--range", R"({"nearest_m": 8})", "-o", output_},
                  "--range: unknown key 'nearest_m'");
@@ -104,7 +105,7 @@ TEST_F(ModelCommand, BadFilesGiveOneLineAndNoOutput) {
   expect_refused({"model", "import", "/missing.ckpt", "-o", output_},
                  "earpoint: /missing.ckpt: no such file");
   const std::string text = (folder_ / "text.ckpt").string();
-  earpoint::write_file(text, "not a checkpoint");
+  write_file(text, "not a checkpoint");
   expect_refused({"model", "import", text, "-o", output_}, "is not a complete zip archive");
   expect_refused({"model", "info", text}, "safetensors");
   expect_refused({"model", "info", kCheckpoint}, "safetensors");
@@ -117,3 +118,5 @@ TEST_F(ModelCommand, BadFilesGiveOneLineAndNoOutput) {
 }
 
 }  // namespace
+
+}  // namespace earpoint

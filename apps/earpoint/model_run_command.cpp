@@ -21,11 +21,10 @@
 #include <earpoint/vigas/weights.h>
 #include <earpoint/weights/safetensors.h>
 
+namespace earpoint {
 namespace {
 
 namespace fs = std::filesystem;
-using earpoint::InputError;
-using earpoint::Tensor;
 
 constexpr const char* kNotes = R"(
 Inputs, all F32 with the clips of a batch along the first axis:
@@ -40,7 +39,7 @@ struct RunOptions {
   fs::path weights;
   fs::path inputs;
   fs::path output;
-  int threads = earpoint::available_cores();
+  int threads = available_cores();
 };
 
 /// The inputs of all clips, checked.
@@ -51,10 +50,10 @@ struct Batch {
   std::span<const std::uint8_t> picture_bytes;           ///< src_rgb_u8, if there is one
 };
 
-std::span<const float> expect_floats(const earpoint::SafetensorsFile& file,
-                                     const std::string& where, const std::string& name,
+std::span<const float> expect_floats(const SafetensorsFile& file, const std::string& where,
+                                     const std::string& name,
                                      std::initializer_list<std::int64_t> shape) {
-  const Tensor& tensor = earpoint::expect_tensor(file, where, name, earpoint::DType::f32, shape);
+  const Tensor& tensor = expect_tensor(file, where, name, DType::f32, shape);
   const auto values = tensor.as<float>();
   if (!std::all_of(values.begin(), values.end(), [](float v) { return std::isfinite(v); })) {
     throw InputError(fmt::format("{}: tensor '{}'", where, name), "has NaN or infinite values");
@@ -63,7 +62,7 @@ std::span<const float> expect_floats(const earpoint::SafetensorsFile& file,
 }
 
 /// The name of the tensor that gives the picture.
-std::string picture_tensor(const earpoint::SafetensorsFile& file, const std::string& where,
+std::string picture_tensor(const SafetensorsFile& file, const std::string& where,
                            bool has_encoder) {
   if (!has_encoder) return "visual_feat";
   std::vector<std::string> found;
@@ -76,20 +75,20 @@ std::string picture_tensor(const earpoint::SafetensorsFile& file, const std::str
                                       found.empty() ? "none" : "more"));
 }
 
-Batch check_inputs(const earpoint::SafetensorsFile& file, const std::string& where,
-                   const earpoint::ViGasDescription& network) {
+Batch check_inputs(const SafetensorsFile& file, const std::string& where,
+                   const ViGasDescription& network) {
   Batch batch;
-  batch.values["src_wav"] = expect_floats(
-      file, where, "src_wav", {earpoint::kAnySize, network.audio_channels, earpoint::kAnySize});
+  batch.values["src_wav"] =
+      expect_floats(file, where, "src_wav", {kAnySize, network.audio_channels, kAnySize});
   const auto& shape = file.tensors.at("src_wav").shape;
   batch.clips = shape[0];
   batch.samples = shape[2];
   if (batch.clips == 0 || batch.samples == 0) {
-    throw InputError(fmt::format("{}: tensor 'src_wav'", where),
-                     fmt::format("expected at least one clip of one sample, found {}",
-                                 earpoint::to_string(shape)));
+    throw InputError(
+        fmt::format("{}: tensor 'src_wav'", where),
+        fmt::format("expected at least one clip of one sample, found {}", to_string(shape)));
   }
-  for (const earpoint::ConditioningInput& input : network.inputs) {
+  for (const ConditioningInput& input : network.inputs) {
     if (input.name != "visual_feat") {
       batch.values[input.name] = expect_floats(file, where, input.name, {batch.clips, input.width});
       continue;
@@ -104,9 +103,9 @@ Batch check_inputs(const earpoint::SafetensorsFile& file, const std::string& whe
     if (name == "src_rgb") {
       batch.values[name] = expect_floats(file, where, name, {batch.clips, 3, height, width});
     } else {
-      batch.picture_bytes = earpoint::expect_tensor(file, where, name, earpoint::DType::u8,
-                                                    {batch.clips, 3, height, width})
-                                .as<std::uint8_t>();
+      batch.picture_bytes =
+          expect_tensor(file, where, name, DType::u8, {batch.clips, 3, height, width})
+              .as<std::uint8_t>();
     }
   }
   return batch;
@@ -119,7 +118,7 @@ std::span<T> of_clip(std::span<T> values, const Batch& batch, std::int64_t clip)
   return values.subspan(clip * size, size);
 }
 
-std::vector<float> visual_feature(earpoint::ViGas& network, const Batch& batch, std::int64_t clip) {
+std::vector<float> visual_feature(ViGas& network, const Batch& batch, std::int64_t clip) {
   if (const auto given = batch.values.find("visual_feat"); given != batch.values.end()) {
     const auto feature = of_clip(given->second, batch, clip);
     return {feature.begin(), feature.end()};
@@ -134,15 +133,15 @@ std::vector<float> visual_feature(earpoint::ViGas& network, const Batch& batch, 
   return network.image_feature(picture);
 }
 
-earpoint::SafetensorsFile run_batch(earpoint::ViGas& network, const Batch& batch) {
-  const earpoint::ViGasDescription& description = network.description();
+SafetensorsFile run_batch(ViGas& network, const Batch& batch) {
+  const ViGasDescription& description = network.description();
   std::vector<float> predictions(batch.values.at("src_wav").size());
   std::vector<float> all_fused(batch.clips * description.conditioning_width);
   std::vector<float> features;
   for (std::int64_t clip = 0; clip < batch.clips; ++clip) {
     std::vector<float> feature;
-    std::vector<earpoint::ConditioningValues> inputs;
-    for (const earpoint::ConditioningInput& input : description.inputs) {
+    std::vector<ConditioningValues> inputs;
+    for (const ConditioningInput& input : description.inputs) {
       if (input.name == "visual_feat") {
         feature = visual_feature(network, batch, clip);
         features.insert(features.end(), feature.begin(), feature.end());
@@ -157,10 +156,10 @@ earpoint::SafetensorsFile run_batch(earpoint::ViGas& network, const Batch& batch
                        of_clip(std::span(predictions), batch, clip));
   }
 
-  earpoint::SafetensorsFile outputs;
+  SafetensorsFile outputs;
   const auto add = [&](const char* name, const std::vector<float>& values,
                        std::vector<std::int64_t> shape) {
-    outputs.tensors.emplace(name, earpoint::make_tensor<float>(values, std::move(shape)));
+    outputs.tensors.emplace(name, make_tensor<float>(values, std::move(shape)));
   };
   add("pred", predictions, {batch.clips, description.audio_channels, batch.samples});
   add("fused", all_fused, {batch.clips, description.conditioning_width});
@@ -172,11 +171,11 @@ earpoint::SafetensorsFile run_batch(earpoint::ViGas& network, const Batch& batch
 }
 
 void run_model(const RunOptions& options) {
-  const earpoint::ViGasWeights weights = earpoint::read_vigas_weights(options.weights);
-  const earpoint::SafetensorsFile inputs = earpoint::read_safetensors(options.inputs);
+  const ViGasWeights weights = read_vigas_weights(options.weights);
+  const SafetensorsFile inputs = read_safetensors(options.inputs);
   const Batch batch = check_inputs(inputs, options.inputs.string(), weights.description);
-  earpoint::ViGas network(weights, options.threads);
-  earpoint::write_safetensors(options.output, run_batch(network, batch));
+  ViGas network(weights, options.threads);
+  write_safetensors(options.output, run_batch(network, batch));
 }
 
 }  // namespace
@@ -195,3 +194,5 @@ void add_model_run_command(CLI::App& model) {
       ->capture_default_str();
   command->callback([options] { run_model(*options); });
 }
+
+}  // namespace earpoint

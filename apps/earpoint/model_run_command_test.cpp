@@ -11,11 +11,10 @@
 #include <earpoint/core/file.h>
 #include <earpoint/weights/safetensors.h>
 
+namespace earpoint {
 namespace {
 
 namespace fs = std::filesystem;
-using earpoint::SafetensorsFile;
-using earpoint::Tensor;
 
 const std::string kOracle = EARPOINT_SOURCE_DIR "/src/networks/vigas/testdata/C_mini_noresnet";
 
@@ -35,13 +34,13 @@ class ModelRunCommand : public ::testing::Test {
   void TearDown() override { fs::remove_all(folder_); }
 
   [[nodiscard]] static SafetensorsFile oracle_inputs() {
-    return earpoint::read_safetensors(kOracle + "/inputs.safetensors");
+    return read_safetensors(kOracle + "/inputs.safetensors");
   }
 
   /// Exit 2, one line on standard error, nothing written.
   void expect_refused(const SafetensorsFile& inputs, const std::string& part) {
     const std::string path = (folder_ / "inputs.safetensors").string();
-    earpoint::write_safetensors(path, inputs);
+    write_safetensors(path, inputs);
     const ProgramOutcome outcome = run_earpoint({"model", "run", weights_, path, "-o", output_});
     EXPECT_EQ(outcome.exit_code, 2);
     EXPECT_EQ(outcome.output, "");
@@ -69,8 +68,8 @@ TEST_F(ModelRunCommand, WritesWhatTheReleasedCodeWrote) {
       {"model", "run", weights_, kOracle + "/inputs.safetensors", "-o", output_, "--threads", "1"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
   EXPECT_EQ(outcome.output, "");
-  const SafetensorsFile found = earpoint::read_safetensors(output_);
-  const SafetensorsFile expected = earpoint::read_safetensors(kOracle + "/outputs.safetensors");
+  const SafetensorsFile found = read_safetensors(output_);
+  const SafetensorsFile expected = read_safetensors(kOracle + "/outputs.safetensors");
   // Four float32 layers with values of order 1.
   EXPECT_LT(largest_difference(found.tensors.at("pred"), expected.tensors.at("pred")), 5e-6);
   EXPECT_LT(largest_difference(found.tensors.at("fused"), expected.tensors.at("fused")), 5e-6);
@@ -86,7 +85,7 @@ TEST_F(ModelRunCommand, ThreadsDoNotChangeAByte) {
                       "--threads", threads});
     ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
   }
-  EXPECT_EQ(earpoint::read_file(output_), earpoint::read_file(other));
+  EXPECT_EQ(read_file(output_), read_file(other));
 }
 
 TEST_F(ModelRunCommand, WrongTensorsGiveOneLineAndNoOutput) {
@@ -99,7 +98,7 @@ TEST_F(ModelRunCommand, WrongTensorsGiveOneLineAndNoOutput) {
   expect_refused(inputs, "tensor 'tgt_pose': expected F32 [2, 3], found F32 [3, 2]");
 
   inputs = oracle_inputs();
-  inputs.tensors["src_wav"] = earpoint::make_tensor<float>(std::vector<float>{}, {0, 2, 5});
+  inputs.tensors["src_wav"] = make_tensor<float>(std::vector<float>{}, {0, 2, 5});
   expect_refused(inputs, "expected at least one clip of one sample, found [0, 2, 5]");
 
   inputs = oracle_inputs();
@@ -109,8 +108,10 @@ TEST_F(ModelRunCommand, WrongTensorsGiveOneLineAndNoOutput) {
   inputs = oracle_inputs();
   std::vector<float> boxes(8, 0.5F);
   boxes[3] = NAN;
-  inputs.tensors["bboxes"] = earpoint::make_tensor<float>(boxes, {2, 4});
+  inputs.tensors["bboxes"] = make_tensor<float>(boxes, {2, 4});
   expect_refused(inputs, "tensor 'bboxes': has NaN or infinite values");
 }
 
 }  // namespace
+
+}  // namespace earpoint

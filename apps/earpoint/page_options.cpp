@@ -2,7 +2,9 @@
 
 #include <earpoint/serve/clip_library.h>
 
-void add_page_options(CLI::App& command, earpoint::PageAddress& address) {
+namespace earpoint {
+
+void add_page_options(CLI::App& command, PageAddress& address) {
   command
       .add_option("--host", address.host,
                   "Address to listen at; 0.0.0.0: all networks of this computer")
@@ -12,7 +14,9 @@ void add_page_options(CLI::App& command, earpoint::PageAddress& address) {
       ->capture_default_str();
 }
 
-earpoint::PageAddress with_token(earpoint::PageAddress address) {
-  if (!earpoint::is_loopback(address.host)) address.token = earpoint::unguessable_name();
+PageAddress with_token(PageAddress address) {
+  if (!is_loopback(address.host)) address.token = unguessable_name();
   return address;
 }
+
+}  // namespace earpoint

@@ -14,10 +14,10 @@
 #include <earpoint/dataset/pair_list.h>
 #include <earpoint/error.h>
 
+namespace earpoint {
 namespace {
 
 namespace fs = std::filesystem;
-using earpoint::InputError;
 
 constexpr const char* kFooter = R"(
 Examples:
@@ -41,9 +41,9 @@ struct Options {
 };
 
 void run(const Options& options) {
-  using earpoint::DatasetLayout;
-  const earpoint::PairDraw draw = earpoint::draw_named(options.draw);
-  if (draw == earpoint::PairDraw::released && options.seed) {
+  using DatasetLayout;
+  const PairDraw draw = draw_named(options.draw);
+  if (draw == PairDraw::released && options.seed) {
     throw InputError("--seed", "the released draw has its own", "leave it out");
   }
   static_cast<void>(dataset_layout(options.data, DatasetLayout::soundspaces));
@@ -53,10 +53,9 @@ void run(const Options& options) {
     throw InputError(output.string(), "exists already",
                      "results are compared on it: choose another file with -o");
   }
-  const earpoint::SoundSpacesDataset dataset(
-      earpoint::soundspaces_options(options.data, options.split));
-  const earpoint::PairList list = draw_pair_list(dataset, draw, options.seed.value_or(1));
-  earpoint::write_file(output, text_of(list));
+  const SoundSpacesDataset dataset(soundspaces_options(options.data, options.split));
+  const PairList list = draw_pair_list(dataset, draw, options.seed.value_or(1));
+  write_file(output, text_of(list));
   fmt::print("wrote {}: {} pairs of {} clips\n", output.string(), list.pairs.size(),
              dataset.clips().size());
 }
@@ -83,3 +82,5 @@ void add_pairs_command(CLI::App& app) {
   command->footer(kFooter);
   command->callback([options] { run(*options); });
 }
+
+}  // namespace earpoint

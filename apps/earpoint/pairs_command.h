@@ -2,7 +2,10 @@
 
 namespace CLI {
 class App;
-}
+
+namespace earpoint {}
 
 /// Adds `earpoint pairs` to the program.
 void add_pairs_command(CLI::App& app);
+
+}  // namespace CLI

@@ -11,6 +11,7 @@
 #include <earpoint/core/file.h>
 #include <earpoint/dataset_testing/tiny_dataset.h>
 
+namespace earpoint {
 namespace {
 
 namespace fs = std::filesystem;
@@ -21,7 +22,7 @@ class PairsCommand : public ::testing::Test {
   void SetUp() override {
     root_ = fs::path(testing::TempDir()) / ("pairs_command." + std::to_string(::getpid()));
     fs::remove_all(root_);
-    earpoint::write_published_dataset(root_, {.clips = 2});
+    write_published_dataset(root_, {.clips = 2});
   }
   void TearDown() override { fs::remove_all(root_); }
 
@@ -63,7 +64,7 @@ TEST_F(PairsCommand, WritesTheListThatEvaluateTakes) {
   ASSERT_EQ(run_earpoint({"pairs", "--data", root_.string(), "--draw", "released", "-o", released})
                 .exit_code,
             0);
-  const auto list = nlohmann::json::parse(earpoint::read_text_file(released));
+  const auto list = nlohmann::json::parse(read_text_file(released));
   ASSERT_EQ(list.at("pairs").size(), 2U);
   for (const auto& pair : list.at("pairs")) EXPECT_EQ(pair.at("window_start"), 0);
   const auto mag = [&](const std::vector<std::string>& more) {
@@ -80,7 +81,7 @@ TEST_F(PairsCommand, WritesTheListThatEvaluateTakes) {
 
 TEST_F(PairsCommand, BothDataSetsUnderOneRootAskForTheLayout) {
   fs::create_directories(root_ / "data/appen_dataset/v3");
-  earpoint::write_file(root_ / "data/appen_dataset/v3/metadata_v2.json", std::string_view("{}"));
+  write_file(root_ / "data/appen_dataset/v3/metadata_v2.json", std::string_view("{}"));
   const std::string data = root_.string();
   EXPECT_NE(refusal({"evaluate", "--data", data, "--quiet"})
                 .find("choose the layout, soundspaces or replay (--layout)"),
@@ -101,7 +102,7 @@ TEST_F(PairsCommand, BothDataSetsUnderOneRootAskForTheLayout) {
 }
 
 TEST_F(PairsCommand, SixteenBitSpeechIsNotTakenInSilence) {
-  earpoint::write_published_dataset(root_, {.clips = 1}, true);
+  write_published_dataset(root_, {.clips = 1}, true);
   const ProgramOutcome outcome = run_earpoint(
       {"evaluate", "--data", root_.string(), "--methods", "input", "--json", "--quiet"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
@@ -109,3 +110,5 @@ TEST_F(PairsCommand, SixteenBitSpeechIsNotTakenInSilence) {
 }
 
 }  // namespace
+
+}  // namespace earpoint

@@ -10,6 +10,7 @@
 #include <earpoint/core/file.h>
 #include <earpoint/record_testing/test_session.h>
 
+namespace earpoint {
 namespace {
 
 namespace fs = std::filesystem;
@@ -20,8 +21,8 @@ class RecordCommand : public ::testing::Test {
   static void SetUpTestSuite() {
     folder() = fs::path(testing::TempDir()) / ("record_command." + std::to_string(::getpid()));
     fs::remove_all(folder());
-    earpoint::TestSession made = earpoint::make_test_session(
-        {.cameras = 4, .people = 2, .duration_s = 24.0, .reverberation_s = 0.0});
+    TestSession made =
+        make_test_session({.cameras = 4, .people = 2, .duration_s = 24.0, .reverberation_s = 0.0});
     write_test_session(folder(), made);
   }
   static void TearDownTestSuite() { fs::remove_all(folder()); }
@@ -52,9 +53,9 @@ TEST_F(RecordCommand, PreparedClipsAreEvaluated) {
   for (const char* split : {"train", "test"}) {
     // The same session as two scenes: nothing is trained on it here.
     const fs::path scene = folder() / (std::string("session-") + split + ".json");
-    auto json = nlohmann::json::parse(earpoint::read_text_file(folder() / "session.json"));
+    auto json = nlohmann::json::parse(read_text_file(folder() / "session.json"));
     json["scene"] = split;
-    earpoint::write_file(scene, std::string_view(json.dump()));
+    write_file(scene, std::string_view(json.dump()));
     const ProgramOutcome made = run_earpoint(
         {"record", "prepare", scene.string(), "--out", out, "--split", split, "--quiet"});
     ASSERT_EQ(made.exit_code, 0) << made.errors;
@@ -70,8 +71,8 @@ TEST_F(RecordCommand, PreparedClipsAreEvaluated) {
 }
 
 TEST_F(RecordCommand, AFieldThatIsWrongIsNamedInALine) {
-  earpoint::write_file(folder() / "wrong.json",
-                       std::string_view(R"({"format": "earpoint-session-1", "cameras": 7})"));
+  write_file(folder() / "wrong.json",
+             std::string_view(R"({"format": "earpoint-session-1", "cameras": 7})"));
   const ProgramOutcome outcome = run_earpoint({"record", "sync", in("wrong.json")});
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_NE(outcome.errors.find("wrong.json: cameras: expected a list"), std::string::npos)
@@ -79,3 +80,5 @@ TEST_F(RecordCommand, AFieldThatIsWrongIsNamedInALine) {
 }
 
 }  // namespace
+
+}  // namespace earpoint

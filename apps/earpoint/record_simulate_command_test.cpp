@@ -12,6 +12,7 @@
 #include <earpoint/core/random.h>
 #include <earpoint/media/media.h>
 
+namespace earpoint {
 namespace {
 
 namespace fs = std::filesystem;
@@ -26,13 +27,13 @@ class RecordSimulateCommand : public ::testing::Test {
     ::setenv("EARPOINT_DATA_DIR", (folder_ / "nothing").c_str(), 1);
     std::string index = "file,speaker,gender,split\n";
     for (const std::string gender : {"female", "male"}) {
-      earpoint::Waveform sound(1, 24000, 16000);
-      earpoint::RandomStream random(gender.size());
+      Waveform sound(1, 24000, 16000);
+      RandomStream random(gender.size());
       for (float& sample : sound.channel(0)) sample = static_cast<float>(random.uniform(-0.1, 0.1));
-      earpoint::write_sound(folder_ / "speech" / (gender + ".wav"), sound);
+      write_sound(folder_ / "speech" / (gender + ".wav"), sound);
       index += gender + ".wav," + gender + " voice," + gender + ",train\n";
     }
-    earpoint::write_file(folder_ / "speech" / "speech.csv", index);
+    write_file(folder_ / "speech" / "speech.csv", index);
   }
   void TearDown() override {
     ::unsetenv("EARPOINT_DATA_DIR");
@@ -88,9 +89,9 @@ TEST_F(RecordSimulateCommand, MakesASessionAndGoesOnThere) {
   for (const char* name : {"session.json", "truth.json", "boxes.csv", "near-1.wav", "near-2.wav"}) {
     EXPECT_TRUE(fs::exists(session / name)) << name;
   }
-  const earpoint::MediaInfo movie = earpoint::probe_media(session / "camera-2.mp4");
-  EXPECT_EQ(movie.preferred(earpoint::StreamKind::video)->width, 64);
-  EXPECT_EQ(movie.preferred(earpoint::StreamKind::audio)->sample_rate_hz, 48000);
+  const MediaInfo movie = probe_media(session / "camera-2.mp4");
+  EXPECT_EQ(movie.preferred(StreamKind::video)->width, 64);
+  EXPECT_EQ(movie.preferred(StreamKind::audio)->sample_rate_hz, 48000);
 
   // Once more: everything is there already, and its folder is printed.
   const ProgramOutcome again = run_earpoint(arguments({}));
@@ -116,3 +117,5 @@ TEST_F(RecordSimulateCommand, SaysThatASceneHasNoRoom) {
 }
 
 }  // namespace
+
+}  // namespace earpoint

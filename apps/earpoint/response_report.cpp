@@ -11,11 +11,10 @@
 #include <earpoint/evaluate/iso3382.h>
 #include <earpoint/evaluate/response_metrics.h>
 
+namespace earpoint {
 namespace {
 
 namespace fs = std::filesystem;
-using earpoint::MetricConvention;
-using earpoint::ResponsePair;
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kInvalidT60 =
@@ -24,7 +23,7 @@ constexpr const char* kInvalidT60 =
 Json json_of(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
 
 void add_raf(const ResponsePair& pair, MetricsReport& report) {
-  const earpoint::RafMetrics m = earpoint::raf_metrics(pair);
+  const RafMetrics m = raf_metrics(pair);
   report.rows = {{"stft_error", m.stft_error, ""},
                  {"t60_error_percent", json_of(m.t60_error_percent), "%"},
                  {"edt_error_s", json_of(m.edt_error_s), "s"},
@@ -34,7 +33,7 @@ void add_raf(const ResponsePair& pair, MetricsReport& report) {
 }
 
 void add_naf(const ResponsePair& pair, MetricsReport& report) {
-  const earpoint::NafMetrics m = earpoint::naf_metrics(pair);
+  const NafMetrics m = naf_metrics(pair);
   report.rows = {{"spectral_loss", m.spectral_loss, ""},
                  {"t60_error_percent", json_of(m.t60_error_percent), "%"}};
   report.extra["t60_invalid"] = m.t60_invalid;
@@ -42,7 +41,7 @@ void add_naf(const ResponsePair& pair, MetricsReport& report) {
 }
 
 void add_avr(const ResponsePair& pair, MetricsReport& report) {
-  const earpoint::AvrMetrics m = earpoint::avr_metrics(pair);
+  const AvrMetrics m = avr_metrics(pair);
   report.rows = {{"phase", m.phase, ""},
                  {"amp", m.amp, ""},
                  {"env", m.env, ""},
@@ -52,11 +51,11 @@ void add_avr(const ResponsePair& pair, MetricsReport& report) {
                  {"multi_stft", m.multi_stft, ""}};
 }
 
-Json json_of(const std::vector<std::vector<earpoint::IsoBand>>& channels) {
+Json json_of(const std::vector<std::vector<IsoBand>>& channels) {
   Json list = Json::array();
-  for (const std::vector<earpoint::IsoBand>& bands : channels) {
+  for (const std::vector<IsoBand>& bands : channels) {
     Json channel = Json::array();
-    for (const earpoint::IsoBand& band : bands) {
+    for (const IsoBand& band : bands) {
       channel.push_back({{"centre_hz", band.centre_hz},
                          {"edt_s", json_of(band.edt_s)},
                          {"t20_s", json_of(band.t20_s)},
@@ -72,7 +71,7 @@ Json json_of(const std::vector<std::vector<earpoint::IsoBand>>& channels) {
 }
 
 void add_iso(const ResponsePair& pair, MetricsReport& report) {
-  const earpoint::IsoMetrics m = earpoint::iso_metrics(pair);
+  const IsoMetrics m = iso_metrics(pair);
   report.rows = {{"edt_error_percent", json_of(m.edt_error_percent), "%"},
                  {"t20_error_percent", json_of(m.t20_error_percent), "%"},
                  {"t30_error_percent", json_of(m.t30_error_percent), "%"},
@@ -103,18 +102,18 @@ MetricsReport response_report(MetricConvention convention, const ResponsePair& p
 MetricsReport response_report(MetricConvention convention, const fs::path& reference,
                               const fs::path& estimate, std::optional<double> length_s) {
   MetricsReport resampled;
-  earpoint::Waveform truth = earpoint::read_sound(earpoint::stored_input(reference));
-  earpoint::Waveform found = earpoint::read_sound(earpoint::stored_input(estimate));
+  Waveform truth = read_sound(stored_input(reference));
+  Waveform found = read_sound(stored_input(estimate));
   if (convention == MetricConvention::raf || convention == MetricConvention::naf) {
-    const int rate_hz = earpoint::convention_rate_hz(convention, truth.sample_rate_hz());
+    const int rate_hz = convention_rate_hz(convention, truth.sample_rate_hz());
     to_rate(truth, rate_hz, reference, resampled);
     to_rate(found, rate_hz, estimate, resampled);
   }
   const std::ptrdiff_t shorter = std::min(truth.samples(), found.samples());
   const fs::path ended = truth.samples() < found.samples() ? reference : estimate;
-  const ResponsePair pair = earpoint::response_pair(
-      std::move(truth), reference.string(), std::move(found), estimate.string(),
-      length_s ? length_s : earpoint::compared_length_s(convention));
+  const ResponsePair pair =
+      response_pair(std::move(truth), reference.string(), std::move(found), estimate.string(),
+                    length_s ? length_s : compared_length_s(convention));
   MetricsReport report = response_report(convention, pair);
   report.notes.insert(report.notes.begin(), resampled.notes.begin(), resampled.notes.end());
   if (shorter < pair.reference.samples()) {
@@ -123,3 +122,5 @@ MetricsReport response_report(MetricConvention convention, const fs::path& refer
   }
   return report;
 }
+
+}  // namespace earpoint

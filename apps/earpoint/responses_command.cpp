@@ -23,14 +23,10 @@
 #include <earpoint/error.h>
 #include <earpoint/evaluate/metric_convention.h>
 
+namespace earpoint {
 namespace {
 
 namespace fs = std::filesystem;
-using earpoint::InputError;
-using earpoint::MetricConvention;
-using earpoint::RafDataset;
-using earpoint::RafItem;
-using earpoint::Waveform;
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kFooter = R"(
@@ -74,15 +70,14 @@ std::vector<RafItem> chosen(const RafDataset& dataset, std::optional<std::size_t
   return items;
 }
 
-std::string place(const earpoint::Vector3& at) {
+std::string place(const Vector3& at) {
   return fmt::format("{:.4g},{:.4g},{:.4g}", at.x, at.y, at.z);
 }
 
 std::string source_of(const RafItem& item) {
-  const double yaw_rad =
-      earpoint::euler_from_quaternion(item.world_from_speaker.orientation).yaw_rad;
+  const double yaw_rad = euler_from_quaternion(item.world_from_speaker.orientation).yaw_rad;
   return fmt::format("{},yaw={:.4g}", place(item.world_from_speaker.position_m),
-                     earpoint::degrees_from_radians(yaw_rad));
+                     degrees_from_radians(yaw_rad));
 }
 
 void list(const Options& options) {
@@ -94,7 +89,7 @@ void list(const Options& options) {
     items.push_back({{"id", item.id}, {"source", source}, {"listener", listener}});
     if (!options.json) fmt::print("{}  source {}  listener {}\n", item.id, source, listener);
   }
-  if (options.json) fmt::print("{}\n", earpoint::json_text(Json({{"items", items}})));
+  if (options.json) fmt::print("{}\n", json_text(Json({{"items", items}})));
 }
 
 /// Where estimates come from.
@@ -106,11 +101,11 @@ class Estimates {
   /// What messages call an estimate, and the estimate.
   [[nodiscard]] std::pair<std::string, Waveform> of(const RafItem& item) const {
     if (training_) {
-      const RafItem& nearest = earpoint::nearest_item(item, training_->items());
+      const RafItem& nearest = nearest_item(item, training_->items());
       return {nearest.id, training_->response(nearest)};
     }
     const fs::path file = options_.estimates / (item.id + ".wav");
-    return {file.string(), earpoint::read_sound(earpoint::stored_input(file))};
+    return {file.string(), read_sound(stored_input(file))};
   }
 
  private:
@@ -166,20 +161,19 @@ class Means {
 };
 
 void compare(const Options& options) {
-  const MetricConvention convention = earpoint::convention_named(options.convention);
+  const MetricConvention convention = convention_named(options.convention);
   const RafDataset dataset = dataset_of(options, options.split);
   const Estimates estimates(options);
   const std::optional<double> length_s =
-      options.length_s ? options.length_s : earpoint::compared_length_s(convention);
+      options.length_s ? options.length_s : compared_length_s(convention);
   Means means;
   for (const RafItem& item : chosen(dataset, options.limit)) {
     Waveform reference = dataset.response(item);
     auto [name, estimate] = estimates.of(item);
-    const int rate_hz = earpoint::convention_rate_hz(convention, reference.sample_rate_hz());
-    means.add(response_report(
-        convention,
-        earpoint::response_pair(earpoint::resample(reference, rate_hz), item.id,
-                                earpoint::resample(estimate, rate_hz), name, length_s)));
+    const int rate_hz = convention_rate_hz(convention, reference.sample_rate_hz());
+    means.add(
+        response_report(convention, response_pair(resample(reference, rate_hz), item.id,
+                                                  resample(estimate, rate_hz), name, length_s)));
   }
   MetricsReport report = means.report();
   report.extra["convention"] = options.convention;
@@ -225,3 +219,5 @@ void add_responses_command(CLI::App& app) {
   command->footer(kFooter);
   command->callback([options] { run(*options); });
 }
+
+}  // namespace earpoint

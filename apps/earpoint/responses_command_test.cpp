@@ -14,6 +14,7 @@
 #include <earpoint/dataset_testing/tiny_published.h>
 #include <earpoint/scene/import.h>
 
+namespace earpoint {
 namespace {
 
 namespace fs = std::filesystem;
@@ -25,7 +26,7 @@ class ResponsesCommand : public ::testing::Test {
             (std::string("responses_command_") +
              testing::UnitTest::GetInstance()->current_test_info()->name());
     fs::remove_all(room_);
-    earpoint::write_tiny_raf(room_);
+    write_tiny_raf(room_);
   }
   void TearDown() override { fs::remove_all(room_); }
 
@@ -55,10 +56,9 @@ TEST_F(ResponsesCommand, ListsPlacesAsTraceTakesThem) {
 }
 
 TEST_F(ResponsesCommand, PlacesAreInTheFrameOfTheRoomsModel) {
-  earpoint::write_file(room_ / "room.obj",
-                       std::string_view("v 1 2 3\nv 4 5 7\nv 6 2 1\nf 1 2 3\n"));
-  const earpoint::Scene scene = earpoint::import_scene(room_ / "room.obj").scene;
-  const earpoint::Vector3 place = earpoint::position_from_raf({4.0, 5.0, 7.0});
+  write_file(room_ / "room.obj", std::string_view("v 1 2 3\nv 4 5 7\nv 6 2 1\nf 1 2 3\n"));
+  const Scene scene = import_scene(room_ / "room.obj").scene;
+  const Vector3 place = position_from_raf({4.0, 5.0, 7.0});
   const std::array<float, 3> expected{static_cast<float>(place.x), static_cast<float>(place.y),
                                       static_cast<float>(place.z)};
   EXPECT_NE(std::ranges::find(scene.mesh.positions, expected), scene.mesh.positions.end());
@@ -107,3 +107,5 @@ TEST_F(ResponsesCommand, AFolderThatIsNoRoomGivesOneLine) {
 }
 
 }  // namespace
+
+}  // namespace earpoint

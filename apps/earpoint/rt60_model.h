@@ -3,6 +3,8 @@
 #include <filesystem>
 #include <optional>
 
+namespace earpoint {
+
 /// What to say where rt60_model() finds nothing.
 inline constexpr const char* kNoRt60Model =
     "found no rt60.safetensors among the shipped models, so rte_s is left out; "
@@ -12,3 +14,5 @@ inline constexpr const char* kNoRt60Model =
 /// @param given  by --rt60-model; empty: the shipped one
 /// @return nothing if none is given and none is shipped
 std::optional<std::filesystem::path> rt60_model(const std::filesystem::path& given);
+
+}  // namespace earpoint

@@ -13,6 +13,7 @@
 #include <earpoint/core/file.h>
 #include <earpoint/error.h>
 
+namespace earpoint {
 namespace {
 
 /// 0 if all that was printed has arrived, else 2.
@@ -29,7 +30,7 @@ int flushed() {
 }  // namespace
 
 int run_app(CLI::App& app, int argc, char** argv) {
-  earpoint::remove_partial_files_on_signals();
+  remove_partial_files_on_signals();
   try {
     app.parse(argc, argv);
     return flushed();
@@ -40,7 +41,7 @@ int run_app(CLI::App& app, int argc, char** argv) {
     }
     std::fprintf(stderr, "earpoint: %s; see --help\n", error.what());
     return 2;
-  } catch (const earpoint::InputError& error) {
+  } catch (const InputError& error) {
     std::fprintf(stderr, "earpoint: %s\n", with_flags(error.what(), &given_command(app)).c_str());
     return 2;
   } catch (const std::exception& error) {
@@ -49,3 +50,5 @@ int run_app(CLI::App& app, int argc, char** argv) {
     return 1;
   }
 }
+
+}  // namespace earpoint

@@ -11,6 +11,8 @@
 
 #include <earpoint/core/file.h>
 
+namespace earpoint {
+
 namespace fs = std::filesystem;
 
 namespace {
@@ -56,9 +58,8 @@ ProgramOutcome run_program(const fs::path& program, const std::vector<std::strin
   if (::waitpid(child, &status, 0) != child)
     throw std::runtime_error("cannot wait for the program");
 
-  ProgramOutcome outcome{WIFEXITED(status) ? WEXITSTATUS(status) : -1,
-                         earpoint::read_text_file(captured[0]),
-                         earpoint::read_text_file(captured[1])};
+  ProgramOutcome outcome{WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_text_file(captured[0]),
+                         read_text_file(captured[1])};
   for (const std::string& path : captured) fs::remove(path);
   return outcome;
 }
@@ -67,3 +68,5 @@ ProgramOutcome run_earpoint(const std::vector<std::string>& arguments,
                             const std::vector<std::string>& environment) {
   return run_program(EARPOINT_PROGRAM, arguments, environment);
 }
+
+}  // namespace earpoint

@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+namespace earpoint {
+
 /// What a program left behind.
 struct ProgramOutcome {
   int exit_code = -1;
@@ -21,3 +23,5 @@ ProgramOutcome run_program(const std::filesystem::path& program,
 /// The same for the earpoint program that was built beside the tests.
 ProgramOutcome run_earpoint(const std::vector<std::string>& arguments,
                             const std::vector<std::string>& environment = {});
+
+}  // namespace earpoint

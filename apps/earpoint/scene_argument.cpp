@@ -10,9 +10,8 @@
 #include <earpoint/scene/import.h>
 #include <earpoint/scene/model_pack.h>
 
+namespace earpoint {
 namespace {
-
-using earpoint::InputError;
 
 void check_that_one_is_named(const SceneArgument& argument) {
   const int named = (argument.file.empty() ? 0 : 1) + (argument.shoebox.empty() ? 0 : 1) +
@@ -33,17 +32,16 @@ void check_that_file_options_have_a_file(const SceneArgument& argument) {
 }
 
 NamedScene read_scene_file(const SceneArgument& argument) {
-  earpoint::ImportOptions options{.unit_m = argument.unit_m,
-                                  .close_ceiling = argument.close_ceiling};
+  ImportOptions options{.unit_m = argument.unit_m, .close_ceiling = argument.close_ceiling};
   if (!argument.up_axis.empty()) {
-    options.up_axis = argument.up_axis == "y" ? earpoint::UpAxis::y : earpoint::UpAxis::z;
+    options.up_axis = argument.up_axis == "y" ? UpAxis::y : UpAxis::z;
   }
-  std::optional<earpoint::MaterialTable> table;
+  std::optional<MaterialTable> table;
   if (!argument.materials.empty()) {
-    table = earpoint::load_material_table(argument.materials);
+    table = load_material_table(argument.materials);
     options.materials = &*table;
   }
-  earpoint::ImportedScene imported = earpoint::import_scene(argument.file, options);
+  ImportedScene imported = import_scene(argument.file, options);
   return {std::move(imported.scene), imported.origin_m, imported.report.warnings()};
 }
 
@@ -76,8 +74,10 @@ NamedScene read_scene(const SceneArgument& argument) {
   if (!argument.file.empty()) return read_scene_file(argument);
   check_that_file_options_have_a_file(argument);
   if (argument.home_seed) {
-    const earpoint::FurnitureLibrary library(earpoint::installed_models().furniture);
-    return {earpoint::make_home(*argument.home_seed, {}, library).scene, {}, {}};
+    const FurnitureLibrary library(installed_models().furniture);
+    return {make_home(*argument.home_seed, {}, library).scene, {}, {}};
   }
   return {parse_shoebox("--shoebox", argument.shoebox), {}, {}};
 }
+
+}  // namespace earpoint

@@ -10,7 +10,8 @@
 
 namespace CLI {
 class App;
-}
+
+namespace earpoint {}
 
 /// Which scene a command works on: a model file, a box, or a home drawn from a seed.
 struct SceneArgument {
@@ -28,10 +29,12 @@ struct SceneArgument {
 void add_scene_argument(CLI::App& command, SceneArgument& argument);
 
 struct NamedScene {
-  earpoint::Scene scene;
-  earpoint::Vector3 origin_m;         ///< of the scene, in the user's coordinates
+  Scene scene;
+  Vector3 origin_m;                   ///< of the scene, in the user's coordinates
   std::vector<std::string> warnings;  ///< one line each, for standard error
 };
 
-/// @throws earpoint::InputError if no scene or several are named, or it cannot be read
+/// @throws InputError if no scene or several are named, or it cannot be read
 NamedScene read_scene(const SceneArgument& argument);
+
+}  // namespace CLI

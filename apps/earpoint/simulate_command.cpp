@@ -15,6 +15,7 @@
 
 #include <earpoint/core/progress.h>
 
+namespace earpoint {
 namespace {
 
 struct Options {
@@ -24,14 +25,13 @@ struct Options {
 };
 
 void run(const Options& options) {
-  earpoint::StreamProgress bar(stderr);
-  earpoint::SilentProgress silent;
-  earpoint::ProgressSink& progress =
-      options.quiet ? static_cast<earpoint::ProgressSink&>(silent) : bar;
+  StreamProgress bar(stderr);
+  SilentProgress silent;
+  ProgressSink& progress = options.quiet ? static_cast<ProgressSink&>(silent) : bar;
   const auto warn = [&bar](const std::filesystem::path& file, const std::string& warning) {
     bar.note(fmt::format("earpoint: {}: {}", file.string(), with_flags(warning)));
   };
-  const earpoint::GenerationSummary summary = simulate(options.what, warn, progress);
+  const GenerationSummary summary = simulate(options.what, warn, progress);
   if (options.json) {
     fmt::print("{}", json_of(summary));
   } else if (!options.quiet) {
@@ -40,7 +40,7 @@ void run(const Options& options) {
 }
 
 void add_what(CLI::App& command, Options& options) {
-  earpoint::WorkOrder& order = options.what.generation.order;
+  WorkOrder& order = options.what.generation.order;
   command
       .add_option(
           "--scenes", order.scenes,
@@ -68,7 +68,7 @@ void add_what(CLI::App& command, Options& options) {
 }
 
 void add_how(CLI::App& command, Options& options) {
-  earpoint::GenerationOptions& generation = options.what.generation;
+  GenerationOptions& generation = options.what.generation;
   command.add_option("--seed", generation.seed, "The same seed gives the same bytes")
       ->check(whole_number())
       ->capture_default_str();
@@ -125,3 +125,5 @@ void add_simulate_command(CLI::App& app) {
   add_how(*command, *options);
   command->callback([options] { run(*options); });
 }
+
+}  // namespace earpoint

@@ -2,7 +2,10 @@
 
 namespace CLI {
 class App;
-}
+
+namespace earpoint {}
 
 /// Adds `earpoint simulate`: data sets of homes, people, pictures and binaural responses.
 void add_simulate_command(CLI::App& app);
+
+}  // namespace CLI

@@ -22,6 +22,7 @@
 #include <earpoint/scene/export.h>
 #include <earpoint/scene/homes.h>
 
+namespace earpoint {
 namespace {
 
 namespace fs = std::filesystem;
@@ -36,13 +37,13 @@ class SimulateCommandTest : public ::testing::Test {
     ::setenv("EARPOINT_DATA_DIR", (folder_ / "nothing").c_str(), 1);
     std::string index = "file,speaker,gender,split\n";
     for (const std::string gender : {"female", "male"}) {
-      earpoint::Waveform sound(1, 16000, 16000);
-      earpoint::RandomStream random(gender.size());
+      Waveform sound(1, 16000, 16000);
+      RandomStream random(gender.size());
       for (float& sample : sound.channel(0)) sample = static_cast<float>(random.uniform(-0.1, 0.1));
-      earpoint::write_sound(folder_ / "speech" / (gender + ".wav"), sound);
+      write_sound(folder_ / "speech" / (gender + ".wav"), sound);
       index += gender + ".wav," + gender + " voice," + gender + ",test\n";
     }
-    earpoint::write_file(folder_ / "speech" / "speech.csv", index);
+    write_file(folder_ / "speech" / "speech.csv", index);
   }
   void TearDown() override {
     ::unsetenv("EARPOINT_DATA_DIR");
@@ -74,8 +75,7 @@ class SimulateCommandTest : public ::testing::Test {
     std::map<std::string, std::string> files;
     for (const auto& entry : fs::recursive_directory_iterator(folder_ / out)) {
       if (!entry.is_regular_file()) continue;
-      files[entry.path().lexically_relative(folder_ / out).string()] =
-          earpoint::read_text_file(entry.path());
+      files[entry.path().lexically_relative(folder_ / out).string()] = read_text_file(entry.path());
     }
     return files;
   }
@@ -137,9 +137,9 @@ TEST_F(SimulateCommandTest, TheFunctionsOfOlderProcessorsGiveTheSameBytes) {
 }
 
 TEST_F(SimulateCommandTest, AScanOfOnesOwnIsSimulatedAndSummedUp) {
-  const earpoint::Home home = earpoint::make_home(3, {}, earpoint::FurnitureLibrary());
-  earpoint::write_glb(home.scene, folder_ / "flat.glb");
-  earpoint::write_file(folder_ / "materials.json", R"({"extends": "standard", "patterns": {}})");
+  const Home home = make_home(3, {}, FurnitureLibrary());
+  write_glb(home.scene, folder_ / "flat.glb");
+  write_file(folder_ / "materials.json", R"({"extends": "standard", "patterns": {}})");
   std::vector<std::string> words = arguments("out");
   words[1] = "--scene";
   words[2] = (folder_ / "flat.glb").string();
@@ -155,16 +155,16 @@ TEST_F(SimulateCommandTest, AScanOfOnesOwnIsSimulatedAndSummedUp) {
   EXPECT_GT(summary.at("run").at("core_seconds").at("trace"), 0.0);
   // Four viewpoints hear two speakers, a second each; 1e-4 h is a third of a second.
   EXPECT_NEAR(summary.at("hours").get<double>(), 8.0 / 3600.0, 1e-4);
-  EXPECT_EQ(earpoint::probe_sound(folder_ / "out/test/flat/0/heard_3_1.wav").channels, 2);
-  EXPECT_EQ(earpoint::read_pair_list(folder_ / "out/pairs-test.json").pairs.size(), 4U);
+  EXPECT_EQ(probe_sound(folder_ / "out/test/flat/0/heard_3_1.wav").channels, 2);
+  EXPECT_EQ(read_pair_list(folder_ / "out/pairs-test.json").pairs.size(), 4U);
 }
 
 TEST_F(SimulateCommandTest, WhatAnImporterDoubtsIsTold) {
   // A box of 5 x 4 x 3 m without a ceiling, which is added; no pattern knows the name of its floor.
-  earpoint::write_file(folder_ / "box.obj",
-                       std::string_view("v 0 0 0\nv 5 0 0\nv 5 4 0\nv 0 4 0\nv 0 0 3\nv 5 0 3\n"
-                                        "v 5 4 3\nv 0 4 3\ng xyzzy\nf 1 2 3 4\ng brick\n"
-                                        "f 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n"));
+  write_file(folder_ / "box.obj",
+             std::string_view("v 0 0 0\nv 5 0 0\nv 5 4 0\nv 0 4 0\nv 0 0 3\nv 5 0 3\n"
+                              "v 5 4 3\nv 0 4 3\ng xyzzy\nf 1 2 3 4\ng brick\n"
+                              "f 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n"));
   std::vector<std::string> words = arguments("out");
   words[1] = "--scene";
   words[2] = (folder_ / "box.obj").string();
@@ -210,3 +210,5 @@ TEST_F(SimulateCommandTest, AnotherSplitWithoutVoicesIsRefused) {
 }
 
 }  // namespace
+
+}  // namespace earpoint

@@ -4,7 +4,9 @@
 
 #include <earpoint/core/progress.h>
 
-std::string simulation_report(const earpoint::GenerationSummary& summary) {
+namespace earpoint {
+
+std::string simulation_report(const GenerationSummary& summary) {
   std::string text;
   for (const auto& [split, scenes] : summary.scenes) {
     text += fmt::format("{:<12} {} scene{}\n", split, scenes, scenes == 1 ? "" : "s");
@@ -21,11 +23,13 @@ std::string simulation_report(const earpoint::GenerationSummary& summary) {
     text += fmt::format("{} conversations are still missing\n", summary.missing);
   if (summary.simulated == 0) return text;
   text += fmt::format("made {} conversations in {}; core-seconds each:", summary.simulated,
-                      earpoint::format_duration(summary.wall_s));
-  for (int stage = 0; stage < earpoint::kStages; ++stage) {
-    const auto which = static_cast<earpoint::Stage>(stage);
-    text += fmt::format(" {} {:.2f}", earpoint::name_of(which),
+                      format_duration(summary.wall_s));
+  for (int stage = 0; stage < kStages; ++stage) {
+    const auto which = static_cast<Stage>(stage);
+    text += fmt::format(" {} {:.2f}", name_of(which),
                         summary.seconds.seconds(which) / summary.simulated);
   }
   return text + "\n";
 }
+
+}  // namespace earpoint

@@ -4,5 +4,9 @@
 
 #include <earpoint/generate/generation_summary.h>
 
+namespace earpoint {
+
 /// @return what `earpoint simulate` prints at the end
-std::string simulation_report(const earpoint::GenerationSummary& summary);
+std::string simulation_report(const GenerationSummary& summary);
+
+}  // namespace earpoint

@@ -12,10 +12,10 @@
 #include <earpoint/scene/material_table.h>
 #include <earpoint/scene/model_pack.h>
 
+namespace earpoint {
 namespace {
 
 namespace fs = std::filesystem;
-using earpoint::InputError;
 
 void check_at_least(const char* flag, double value, double least) {
   if (value >= least) return;
@@ -28,7 +28,7 @@ void check_within(const char* flag, double value, double least, double most) {
 }
 
 void check(const SimulateOptions& options) {
-  const earpoint::GenerationOptions& generation = options.generation;
+  const GenerationOptions& generation = options.generation;
   check_at_least("--scenes", generation.order.scenes, 1);
   check_at_least("--conversations", generation.order.conversations, 1);
   check_at_least("--viewpoints", generation.conversation.viewpoints, 2);
@@ -56,49 +56,48 @@ void check(const SimulateOptions& options) {
   if (options.close_ceiling) refuse("--close-ceiling");
 }
 
-std::unique_ptr<earpoint::SceneMaker> scene_maker(const SimulateOptions& options,
-                                                  earpoint::ModelPack& models,
-                                                  const earpoint::MaterialTable* materials,
-                                                  std::string_view materials_text,
-                                                  const earpoint::FileSceneMaker::Warn& warn) {
+std::unique_ptr<SceneMaker> scene_maker(const SimulateOptions& options, ModelPack& models,
+                                        const MaterialTable* materials,
+                                        std::string_view materials_text,
+                                        const FileSceneMaker::Warn& warn) {
   if (options.scenes.empty()) {
-    return std::make_unique<earpoint::HomeMaker>(
-        options.generation.seed, earpoint::FurnitureLibrary(std::move(models.furniture)));
+    return std::make_unique<HomeMaker>(options.generation.seed,
+                                       FurnitureLibrary(std::move(models.furniture)));
   }
-  earpoint::ImportOptions import{
+  ImportOptions import{
       .unit_m = options.unit_m, .materials = materials, .close_ceiling = options.close_ceiling};
   if (!options.up_axis.empty()) {
-    import.up_axis = options.up_axis == "y" ? earpoint::UpAxis::y : earpoint::UpAxis::z;
+    import.up_axis = options.up_axis == "y" ? UpAxis::y : UpAxis::z;
   }
-  return std::make_unique<earpoint::FileSceneMaker>(options.scenes, import, materials_text, warn);
+  return std::make_unique<FileSceneMaker>(options.scenes, import, materials_text, warn);
 }
 
 }  // namespace
 
-earpoint::GenerationSummary simulate(SimulateOptions options,
-                                     const earpoint::FileSceneMaker::Warn& warn,
-                                     earpoint::ProgressSink& progress) {
+GenerationSummary simulate(SimulateOptions options, const FileSceneMaker::Warn& warn,
+                           ProgressSink& progress) {
   if (!options.scenes.empty()) {
     options.generation.order.scenes = static_cast<int>(options.scenes.size());
   }
   check(options);
-  earpoint::GenerationOptions& generation = options.generation;
+  GenerationOptions& generation = options.generation;
   if (!options.split.empty()) generation.order.split = options.split;
-  if (!options.shard.empty()) generation.shard = earpoint::parse_shard(options.shard);
-  if (options.released_speech) generation.speech_form = earpoint::SpeechForm::released;
-  generation.jobs = options.jobs > 0 ? options.jobs : earpoint::available_cores();
+  if (!options.shard.empty()) generation.shard = parse_shard(options.shard);
+  if (options.released_speech) generation.speech_form = SpeechForm::released;
+  generation.jobs = options.jobs > 0 ? options.jobs : available_cores();
 
-  const earpoint::SpeechCorpus corpus =
-      earpoint::SpeechCorpus::load(options.speech.value_or(earpoint::default_speech_folder()));
-  std::optional<earpoint::MaterialTable> materials;
+  const SpeechCorpus corpus = SpeechCorpus::load(options.speech.value_or(default_speech_folder()));
+  std::optional<MaterialTable> materials;
   std::string materials_text;
   if (options.materials) {
-    materials_text = earpoint::read_text_file(*options.materials);
-    materials = earpoint::MaterialTable::parse(materials_text, options.materials->string());
+    materials_text = read_text_file(*options.materials);
+    materials = MaterialTable::parse(materials_text, options.materials->string());
   }
-  earpoint::ModelPack models = earpoint::installed_models();
-  const std::unique_ptr<earpoint::SceneMaker> scenes =
+  ModelPack models = installed_models();
+  const std::unique_ptr<SceneMaker> scenes =
       scene_maker(options, models, materials ? &*materials : nullptr, materials_text, warn);
-  const earpoint::FigureLibrary figures(std::move(models.figures));
+  const FigureLibrary figures(std::move(models.figures));
   return generate_dataset(generation, *scenes, figures, corpus, progress);
 }
+
+}  // namespace earpoint

@@ -9,9 +9,11 @@
 #include <earpoint/generate/generation.h>
 #include <earpoint/generate/scene_maker.h>
 
+namespace earpoint {
+
 /// The options of `earpoint simulate`, as they are given.
 struct SimulateOptions {
-  earpoint::GenerationOptions generation;
+  GenerationOptions generation;
   std::vector<std::filesystem::path> scenes;  ///< scans or models instead of homes
   std::optional<std::filesystem::path> materials;
   std::optional<std::filesystem::path> speech;  ///< nothing: what ./dev speech gathers
@@ -27,6 +29,7 @@ struct SimulateOptions {
 /// Simulates a data set.
 /// @param warn  takes what the importer of `scenes` warns of; called from many threads
 /// @throws InputError naming the flag that is out of range, and as generate_dataset()
-[[nodiscard]] earpoint::GenerationSummary simulate(SimulateOptions options,
-                                                   const earpoint::FileSceneMaker::Warn& warn,
-                                                   earpoint::ProgressSink& progress);
+[[nodiscard]] GenerationSummary simulate(SimulateOptions options, const FileSceneMaker::Warn& warn,
+                                         ProgressSink& progress);
+
+}  // namespace earpoint

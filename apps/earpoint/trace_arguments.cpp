@@ -9,9 +9,8 @@
 
 #include <earpoint/error.h>
 
+namespace earpoint {
 namespace {
-
-using earpoint::InputError;
 
 /// Of a side of a box: below, faces would lose their area in single precision.
 constexpr double kShortest_m = 0.01;
@@ -72,7 +71,7 @@ class Named {
   std::map<std::string, double, std::less<>> left_;
 };
 
-earpoint::Vector3 three(std::string_view flag, const std::string& text, const Fields& fields) {
+Vector3 three(std::string_view flag, const std::string& text, const Fields& fields) {
   if (fields.numbers.size() != 3) {
     throw InputError(flag, fmt::format("expected three numbers in metres, found '{}'", text));
   }
@@ -81,21 +80,20 @@ earpoint::Vector3 three(std::string_view flag, const std::string& text, const Fi
 
 }  // namespace
 
-earpoint::Pose parse_pose(std::string_view flag, const std::string& text) {
+Pose parse_pose(std::string_view flag, const std::string& text) {
   const Fields fields = split(flag, text);
-  const earpoint::Vector3 position = three(flag, text, fields);
+  const Vector3 position = three(flag, text, fields);
   Named named(flag, fields);
-  const earpoint::EulerAngles angles{
-      .yaw_rad = earpoint::radians_from_degrees(named.take("yaw", 0.0)),
-      .pitch_rad = earpoint::radians_from_degrees(named.take("pitch", 0.0)),
-      .roll_rad = earpoint::radians_from_degrees(named.take("roll", 0.0))};
+  const EulerAngles angles{.yaw_rad = radians_from_degrees(named.take("yaw", 0.0)),
+                           .pitch_rad = radians_from_degrees(named.take("pitch", 0.0)),
+                           .roll_rad = radians_from_degrees(named.take("roll", 0.0))};
   named.finish("yaw, pitch and roll, in degrees");
   return {.position_m = position, .orientation = quaternion_from_euler(angles)};
 }
 
-earpoint::Scene parse_shoebox(std::string_view flag, const std::string& text) {
+Scene parse_shoebox(std::string_view flag, const std::string& text) {
   const Fields fields = split(flag, text);
-  const earpoint::Vector3 lengths_m = three(flag, text, fields);
+  const Vector3 lengths_m = three(flag, text, fields);
   for (const double length_m : {lengths_m.x, lengths_m.y, lengths_m.z}) {
     if (length_m >= kShortest_m) continue;
     throw InputError(
@@ -105,8 +103,9 @@ earpoint::Scene parse_shoebox(std::string_view flag, const std::string& text) {
   const auto absorption = static_cast<float>(named.take("absorption", 0.2));
   const auto scattering = static_cast<float>(named.take("scattering", 0.5));
   named.finish("absorption and scattering");
-  earpoint::Scene scene =
-      make_shoebox(lengths_m, earpoint::all_bands(absorption), earpoint::all_bands(scattering));
+  Scene scene = make_shoebox(lengths_m, all_bands(absorption), all_bands(scattering));
   check_scene(scene, flag);
   return scene;
 }
+
+}  // namespace earpoint

@@ -20,47 +20,46 @@
 #include <earpoint/trace/response_synthesizer.h>
 #include <earpoint/trace/tracer.h>
 
+namespace earpoint {
 namespace {
-
-using earpoint::InputError;
 
 void run_still(const TraceSetup& options) {
   const auto start = std::chrono::steady_clock::now();
-  earpoint::Source source = make_source(options);
+  Source source = make_source(options);
   source.world_from_source = parse_pose("--source", options.source);
-  earpoint::Pose listener = parse_pose("--listener", options.listener);
-  earpoint::Vector3& source_m = source.world_from_source.position_m;
+  Pose listener = parse_pose("--listener", options.listener);
+  Vector3& source_m = source.world_from_source.position_m;
   const double distance_m = norm(listener.position_m - source_m);
   if (distance_m < 1e-3) {
     throw InputError("--listener", "is at the position of the source", "move one of them");
   }
-  const std::optional<earpoint::HrtfSet> ears = load_ears(options);
+  const std::optional<HrtfSet> ears = load_ears(options);
   const NamedScene named = read_scene_with_warnings(options.scene);
   check_place("--source", source_m, named);
   check_place("--listener", listener.position_m, named);
   check_long_enough(options, distance_m);
   source_m = source_m - named.origin_m;
   listener.position_m = listener.position_m - named.origin_m;
-  const earpoint::AcousticScene scene(named.scene);
+  const AcousticScene scene(named.scene);
 
-  const int jobs = options.jobs > 0 ? options.jobs : earpoint::available_cores();
-  earpoint::ThreadPool pool(jobs);
-  const earpoint::TraceResult traced =
-      earpoint::trace(scene, {&source, 1}, {&listener.position_m, 1}, options.trace, pool);
-  const earpoint::PointResponse& response = traced.responses[0][0];
+  const int jobs = options.jobs > 0 ? options.jobs : available_cores();
+  ThreadPool pool(jobs);
+  const TraceResult traced =
+      trace(scene, {&source, 1}, {&listener.position_m, 1}, options.trace, pool);
+  const PointResponse& response = traced.responses[0][0];
   if (is_silent(response)) {
     throw InputError("--listener", "no sound reaches it", "place it in the room of the source");
   }
-  const earpoint::ResponseSynthesizer synthesizer({.sample_rate_hz = options.rate_hz,
-                                                   .duration_s = options.trace.duration_s,
-                                                   .seed = options.trace.seed});
-  earpoint::write_sound(options.output,
-                        render_response(options, synthesizer, response, listener.orientation, ears),
-                        earpoint::SampleFormat::float32);
+  const ResponseSynthesizer synthesizer({.sample_rate_hz = options.rate_hz,
+                                         .duration_s = options.trace.duration_s,
+                                         .seed = options.trace.seed});
+  write_sound(options.output,
+              render_response(options, synthesizer, response, listener.orientation, ears),
+              SampleFormat::float32);
   warn_of_early_end(response, options.trace.duration_s);
   const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - start;
   if (options.report) {
-    const earpoint::Waveform mono = synthesizer.mono(response, 0);
+    const Waveform mono = synthesizer.mono(response, 0);
     fmt::print("{}", trace_report(traced, mono.channel(0), options.rate_hz, passed.count()));
   }
 }
@@ -92,7 +91,7 @@ void add_motion(CLI::App& command, TraceSetup& options) {
 }
 
 void add_physics(CLI::App& command, TraceSetup& options) {
-  earpoint::TraceOptions& trace = options.trace;
+  TraceOptions& trace = options.trace;
   command.add_option("--rays", trace.rays, "Rays that leave the source")->capture_default_str();
   command.add_option("--bounces", trace.max_bounces, "Maximum number of reflections of a ray")
       ->capture_default_str();
@@ -149,3 +148,5 @@ void add_trace_command(CLI::App& app) {
   command->add_flag("--report", options->report, "Print decay times, levels and cost");
   command->callback([options, rate] { run(*options, rate->count() > 0); });
 }
+
+}  // namespace earpoint

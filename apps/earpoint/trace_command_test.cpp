@@ -14,6 +14,7 @@
 #include <earpoint/audio/sound_file.h>
 #include <earpoint/core/file.h>
 
+namespace earpoint {
 namespace {
 
 namespace fs = std::filesystem;
@@ -66,11 +67,11 @@ TEST_F(TraceCommand, SourceOnTheLeftIsLouderOnTheLeft) {
   const ProgramOutcome outcome = run_earpoint(arguments({}));
   ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
   EXPECT_EQ(outcome.output, "");
-  const earpoint::Waveform brir = earpoint::read_sound(output_);
+  const Waveform brir = read_sound(output_);
   EXPECT_EQ(brir.channels(), 2);
   EXPECT_EQ(brir.sample_rate_hz(), 16000);
   EXPECT_EQ(brir.samples(), 6400);
-  EXPECT_GT(earpoint::energy(brir.channel(0)), 1.5 * earpoint::energy(brir.channel(1)));
+  EXPECT_GT(energy(brir.channel(0)), 1.5 * energy(brir.channel(1)));
 }
 
 TEST_F(TraceCommand, TurnedHeadHearsItOnTheRight) {
@@ -78,8 +79,8 @@ TEST_F(TraceCommand, TurnedHeadHearsItOnTheRight) {
   std::replace(turned.begin(), turned.end(), std::string("3,2,1.5"),
                std::string("3,2,1.5,yaw=180"));
   ASSERT_EQ(run_earpoint(turned).exit_code, 0);
-  const earpoint::Waveform brir = earpoint::read_sound(output_);
-  EXPECT_GT(earpoint::energy(brir.channel(1)), 1.5 * earpoint::energy(brir.channel(0)));
+  const Waveform brir = read_sound(output_);
+  EXPECT_GT(energy(brir.channel(1)), 1.5 * energy(brir.channel(0)));
 }
 
 TEST_F(TraceCommand, MonoStartsAfterTheWayAndReportsDecays) {
@@ -88,7 +89,7 @@ TEST_F(TraceCommand, MonoStartsAfterTheWayAndReportsDecays) {
   for (const char* part : {"T30 s", "C50 dB", "8000", "escape fraction 0,", "distance 2.000 m"}) {
     EXPECT_NE(outcome.output.find(part), std::string::npos) << outcome.output;
   }
-  const earpoint::Waveform response = earpoint::read_sound(output_);
+  const Waveform response = read_sound(output_);
   ASSERT_EQ(response.channels(), 1);
   const std::span<const float> samples = response.channel(0);
   const auto peak = std::max_element(samples.begin(), samples.end());
@@ -98,11 +99,11 @@ TEST_F(TraceCommand, MonoStartsAfterTheWayAndReportsDecays) {
 
 TEST_F(TraceCommand, SameSeedGivesTheSameBytesForAnyNumberOfJobs) {
   ASSERT_EQ(run_earpoint(arguments({"--seed", "7", "--jobs", "1"})).exit_code, 0);
-  const std::vector<std::byte> one = earpoint::read_file(output_);
+  const std::vector<std::byte> one = read_file(output_);
   ASSERT_EQ(run_earpoint(arguments({"--seed", "7", "--jobs", "2"})).exit_code, 0);
-  EXPECT_EQ(one, earpoint::read_file(output_));
+  EXPECT_EQ(one, read_file(output_));
   ASSERT_EQ(run_earpoint(arguments({"--seed", "8"})).exit_code, 0);
-  EXPECT_NE(one, earpoint::read_file(output_));
+  EXPECT_NE(one, read_file(output_));
 }
 
 TEST_F(TraceCommand, RefusesBadArgumentsInOneLine) {
@@ -151,11 +152,11 @@ TEST_F(TraceCommand, WarnsWhereTheResponseIsCutOff) {
 TEST_F(TraceCommand, SaysThatASourceIsOutsideOfTheWallsOrInOne) {
   // A room of 5 x 4 x 3 m with a garden wall 10 m away.
   const std::string model = (folder_ / "garden.obj").string();
-  earpoint::write_file(model, std::string_view("v 0 0 0\nv 5 0 0\nv 5 4 0\nv 0 4 0\nv 0 0 3\n"
-                                               "v 5 0 3\nv 5 4 3\nv 0 4 3\nv 15 0 0\nv 15 4 0\n"
-                                               "v 15 4 3\ng brick\nf 1 2 3 4\nf 5 6 7 8\n"
-                                               "f 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n"
-                                               "f 9 10 11\n"));
+  write_file(model, std::string_view("v 0 0 0\nv 5 0 0\nv 5 4 0\nv 0 4 0\nv 0 0 3\n"
+                                     "v 5 0 3\nv 5 4 3\nv 0 4 3\nv 15 0 0\nv 15 4 0\n"
+                                     "v 15 4 3\ng brick\nf 1 2 3 4\nf 5 6 7 8\n"
+                                     "f 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n"
+                                     "f 9 10 11\n"));
   const auto with_source = [&](const std::string& source) {
     return refusal({"trace", model, "--up", "z", "--source", source, "--listener", "2,2,1.5",
                     "--rays", "500", "-o", output_});
@@ -173,9 +174,9 @@ TEST_F(TraceCommand, TracesAModelInTheCoordinatesOfALandSurvey) {
     }
   }
   const std::string model = (folder_ / "survey.obj").string();
-  earpoint::write_file(model, text +
-                                  "g brick\nf 1 2 3 4\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\n"
-                                  "f 3 4 8 7\nf 4 1 5 8\n");
+  write_file(model, text +
+                        "g brick\nf 1 2 3 4\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\n"
+                        "f 3 4 8 7\nf 4 1 5 8\n");
   const ProgramOutcome outcome = run_earpoint(
       {"trace", model, "--up", "z", "--source", "500001,5800002,101.5", "--listener",
        "500003,5800002,101.5", "--duration", "0.1", "--rays", "200", "--report", "-o", output_});
@@ -201,17 +202,17 @@ TEST_F(TraceCommand, TracesAModelFileWithItsOptions) {
   EXPECT_NE(outcome.output.find("distance 2.000 m"), std::string::npos) << outcome.output;
   EXPECT_EQ(outcome.output.find("none"), std::string::npos) << "nothing stands in the way";
   // It looks along y; the source lies along x: on the right.
-  const earpoint::Waveform brir = earpoint::read_sound(output_);
-  EXPECT_GT(earpoint::energy(brir.channel(1)), 1.5 * earpoint::energy(brir.channel(0)));
+  const Waveform brir = read_sound(output_);
+  EXPECT_GT(energy(brir.channel(1)), 1.5 * energy(brir.channel(0)));
 }
 
 TEST_F(TraceCommand, ClosesAModelWithoutACeiling) {
   // A box of 5 x 4 x 3 m, z up, in centimetres; the names of its surfaces are its own.
   const std::string model = (folder_ / "open.obj").string();
-  earpoint::write_file(model, std::string_view("v 0 0 0\nv 500 0 0\nv 500 400 0\nv 0 400 0\n"
-                                               "v 0 0 300\nv 500 0 300\nv 500 400 300\n"
-                                               "v 0 400 300\ng carpet\nf 1 2 3 4\ng brick\n"
-                                               "f 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n"));
+  write_file(model, std::string_view("v 0 0 0\nv 500 0 0\nv 500 400 0\nv 0 400 0\n"
+                                     "v 0 0 300\nv 500 0 300\nv 500 400 300\n"
+                                     "v 0 400 300\ng carpet\nf 1 2 3 4\ng brick\n"
+                                     "f 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n"));
   std::vector<std::string> all = {
       "trace",      model,     "--up",       "z",   "--unit", "0.01", "--source", "1,1,1.5",
       "--listener", "3,2,1.5", "--duration", "0.2", "--rays", "200",  "-o",       output_};
@@ -223,7 +224,7 @@ TEST_F(TraceCommand, ClosesAModelWithoutACeiling) {
   all.emplace_back("--close-ceiling");
   const ProgramOutcome closed = run_earpoint(all);
   EXPECT_EQ(closed.exit_code, 0) << closed.errors;
-  EXPECT_GT(earpoint::energy(earpoint::read_sound(output_).channel(0)), 0.0);
+  EXPECT_GT(energy(read_sound(output_).channel(0)), 0.0);
 }
 
 TEST_F(TraceCommand, RefusesAListenerWhomNoSoundReaches) {
@@ -246,7 +247,7 @@ TEST_F(TraceCommand, RefusesAListenerWhomNoSoundReaches) {
     return text;
   };
   const std::string model = (folder_ / "boxes.obj").string();
-  earpoint::write_file(model, "g concrete\n" + box(0, 0) + box(3, 8));
+  write_file(model, "g concrete\n" + box(0, 0) + box(3, 8));
   const std::vector<std::string> all = {"trace",  model,        "--up",  "z",          "--source",
                                         "1,1,1",  "--listener", "4,1,1", "--duration", "0.2",
                                         "--rays", "100",        "-o",    output_};
@@ -257,7 +258,7 @@ TEST_F(TraceCommand, RefusesAListenerWhomNoSoundReaches) {
 
 TEST_F(TraceCommand, AmbisonicMicrophoneHasItsChannels) {
   ASSERT_EQ(run_earpoint(arguments({"--ambisonics", "2"})).exit_code, 0);
-  const earpoint::Waveform sound = earpoint::read_sound(output_);
+  const Waveform sound = read_sound(output_);
   ASSERT_EQ(sound.channels(), 9);
   // The source is on the left: in the direct sound the second channel, which points there, is
   // sqrt(3) times the first. Other normalisations give 1 or sqrt(2).
@@ -277,7 +278,7 @@ TEST_F(TraceCommand, TalkerIsLouderInFront) {
     std::replace(all.begin(), all.end(), std::string("3,4,1.5"), source);
     const ProgramOutcome outcome = run_earpoint(all);
     EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
-    return earpoint::energy(earpoint::read_sound(output_).channel(0));
+    return energy(read_sound(output_).channel(0));
   };
   EXPECT_GT(level("3,4,1.5,yaw=-90"), 1.5 * level("3,4,1.5,yaw=90"));
 }
@@ -287,7 +288,7 @@ TEST_F(TraceCommand, TracesAHomeDrawnFromASeed) {
       run_earpoint({"trace", "--home", "3", "--source", "3,2,1.4", "--listener", "1,1,1.4",
                     "--duration", "0.2", "--rays", "100", "-o", output_});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
-  EXPECT_GT(earpoint::energy(earpoint::read_sound(output_).channel(0)), 0.0);
+  EXPECT_GT(energy(read_sound(output_).channel(0)), 0.0);
 }
 
 TEST_F(TraceCommand, RefusesScenesThatAreNotNamedOnce) {
@@ -333,9 +334,9 @@ class TraceMotionCommand : public TraceCommand {
   void SetUp() override {
     TraceCommand::SetUp();
     path_ = (folder_ / "walk.csv").string();
-    earpoint::write_file(path_, std::string_view("time_s,x,y,z,yaw_deg,pitch_deg,roll_deg\n"
-                                                 "0,5,2.5,1.5,0,0,0\n"
-                                                 "0.5,1,2.5,1.5,90,0,0\n"));
+    write_file(path_, std::string_view("time_s,x,y,z,yaw_deg,pitch_deg,roll_deg\n"
+                                       "0,5,2.5,1.5,0,0,0\n"
+                                       "0.5,1,2.5,1.5,90,0,0\n"));
   }
 
   [[nodiscard]] static std::vector<std::string> with(std::vector<std::string> more) {
@@ -355,7 +356,7 @@ TEST_F(TraceMotionCommand, WritesAFolderOfResponsesAlongAPath) {
       {"--source", "3,4,1.5", "--listener-path", path_, "--step", "0.25", "--mono", "-o", folder});
   const ProgramOutcome outcome = run_earpoint(all);
   ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
-  EXPECT_EQ(earpoint::read_text_file(fs::path(folder) / "index.csv"),
+  EXPECT_EQ(read_text_file(fs::path(folder) / "index.csv"),
             "file,time_s,source_x,source_y,source_z,source_yaw_deg,source_pitch_deg,"
             "source_roll_deg,listener_x,listener_y,listener_z,listener_yaw_deg,listener_pitch_deg,"
             "listener_roll_deg\n"
@@ -365,8 +366,7 @@ TEST_F(TraceMotionCommand, WritesAFolderOfResponsesAlongAPath) {
   // 2.5, 1.5 and 2.5 m at 343.2 m/s, to the nearest sample.
   const double distances_m[] = {2.5, 1.5, 2.5};
   for (int i = 0; i < 3; ++i) {
-    const earpoint::Waveform response =
-        earpoint::read_sound(fs::path(folder) / fmt::format("{:05}.wav", i));
+    const Waveform response = read_sound(fs::path(folder) / fmt::format("{:05}.wav", i));
     EXPECT_EQ(response.samples(), 3200);
     const std::span<const float> samples = response.channel(0);
     const auto peak = std::max_element(samples.begin(), samples.end()) - samples.begin();
@@ -380,19 +380,19 @@ TEST_F(TraceMotionCommand, WritesAFolderOfResponsesAlongAPath) {
 
 TEST_F(TraceMotionCommand, PlaysASoundToAListenerWhoWalks) {
   const std::string sound = (folder_ / "dry.wav").string();
-  earpoint::Waveform dry(1, 8820, 22050);
+  Waveform dry(1, 8820, 22050);
   for (std::ptrdiff_t i = 0; i < dry.samples(); ++i) {
     dry.channel(0)[i] = 0.3F * std::sin(0.2F * static_cast<float>(i));
   }
-  earpoint::write_sound(sound, dry, earpoint::SampleFormat::float32);
+  write_sound(sound, dry, SampleFormat::float32);
   const ProgramOutcome outcome = run_earpoint(
       with({"--source", "3,4,1.5", "--listener-path", path_, "--sound", sound, "-o", output_}));
   ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
-  const earpoint::Waveform heard = earpoint::read_sound(output_);
+  const Waveform heard = read_sound(output_);
   EXPECT_EQ(heard.channels(), 2);
   EXPECT_EQ(heard.sample_rate_hz(), 22050);
   EXPECT_EQ(heard.samples(), 8820 + 4410);
-  EXPECT_GT(earpoint::energy(heard.channel(0)), 0.0);
+  EXPECT_GT(energy(heard.channel(0)), 0.0);
 }
 
 TEST_F(TraceMotionCommand, RefusesPathsThatLeaveTheSceneOrAreNotAlone) {
@@ -402,8 +402,8 @@ TEST_F(TraceMotionCommand, RefusesPathsThatLeaveTheSceneOrAreNotAlone) {
   EXPECT_EQ(
       line({"--source", "3,4,1.5", "--listener", "1,1,1", "--listener-path", path_, "-o", output_}),
       "earpoint: --listener-path: cannot be combined with --listener; give one of the two\n");
-  earpoint::write_file(path_, std::string_view("time_s,x,y,z,yaw_deg,pitch_deg,roll_deg\n"
-                                               "0,5,2.5,1.5,0,0,0\n1,5,6.5,1.5,0,0,0\n"));
+  write_file(path_, std::string_view("time_s,x,y,z,yaw_deg,pitch_deg,roll_deg\n"
+                                     "0,5,2.5,1.5,0,0,0\n1,5,6.5,1.5,0,0,0\n"));
   EXPECT_NE(line({"--source", "3,4,1.5", "--listener-path", path_, "-o", output_})
                 .find("--listener-path: at 0.7 s: (5, 5.3, 1.5) is outside"),
             std::string::npos);
@@ -413,3 +413,5 @@ TEST_F(TraceMotionCommand, RefusesPathsThatLeaveTheSceneOrAreNotAlone) {
 }
 
 }  // namespace
+
+}  // namespace earpoint

@@ -18,11 +18,10 @@
 #include <earpoint/synthesis/earpoint_path.h>
 #include <earpoint/trace/moving_sound.h>
 
+namespace earpoint {
 namespace {
 
 namespace fs = std::filesystem;
-using earpoint::EarpointPath;
-using earpoint::InputError;
 
 // A fixed pose or a path, and the flag that gave it.
 struct Track {
@@ -36,9 +35,9 @@ struct Track {
   }
 
   // In the scene's own coordinates.
-  [[nodiscard]] earpoint::PoseOverTime from(const earpoint::Vector3& origin_m) const {
+  [[nodiscard]] PoseOverTime from(const Vector3& origin_m) const {
     return [this, origin_m](double time_s) {
-      earpoint::Pose pose = path.at(time_s);
+      Pose pose = path.at(time_s);
       pose.position_m = pose.position_m - origin_m;
       return pose;
     };
@@ -60,7 +59,7 @@ void check_steps(const TraceSetup& setup, const Tracks& tracks, const NamedScene
   for (int step = 0; step < steps; ++step) {
     const double time_s = step * setup.step_s;
     const auto place_of = [&](const Track& track) {
-      const earpoint::Vector3 place = track.path.at(time_s).position_m;
+      const Vector3 place = track.path.at(time_s).position_m;
       check_place(
           track.path.is_moving() ? fmt::format("{}: at {:g} s", track.flag, time_s) : track.flag,
           place, named);
@@ -79,10 +78,10 @@ void check_steps(const TraceSetup& setup, const Tracks& tracks, const NamedScene
 
 // One channel at the rate of the output; several are averaged.
 std::vector<float> read_dry_sound(TraceSetup& setup, bool rate_given) {
-  const earpoint::Waveform file = earpoint::read_sound(setup.sound);
+  const Waveform file = read_sound(setup.sound);
   if (!rate_given) setup.rate_hz = file.sample_rate_hz();
   check_trace_setup(setup);
-  const earpoint::Waveform sound = earpoint::resample(file, setup.rate_hz);
+  const Waveform sound = resample(file, setup.rate_hz);
   std::vector<float> mono(sound.samples());
   for (int c = 0; c < sound.channels(); ++c) {
     const std::span<const float> channel = sound.channel(c);
@@ -110,28 +109,26 @@ class ResponseFolder {
   ResponseFolder(const ResponseFolder&) = delete;
   ResponseFolder& operator=(const ResponseFolder&) = delete;
 
-  void add(double time_s, const earpoint::Pose& source, const earpoint::Pose& listener,
-           const earpoint::Waveform& response) {
+  void add(double time_s, const Pose& source, const Pose& listener, const Waveform& response) {
     const std::string name = fmt::format("{:05}.wav", count_++);
-    earpoint::write_sound(aside_ / name, response, earpoint::SampleFormat::float32);
+    write_sound(aside_ / name, response, SampleFormat::float32);
     index_ += fmt::format("{},{:.10g},{},{}\n", name, time_s, numbers(source), numbers(listener));
   }
 
   void finish() {
-    earpoint::write_file(aside_ / "index.csv", std::string_view(index_));
+    write_file(aside_ / "index.csv", std::string_view(index_));
     std::error_code error;
     fs::rename(aside_, path_, error);
     if (error) throw InputError(path_.string(), error.message());
   }
 
  private:
-  static std::string numbers(const earpoint::Pose& pose) {
-    const earpoint::EulerAngles angles = euler_from_quaternion(pose.orientation);
+  static std::string numbers(const Pose& pose) {
+    const EulerAngles angles = euler_from_quaternion(pose.orientation);
     return fmt::format("{:.10g},{:.10g},{:.10g},{:.6g},{:.6g},{:.6g}", pose.position_m.x,
-                       pose.position_m.y, pose.position_m.z,
-                       earpoint::degrees_from_radians(angles.yaw_rad),
-                       earpoint::degrees_from_radians(angles.pitch_rad),
-                       earpoint::degrees_from_radians(angles.roll_rad));
+                       pose.position_m.y, pose.position_m.z, degrees_from_radians(angles.yaw_rad),
+                       degrees_from_radians(angles.pitch_rad),
+                       degrees_from_radians(angles.roll_rad));
   }
 
   fs::path path_;
@@ -146,7 +143,7 @@ class ResponseFolder {
 class Watch {
  public:
   explicit Watch(double duration_s) : duration_s_(duration_s) {}
-  void see(const earpoint::PointResponse& response) {
+  void see(const PointResponse& response) {
     if (heard_ || is_silent(response)) return;
     heard_ = true;
     warn_of_early_end(response, duration_s_);
@@ -179,43 +176,43 @@ void run_trace_motion(TraceSetup setup, bool rate_given) {
   }
   tracks.source.path.check_covers(duration_s);
   tracks.listener.path.check_covers(duration_s);
-  const std::optional<earpoint::HrtfSet> ears = load_ears(setup);
+  const std::optional<HrtfSet> ears = load_ears(setup);
   const NamedScene named = read_scene_with_warnings(setup.scene);
 
-  const earpoint::Motion motion{.world_from_source = tracks.source.from(named.origin_m),
-                                .world_from_listener = tracks.listener.from(named.origin_m),
-                                .step_s = setup.step_s};
-  const earpoint::RenderOptions render{.sample_rate_hz = setup.rate_hz,
-                                       .duration_s = setup.trace.duration_s,
-                                       .seed = setup.trace.seed};
-  const earpoint::Source source = make_source(setup);
-  earpoint::ThreadPool pool(setup.jobs > 0 ? setup.jobs : earpoint::available_cores());
+  const Motion motion{.world_from_source = tracks.source.from(named.origin_m),
+                      .world_from_listener = tracks.listener.from(named.origin_m),
+                      .step_s = setup.step_s};
+  const RenderOptions render{.sample_rate_hz = setup.rate_hz,
+                             .duration_s = setup.trace.duration_s,
+                             .seed = setup.trace.seed};
+  const Source source = make_source(setup);
+  ThreadPool pool(setup.jobs > 0 ? setup.jobs : available_cores());
   Watch watch(setup.trace.duration_s);
   if (plays) {
-    earpoint::MovingSound moving(std::move(sound), motion, render, setup.trace.air,
-                                 {.ears = ears, .ambisonic_order = setup.ambisonics});
+    MovingSound moving(std::move(sound), motion, render, setup.trace.air,
+                       {.ears = ears, .ambisonic_order = setup.ambisonics});
     check_steps(setup, tracks, named, moving.steps());
-    const earpoint::AcousticScene scene(named.scene);
+    const AcousticScene scene(named.scene);
     trace_motion(scene, source, motion, moving.steps(), setup.trace, pool,
-                 [&](int step, const earpoint::PointResponse& response) {
+                 [&](int step, const PointResponse& response) {
                    watch.see(response);
                    moving.add(step, response);
                  });
     watch.check(tracks.listener);
-    earpoint::write_sound(setup.output, moving.take(), earpoint::SampleFormat::float32);
+    write_sound(setup.output, moving.take(), SampleFormat::float32);
     return;
   }
   // The last step is the first one at or after the path's end, where it stands still.
   const int steps = 1 + static_cast<int>(std::ceil(duration_s / setup.step_s - 1e-9));
   check_steps(setup, tracks, named, steps);
-  const earpoint::AcousticScene scene(named.scene);
-  const earpoint::ResponseSynthesizer synthesizer(render);
+  const AcousticScene scene(named.scene);
+  const ResponseSynthesizer synthesizer(render);
   ResponseFolder folder(setup.output);
   trace_motion(scene, source, motion, steps, setup.trace, pool,
-               [&](int step, const earpoint::PointResponse& response) {
+               [&](int step, const PointResponse& response) {
                  watch.see(response);
                  const double time_s = step * setup.step_s;
-                 const earpoint::Pose listener = tracks.listener.path.at(time_s);
+                 const Pose listener = tracks.listener.path.at(time_s);
                  folder.add(
                      time_s, tracks.source.path.at(time_s), listener,
                      render_response(setup, synthesizer, response, listener.orientation, ears));
@@ -223,3 +220,5 @@ void run_trace_motion(TraceSetup setup, bool rate_given) {
   watch.check(tracks.listener);
   folder.finish();
 }
+
+}  // namespace earpoint

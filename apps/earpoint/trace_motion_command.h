@@ -2,7 +2,11 @@
 
 #include "trace_setup.h"
 
+namespace earpoint {
+
 /// `earpoint trace` along paths, or of a sound: a folder of responses, or what is heard.
 /// @param rate_given  else a sound keeps its own
-/// @throws earpoint::InputError
+/// @throws InputError
 void run_trace_motion(TraceSetup setup, bool rate_given);
+
+}  // namespace earpoint

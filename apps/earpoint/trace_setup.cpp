@@ -13,7 +13,7 @@
 #include <earpoint/spatial/air_absorption.h>
 #include <earpoint/trace/response_end.h>
 
-using earpoint::InputError;
+namespace earpoint {
 
 namespace {
 
@@ -62,13 +62,13 @@ void check_trace_setup(const TraceSetup& options) {
   }
 }
 
-void check_place(const std::string& flag, const earpoint::Vector3& place, const NamedScene& named) {
-  const earpoint::Bounds box = bounds(named.scene.mesh);
+void check_place(const std::string& flag, const Vector3& place, const NamedScene& named) {
+  const Bounds box = bounds(named.scene.mesh);
   check_inside(flag, place, {box.low + named.origin_m, box.high + named.origin_m});
 }
 
 void check_long_enough(const TraceSetup& options, double distance_m) {
-  const double first_s = distance_m / earpoint::speed_of_sound_m_per_s(options.trace.air);
+  const double first_s = distance_m / speed_of_sound_m_per_s(options.trace.air);
   if (options.trace.duration_s > first_s) return;
   throw InputError("--duration",
                    fmt::format("ends after {:g} s, before the sound arrives after {:.3f} s",
@@ -76,8 +76,8 @@ void check_long_enough(const TraceSetup& options, double distance_m) {
                    fmt::format("use --duration {:.1f} or more", first_s + 0.1));
 }
 
-void warn_of_early_end(const earpoint::PointResponse& response, double duration_s) {
-  const earpoint::ResponseEnd end = earpoint::response_end(response, duration_s);
+void warn_of_early_end(const PointResponse& response, double duration_s) {
+  const ResponseEnd end = response_end(response, duration_s);
   if (end.level_db <= -60.0 || duration_s >= kLongest_s) return;
   const double wanted_s = std::min(kLongest_s, std::ceil(10.0 * end.needed_s) / 10.0);
   fmt::print(stderr, "earpoint: warning: the response ends at {:.0f} dB; use {}\n", end.level_db,
@@ -85,17 +85,15 @@ void warn_of_early_end(const earpoint::PointResponse& response, double duration_
                                          : "a longer --duration");
 }
 
-std::optional<earpoint::HrtfSet> load_ears(const TraceSetup& options) {
+std::optional<HrtfSet> load_ears(const TraceSetup& options) {
   if (options.mono || options.ambisonics) return std::nullopt;
-  return options.hrtf ? earpoint::HrtfSet::load(*options.hrtf, options.rate_hz)
-                      : earpoint::HrtfSet::load(options.rate_hz);
+  return options.hrtf ? HrtfSet::load(*options.hrtf, options.rate_hz)
+                      : HrtfSet::load(options.rate_hz);
 }
 
-earpoint::Waveform render_response(const TraceSetup& options,
-                                   const earpoint::ResponseSynthesizer& synthesizer,
-                                   const earpoint::PointResponse& response,
-                                   const earpoint::Quaternion& world_from_listener,
-                                   const std::optional<earpoint::HrtfSet>& ears) {
+Waveform render_response(const TraceSetup& options, const ResponseSynthesizer& synthesizer,
+                         const PointResponse& response, const Quaternion& world_from_listener,
+                         const std::optional<HrtfSet>& ears) {
   if (options.ambisonics) {
     return synthesizer.ambisonic(response, world_from_listener, *options.ambisonics, 0);
   }
@@ -103,7 +101,7 @@ earpoint::Waveform render_response(const TraceSetup& options,
               : synthesizer.mono(response, 0);
 }
 
-bool is_silent(const earpoint::PointResponse& response) {
+bool is_silent(const PointResponse& response) {
   if (!response.arrivals.empty()) return false;
   for (int bin = 0; bin < response.late.bins(); ++bin) {
     for (const float energy : response.late.bin_energy(bin)) {
@@ -113,9 +111,9 @@ bool is_silent(const earpoint::PointResponse& response) {
   return true;
 }
 
-earpoint::Source make_source(const TraceSetup& options) {
-  earpoint::Source source;
-  if (options.directivity == "speech") source.directivity = earpoint::speech_directivity();
+Source make_source(const TraceSetup& options) {
+  Source source;
+  if (options.directivity == "speech") source.directivity = speech_directivity();
   return source;
 }
 
@@ -126,3 +124,5 @@ NamedScene read_scene_with_warnings(const SceneArgument& argument) {
   }
   return named;
 }
+
+}  // namespace earpoint

@@ -25,12 +25,10 @@
 #include <earpoint/train/training_task.h>
 #include <earpoint/weights/safetensors.h>
 
+namespace earpoint {
 namespace {
 
 namespace fs = std::filesystem;
-using earpoint::InputError;
-using earpoint::Learner;
-using earpoint::ProcessGroup;
 
 constexpr const char* kSeveralProcesses = R"(
 Several processes can train together on one or several machines; each takes its share of every batch, and
@@ -72,13 +70,13 @@ class BadExamples {
   std::set<std::string> seen_;
 };
 
-void report(const earpoint::ValidationResult& result, const std::string& error_name) {
+void report(const ValidationResult& result, const std::string& error_name) {
   fmt::print(stderr, "step {}, {} clips, {}: loss {:.5f}, validation {} {:.5f}{}\n", result.step,
-             result.clips, earpoint::format_duration(result.seconds), result.loss, error_name,
-             result.error, result.is_best ? ", best so far" : "");
+             result.clips, format_duration(result.seconds), result.loss, error_name, result.error,
+             result.is_best ? ", best so far" : "");
 }
 
-nlohmann::ordered_json json_of(const earpoint::TrainingSummary& summary) {
+nlohmann::ordered_json json_of(const TrainingSummary& summary) {
   nlohmann::ordered_json json;
   json["steps"] = summary.steps;
   json["clips"] = summary.clips;
@@ -88,7 +86,7 @@ nlohmann::ordered_json json_of(const earpoint::TrainingSummary& summary) {
   json["first"] = summary.first_error;
   json["best"] = summary.best_error;
   json["best_step"] = summary.best_step;
-  json["ended_by"] = earpoint::name_of(summary.end);
+  json["ended_by"] = name_of(summary.end);
   return json;
 }
 
@@ -99,8 +97,8 @@ std::string place_of(const Options& options) {
   return place;
 }
 
-std::vector<earpoint::ConfigSetting> settings_of(const Options& options) {
-  std::vector<earpoint::ConfigSetting> settings;
+std::vector<ConfigSetting> settings_of(const Options& options) {
+  std::vector<ConfigSetting> settings;
   for (const std::string& setting : options.settings) {
     const std::size_t equals = setting.find('=');
     if (equals == std::string::npos || equals == 0) {
@@ -112,9 +110,8 @@ std::vector<earpoint::ConfigSetting> settings_of(const Options& options) {
   return settings;
 }
 
-earpoint::TrainConfig configuration(const Options& options) {
-  earpoint::TrainConfig config =
-      earpoint::read_train_config(options.config, settings_of(options), place_of(options));
+TrainConfig configuration(const Options& options) {
+  TrainConfig config = read_train_config(options.config, settings_of(options), place_of(options));
   if (options.minutes) {
     if (!(*options.minutes > 0.0)) {
       throw InputError("--minutes",
@@ -126,8 +123,7 @@ earpoint::TrainConfig configuration(const Options& options) {
 }
 
 /// The run to go on with, or nothing to begin one.
-std::optional<earpoint::SafetensorsFile> run_so_far(const Options& options,
-                                                    const std::string& config) {
+std::optional<SafetensorsFile> run_so_far(const Options& options, const std::string& config) {
   if (!options.resume) {
     if (fs::exists(options.out / "checkpoint.safetensors")) {
       throw InputError(options.out.string(), "holds a run already",
@@ -135,7 +131,7 @@ std::optional<earpoint::SafetensorsFile> run_so_far(const Options& options,
     }
     return std::nullopt;
   }
-  return earpoint::read_checkpoint(options.out, config);
+  return read_checkpoint(options.out, config);
 }
 
 std::vector<std::byte> bytes_of(const std::string& text) {
@@ -156,13 +152,13 @@ void expect_same_configuration(ProcessGroup& group, const std::string& config) {
 }
 
 struct Start {
-  earpoint::TrainingTask task;
-  std::optional<earpoint::SafetensorsFile> checkpoint;  ///< of a run to go on with
+  TrainingTask task;
+  std::optional<SafetensorsFile> checkpoint;  ///< of a run to go on with
 };
 
 /// Makes the task. Of several processes, all start from the weights of the first, bit for bit.
-Start started(const Options& options, const earpoint::TrainConfig& config,
-              earpoint::TaskOptions task_options, ProcessGroup* group) {
+Start started(const Options& options, const TrainConfig& config, TaskOptions task_options,
+              ProcessGroup* group) {
   const std::string where = place_of(options);
   Start start;
   if (group == nullptr || group->is_first()) {
@@ -179,7 +175,7 @@ Start started(const Options& options, const earpoint::TrainConfig& config,
           : serialize_safetensors(
                 start.checkpoint ? *start.checkpoint : start.task.learner->checkpoint(), name));
   if (group->is_first()) return start;
-  start.checkpoint = earpoint::parse_safetensors(bytes, name);
+  start.checkpoint = parse_safetensors(bytes, name);
   task_options.checkpoint = &*start.checkpoint;
   start.task = make_training_task(config, where, task_options);
   if (!goes_on) start.checkpoint.reset();
@@ -187,19 +183,19 @@ Start started(const Options& options, const earpoint::TrainConfig& config,
 }
 
 /// Threads of this process.
-int threads_of(const Options& options, const std::optional<earpoint::ProcessPlace>& place) {
+int threads_of(const Options& options, const std::optional<ProcessPlace>& place) {
   if (options.jobs > 0) return options.jobs;
-  return std::max(1, earpoint::available_cores() / (place ? place->local_processes : 1));
+  return std::max(1, available_cores() / (place ? place->local_processes : 1));
 }
 
 void run(const Options& options) {
-  earpoint::keep_freed_memory();
-  const earpoint::TrainConfig config = configuration(options);
+  keep_freed_memory();
+  const TrainConfig config = configuration(options);
   if (options.jobs < 0) throw InputError("--jobs", "expected 0 or more");
   if (options.cache_mib < 0) throw InputError("--cache", "expected 0 or more");
-  const std::optional<earpoint::ProcessPlace> place = earpoint::process_place();
+  const std::optional<ProcessPlace> place = process_place();
   const int threads = threads_of(options, place);
-  earpoint::set_learner_threads(threads);
+  set_learner_threads(threads);
   std::optional<ProcessGroup> group;
   if (place) {
     group.emplace(*place);
@@ -208,47 +204,44 @@ void run(const Options& options) {
   ProcessGroup* const processes = group ? &*group : nullptr;
 
   BadExamples bad;
-  earpoint::TaskOptions task_options{.data = options.data.front(),
-                                     .more_data = {options.data.begin() + 1, options.data.end()},
-                                     .layout = std::nullopt,
-                                     .device = options.device,
-                                     .cache_bytes = static_cast<std::size_t>(options.cache_mib)
-                                                    << 20,
-                                     .on_bad = {},
-                                     .checkpoint = nullptr};
-  if (!options.layout.empty()) task_options.layout = earpoint::layout_named(options.layout);
+  TaskOptions task_options{.data = options.data.front(),
+                           .more_data = {options.data.begin() + 1, options.data.end()},
+                           .layout = std::nullopt,
+                           .device = options.device,
+                           .cache_bytes = static_cast<std::size_t>(options.cache_mib) << 20,
+                           .on_bad = {},
+                           .checkpoint = nullptr};
+  if (!options.layout.empty()) task_options.layout = layout_named(options.layout);
   if (options.skip_bad) {
     task_options.on_bad = [&bad](const std::string& problem) { bad.add(problem); };
   }
-  std::optional<earpoint::RunLock> lock;  // before the checkpoint is read
+  std::optional<RunLock> lock;  // before the checkpoint is read
   if (!group || group->is_first()) lock.emplace(options.out);
   const Start start = started(options, config, task_options, processes);
   Learner& learner = *start.task.learner;
 
   const bool tells = !group || group->is_first();
-  earpoint::TrainerOptions trainer{.folder = options.out,
-                                   .plan = config.training,
-                                   .config = config.text,
-                                   .workers = std::max(1, threads / 4),
-                                   .processes = processes,
-                                   .on_validation = {}};
+  TrainerOptions trainer{.folder = options.out,
+                         .plan = config.training,
+                         .config = config.text,
+                         .workers = std::max(1, threads / 4),
+                         .processes = processes,
+                         .on_validation = {}};
   if (tells && !options.quiet) {
-    trainer.on_validation = [&](const earpoint::ValidationResult& result) {
+    trainer.on_validation = [&](const ValidationResult& result) {
       report(result, std::string(learner.error_name()));
     };
   }
-  earpoint::SilentProgress silent;
-  earpoint::StreamProgress bar(stderr);
-  earpoint::ProgressSink& progress =
-      options.quiet || !tells ? static_cast<earpoint::ProgressSink&>(silent) : bar;
-  const earpoint::TrainingSummary summary =
-      train(learner, *start.task.examples, trainer, start.checkpoint ? &*start.checkpoint : nullptr,
-            progress);
+  SilentProgress silent;
+  StreamProgress bar(stderr);
+  ProgressSink& progress = options.quiet || !tells ? static_cast<ProgressSink&>(silent) : bar;
+  const TrainingSummary summary = train(learner, *start.task.examples, trainer,
+                                        start.checkpoint ? &*start.checkpoint : nullptr, progress);
   if (!tells) return;
   if (options.json) {
     fmt::print("{}\n", json_of(summary).dump());
   } else if (!options.quiet) {
-    const bool is_last = trainer.plan.keep == earpoint::Keep::last;
+    const bool is_last = trainer.plan.keep == Keep::last;
     fmt::print("best {} {:.5f} at step {} of {} ({:.5f} at first); {} weights in {}\n",
                summary.error_name, summary.best_error, summary.best_step, summary.steps,
                summary.first_error, is_last ? "the last" : "its",
@@ -299,3 +292,5 @@ void add_train_command(CLI::App& app) {
   command->footer(kSeveralProcesses);
   command->callback([options] { run(*options); });
 }
+
+}  // namespace earpoint

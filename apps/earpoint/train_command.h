@@ -2,7 +2,8 @@
 
 namespace CLI {
 class App;
-}
+
+namespace earpoint {}
 
 /// What `earpoint --help` says of it.
 inline constexpr const char* kTrainDescription =
@@ -11,3 +12,5 @@ inline constexpr const char* kTrainDescription =
 
 /// Adds `earpoint train`: learns a network from a data set.
 void add_train_command(CLI::App& app);
+
+}  // namespace CLI

@@ -18,6 +18,7 @@
 #include <earpoint/dataset_testing/tiny_dataset.h>
 #include <earpoint/weights/safetensors.h>
 
+namespace earpoint {
 namespace {
 
 namespace fs = std::filesystem;
@@ -35,8 +36,8 @@ class TrainCommandTest : public ::testing::Test {
   void SetUp() override {
     folder_ = fs::path(testing::TempDir()) / ("train_command." + std::to_string(::getpid()));
     fs::remove_all(folder_);
-    earpoint::write_tiny_dataset(folder_ / "data", {.clips = 1});
-    earpoint::write_file(folder_ / "tiny.json", std::string_view(kTiny));
+    write_tiny_dataset(folder_ / "data", {.clips = 1});
+    write_file(folder_ / "tiny.json", std::string_view(kTiny));
   }
   void TearDown() override { fs::remove_all(folder_); }
 
@@ -73,8 +74,8 @@ TEST_F(TrainCommandTest, WhatWasTrainedRendersAtOnce) {
   EXPECT_EQ(summary.at("ended_by"), "steps");
 
   const fs::path heard = folder_ / "heard.wav";
-  earpoint::write_sound(heard, [] {
-    earpoint::Waveform sound(2, 20000, 16000);
+  write_sound(heard, [] {
+    Waveform sound(2, 20000, 16000);
     for (std::size_t i = 0; i < sound.planar().size(); ++i) {
       sound.planar()[i] = 0.1F * static_cast<float>(i % 50) / 50.0F;
     }
@@ -85,13 +86,13 @@ TEST_F(TrainCommandTest, WhatWasTrainedRendersAtOnce) {
        (folder_ / "run/best.safetensors").string(), "--speaker-box", "0.2,0.2,0.4,0.8",
        "--translate", "1,0,0", "-o", (folder_ / "there.wav").string(), "--quiet"});
   ASSERT_EQ(rendered.exit_code, 0) << rendered.errors;
-  EXPECT_EQ(earpoint::probe_sound(folder_ / "there.wav").frames, 20000);
+  EXPECT_EQ(probe_sound(folder_ / "there.wav").frames, 20000);
 }
 
 TEST_F(TrainCommandTest, WhatIsSetIsPartOfTheRunsConfiguration) {
   ASSERT_EQ(train({"--set", "training.steps=1", "--set", "network.box=false", "--quiet"}).exit_code,
             0);
-  const auto kept = nlohmann::json::parse(earpoint::read_text_file(folder_ / "run/config.json"));
+  const auto kept = nlohmann::json::parse(read_text_file(folder_ / "run/config.json"));
   EXPECT_EQ(kept.at("training").at("steps"), 1);
   EXPECT_EQ(kept.at("network").at("box"), false);
   EXPECT_EQ(kept.at("network").at("channels"), 4);
@@ -110,7 +111,7 @@ TEST_F(TrainCommandTest, ARunIsNotOverwrittenAndGoesOnByResume) {
       << again.errors;
   std::string longer = kTiny;
   longer.replace(longer.find("\"steps\": 2"), 10, "\"steps\": 3");
-  earpoint::write_file(folder_ / "tiny.json", longer);
+  write_file(folder_ / "tiny.json", longer);
   const ProgramOutcome resumed = train({"--resume", "--quiet", "--json"});
   ASSERT_EQ(resumed.exit_code, 0) << resumed.errors;
   EXPECT_EQ(nlohmann::json::parse(resumed.output).at("steps"), 3);
@@ -146,7 +147,7 @@ class SharedTrainingTest : public TrainCommandTest {
       int processes, const std::string& out, const std::string& config,
       const std::vector<std::string>& more = {}) const {
     const fs::path file = folder_ / (out + ".json");
-    earpoint::write_file(file, config);
+    write_file(file, config);
     std::vector<std::string> words = {"train",  file.string(),
                                       "--data", (folder_ / "data").string(),
                                       "--out",  (folder_ / out).string(),
@@ -169,7 +170,7 @@ class SharedTrainingTest : public TrainCommandTest {
 
   /// The numbers of a CSV file, row by row.
   [[nodiscard]] std::vector<double> numbers(const std::string& path) const {
-    std::istringstream text(earpoint::read_text_file(folder_ / path));
+    std::istringstream text(read_text_file(folder_ / path));
     std::string line;
     std::getline(text, line);
     std::vector<double> found;
@@ -182,8 +183,8 @@ class SharedTrainingTest : public TrainCommandTest {
 };
 
 void expect_equal_but_for_rounding(const fs::path& found, const fs::path& expected) {
-  const auto ours = earpoint::read_safetensors(found).tensors;
-  const auto theirs = earpoint::read_safetensors(expected).tensors;
+  const auto ours = read_safetensors(found).tensors;
+  const auto theirs = read_safetensors(expected).tensors;
   ASSERT_EQ(ours.size(), theirs.size());
   for (const auto& [name, tensor] : theirs) {
     const auto a = ours.at(name).as<float>();
@@ -272,13 +273,13 @@ TEST_F(TrainCommandTest, BadUseIsOneLine) {
   EXPECT_NE(error_of({"--data", "nowhere"}).find("nowhere: no such folder"), std::string::npos);
   std::string misspelt = kTiny;
   misspelt.replace(misspelt.find("\"batch\""), 7, "\"bathc\"");
-  earpoint::write_file(folder_ / "tiny.json", misspelt);
+  write_file(folder_ / "tiny.json", misspelt);
   EXPECT_NE(error_of({}).find("tiny.json: 'training': unknown key 'bathc'"), std::string::npos)
       << error_of({});
 }
 
 TEST_F(TrainCommandTest, BadFilesEndItByNameOrAreSkipped) {
-  earpoint::write_file(folder_ / "data/train/room/0/view_1.png", std::string_view("no picture"));
+  write_file(folder_ / "data/train/room/0/view_1.png", std::string_view("no picture"));
   const ProgramOutcome ended = train({"--quiet"});
   EXPECT_EQ(ended.exit_code, 2);
   EXPECT_NE(ended.errors.find("view_1.png"), std::string::npos) << ended.errors;
@@ -289,3 +290,5 @@ TEST_F(TrainCommandTest, BadFilesEndItByNameOrAreSkipped) {
 }
 
 }  // namespace
+
+}  // namespace earpoint

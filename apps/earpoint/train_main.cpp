@@ -8,6 +8,6 @@ int main(int argc, char** argv) {
   CLI::App app("Earpoint: hear a recorded moment from another place.", "earpoint");
   app.require_subcommand(1);
   app.set_version_flag("--version", EARPOINT_VERSION);
-  add_train_command(app);
-  return run_app(app, argc, argv);
+  earpoint::add_train_command(app);
+  return earpoint::run_app(app, argc, argv);
 }

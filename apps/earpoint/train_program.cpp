@@ -11,19 +11,20 @@
 #include <earpoint/core/platform/program_path.h>
 #include <earpoint/error.h>
 
+namespace earpoint {
 namespace {
 
 namespace fs = std::filesystem;
 
 void hand_over(char** argv) {
-  const fs::path program = earpoint::program_path().parent_path() / "earpoint-train";
+  const fs::path program = program_path().parent_path() / "earpoint-train";
   // OpenMP reads it once, when a program starts. By default its threads wait for work by spinning,
   // which takes the cores from the thread that makes examples, and from whatever else runs.
   constexpr int kKeepTheUsers = 0;
   ::setenv("OMP_WAIT_POLICY", "passive", kKeepTheUsers);
   ::execv(program.c_str(), argv);
-  throw earpoint::InputError("train", "cannot start " + program.string(),
-                             "keep earpoint-train in the same folder as earpoint");
+  throw InputError("train", "cannot start " + program.string(),
+                   "keep earpoint-train in the same folder as earpoint");
 }
 
 }  // namespace
@@ -34,3 +35,5 @@ void add_train_program(CLI::App& app, char** argv) {
   command->set_help_flag();
   command->callback([argv] { hand_over(argv); });
 }
+
+}  // namespace earpoint

@@ -20,10 +20,10 @@
 #include <earpoint/error.h>
 #include <earpoint/media/image_file.h>
 
+namespace earpoint {
 namespace {
 
 namespace fs = std::filesystem;
-using earpoint::InputError;
 
 constexpr int kMostPixels = 8192;  // along a side
 
@@ -81,14 +81,14 @@ int side_of_samples(int samples) {
                    fmt::format("expected a square number from 1 to 1024, found {}", samples));
 }
 
-earpoint::Camera parse_camera(const Options& options) {
+Camera parse_camera(const Options& options) {
   if (!(options.fov_deg >= 1.0 && options.fov_deg <= 170.0)) {
     throw InputError("--fov",
                      fmt::format("expected 1 to 170 degrees, found {:g}", options.fov_deg));
   }
   const PictureSize size = parse_size(options.size);
   return {.world_from_camera = parse_pose("--camera", options.camera),
-          .horizontal_fov_rad = earpoint::radians_from_degrees(options.fov_deg),
+          .horizontal_fov_rad = radians_from_degrees(options.fov_deg),
           .width = size.width,
           .height = size.height};
 }
@@ -108,24 +108,24 @@ void check(const Options& options) {
 
 void run(const Options& options) {
   check(options);
-  earpoint::Camera camera = parse_camera(options);
-  const earpoint::RenderQuality quality{.samples_per_side = side_of_samples(options.samples),
-                                        .denoise = !options.keep_noise,
-                                        .exposure = options.exposure};
+  Camera camera = parse_camera(options);
+  const RenderQuality quality{.samples_per_side = side_of_samples(options.samples),
+                              .denoise = !options.keep_noise,
+                              .exposure = options.exposure};
   const NamedScene named = read_scene(options.scene);
-  earpoint::Vector3& camera_m = camera.world_from_camera.position_m;
+  Vector3& camera_m = camera.world_from_camera.position_m;
   camera_m = camera_m - named.origin_m;
   for (const std::string& warning : named.warnings) {
     fmt::print(stderr, "earpoint: {}\n", with_flags(warning));
   }
-  earpoint::ThreadPool pool(options.jobs > 0 ? options.jobs : earpoint::available_cores());
-  const earpoint::SceneDrawer drawer(named.scene, {}, pool);
-  const earpoint::View view = drawer.draw(camera, quality, options.seed, pool);
-  earpoint::write_image(options.output, view.rgb);
+  ThreadPool pool(options.jobs > 0 ? options.jobs : available_cores());
+  const SceneDrawer drawer(named.scene, {}, pool);
+  const View view = drawer.draw(camera, quality, options.seed, pool);
+  write_image(options.output, view.rgb);
   if (options.depth) {
-    earpoint::write_image(*options.depth, picture_of_depth(view.depth_m, options.depth_range_m));
+    write_image(*options.depth, picture_of_depth(view.depth_m, options.depth_range_m));
   }
-  if (options.mask) earpoint::write_image(*options.mask, picture_of_instances(view.instance));
+  if (options.mask) write_image(*options.mask, picture_of_instances(view.instance));
 }
 
 }  // namespace
@@ -162,3 +162,5 @@ void add_view_command(CLI::App& app) {
   command->add_option("--jobs", options->jobs, "Threads; 0 takes all cores")->capture_default_str();
   command->callback([options] { run(*options); });
 }
+
+}  // namespace earpoint

@@ -10,10 +10,10 @@
 #include <earpoint/core/file.h>
 #include <earpoint/media/image_file.h>
 
+namespace earpoint {
 namespace {
 
 namespace fs = std::filesystem;
-using earpoint::Image;
 
 class ViewCommand : public ::testing::Test {
  protected:
@@ -57,7 +57,7 @@ TEST_F(ViewCommand, WritesPictureDepthAndMask) {
   EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
   EXPECT_EQ(outcome.errors, "");
   for (const char* name : {"view.png", "depth.png", "mask.png"}) {
-    const Image picture = earpoint::read_image(path(name));
+    const Image picture = read_image(path(name));
     EXPECT_EQ(picture.width(), 48) << name;
     EXPECT_EQ(picture.height(), 32) << name;
     EXPECT_GT(*std::ranges::max_element(picture.pixels()), 60) << name;
@@ -66,9 +66,9 @@ TEST_F(ViewCommand, WritesPictureDepthAndMask) {
 
 TEST_F(ViewCommand, GivesTheSameBytesForAnyNumberOfJobs) {
   ASSERT_EQ(run_earpoint(arguments({"--jobs", "1"})).exit_code, 0);
-  const auto one = earpoint::read_file(path("view.png"));
+  const auto one = read_file(path("view.png"));
   ASSERT_EQ(run_earpoint(arguments({"--jobs", "3"})).exit_code, 0);
-  EXPECT_EQ(earpoint::read_file(path("view.png")), one);
+  EXPECT_EQ(read_file(path("view.png")), one);
 }
 
 TEST_F(ViewCommand, SeesAModelFromAFile) {
@@ -76,7 +76,7 @@ TEST_F(ViewCommand, SeesAModelFromAFile) {
       run_earpoint({"view", EARPOINT_SOURCE_DIR "/lab/scene/testdata/room.glb", "--camera",
                     "1,1,1.2,yaw=30", "--size", "32x32", "-o", path("view.png")});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
-  EXPECT_EQ(earpoint::read_image(path("view.png")).width(), 32);
+  EXPECT_EQ(read_image(path("view.png")).width(), 32);
 }
 
 TEST_F(ViewCommand, SeesAHome) {
@@ -112,3 +112,5 @@ TEST_F(ViewCommand, RefusesInOneLineWhatItCannotDo) {
 }
 
 }  // namespace
+
+}  // namespace earpoint

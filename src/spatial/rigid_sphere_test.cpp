@@ -142,8 +142,10 @@ TEST(NearField, OnsetMovesAsTheSoundDoes) {
 
 TEST(NearField, DspRendersIt) {
   // The filters from a speaker in front, 2 m away, to one at the left ear.
-  const EarFilterMatrix filters = dsp_filters(kemar(), {0.0, 0.0, 2.0}, {kPi / 2.0, 0.0, 0.3});
-  const EarFilterMatrix far = dsp_filters(kemar(), {0.0, 0.0, 2.0}, {kPi / 2.0, 0.0, 1.4});
+  const EarFilterMatrix filters =
+      dsp_filters(kemar(), Spherical{0.0, 0.0, 2.0}, Spherical{kPi / 2.0, 0.0, 0.3});
+  const EarFilterMatrix far =
+      dsp_filters(kemar(), Spherical{0.0, 0.0, 2.0}, Spherical{kPi / 2.0, 0.0, 1.4});
   const auto level_db = [](const EarFilterMatrix& matrix, double frequency_hz) {
     return db(magnitude(matrix.taps[0][0], frequency_hz) /
               magnitude(matrix.taps[1][0], frequency_hz));
