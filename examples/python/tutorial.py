@@ -87,9 +87,11 @@ except ImportError:
 
 network = earpoint.torch.vigas("vigas")
 random = torch.Generator().manual_seed(1)
-batch = {"src_rgb": torch.from_numpy(frame.copy()).permute(2, 0, 1)[None],
-         "tgt_pose": torch.tensor([[1.5, -0.13, 0.99]]), "tgt_rotation": torch.tensor([[-0.7, 0.7]]),
-         "bboxes": torch.tensor([[0.35, 1.0, 0.38, 0.51]])}
+# Stand-ins for what a PairDataset gives: the picture is the clip's; poses and boxes are drawn, and the target is the source
+# with its ears exchanged.
+batch = {entry["name"]: torch.rand(1, entry["width"], generator=random) for entry in network.description["inputs"]
+         if entry["name"] != "visual_feat"}
+batch["src_rgb"] = torch.from_numpy(frame.copy()).permute(2, 0, 1)[None]
 source = 0.1 * torch.randn(1, 2, 16000, generator=random)
 target = source.flip(1)
 network.train()

@@ -12,7 +12,7 @@
 #include <earpoint/dataset/replay_pair.h>
 #include <earpoint/dataset/soundspaces.h>
 #include <earpoint/error.h>
-#include <earpoint/vigas/view.h>
+#include <earpoint/network/picture_planes.h>
 
 namespace earpoint::python {
 namespace {
@@ -117,7 +117,12 @@ class PairReader::ReplayPairs : public PairReader::Pairs {
 PairReader::PairReader(const fs::path& folder, const PairOptions& options) {
   const std::optional<DatasetLayout> asked =
       options.layout ? std::optional(layout_named(*options.layout)) : std::nullopt;
-  const bool is_replay = dataset_layout(folder, asked) == DatasetLayout::replay;
+  const DatasetLayout layout = dataset_layout(folder, asked);
+  if (layout == DatasetLayout::rwavs) {
+    throw InputError(folder.string(), "holds recordings of RWAVS, which are no pairs of viewpoints",
+                     "give a data set in the layout soundspaces or replay");
+  }
+  const bool is_replay = layout == DatasetLayout::replay;
   pose_encoding_ = is_replay ? PoseEncoding::replay : PoseEncoding::soundspaces;
   box_encoding_ = is_replay ? BoxEncoding::corners : BoxEncoding::soundspaces;
   if (options.network) {
@@ -154,10 +159,11 @@ PairItem PairReader::finished(PairItem item) const {
   item.pose = encode_pose(pose_encoding_, sample.source_from_target, sample.world_from_source);
   item.box = encode_box(box_encoding_, sample.speaker_box);
   if (encoder_) {
-    item.view = ImagePlanes{.channels = 3,
-                            .height = encoder_->height_px,
-                            .width = encoder_->width_px,
-                            .values = vigas_view(*encoder_, *sample.picture)};
+    item.view = ImagePlanes{
+        .channels = 3,
+        .height = encoder_->height_px,
+        .width = encoder_->width_px,
+        .values = picture_planes(*sample.picture, encoder_->width_px, encoder_->height_px)};
   }
   return item;
 }
