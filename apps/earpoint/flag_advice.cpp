@@ -26,7 +26,6 @@ constexpr std::array kAdvice{
     Advice{"choose an audio stream", "--audio-stream"},
     Advice{"channel of each ear", "--binaural-channels"},
     Advice{"people detector", "--detector"},
-    Advice{"choose a gtf weight file", "--model"},
     Advice{"use it for metrics", "--rt60-model"},
     Advice{"choose another port", "--port"},
     Advice{"close the ceiling", "--close-ceiling"},

@@ -21,7 +21,7 @@ std::string model_of(const std::string& given) {
   if (!given.empty()) return resolve_model(given);
   if (const auto path = shipped_model_path(kShipped)) return path->string();
   throw InputError("locate", fmt::format("{} is not among the shipped models", kShipped),
-                   "choose a gtf weight file");
+                   "choose a gtf weight file with --model");
 }
 
 nlohmann::json json_of(const GtfSpeaker& speaker, bool is_3d) {
@@ -66,7 +66,7 @@ LocateResult locate(const LocateRequest& request, ProgressSink& progress) {
   const GtfWeights weights = read_gtf_weights(result.model);
   if (!weights.description.geometry) {
     throw InputError(result.model, "cannot locate speakers: it has no geometry",
-                     "choose a gtf weight file with geometry");
+                     "choose another one with --model");
   }
   const double fov_rad =
       radians_from_degrees(fov_deg_of(request.source, result.source, !request.quiet));
