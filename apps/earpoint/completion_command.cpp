@@ -27,8 +27,8 @@ _earpoint() {
   local word rest
   COMPREPLY=()
   while IFS=$'\t' read -r word rest; do
-    COMPREPLY+=("$word")
-  done < <("${1/#\~/$HOME}" complete -- "${COMP_WORDS[@]:1:COMP_CWORD}" 2>/dev/null)
+    [ -z "$word" ] || COMPREPLY+=("$word")
+  done <<<"$("${1/#\~/$HOME}" complete -- "${COMP_WORDS[@]:1:COMP_CWORD}" 2>/dev/null)"
 }
 complete -o default -F _earpoint earpoint
 )";
@@ -39,8 +39,8 @@ _earpoint() {
   local -a found
   local word rest
   while IFS=$'\t' read -r word rest; do
-    found+=("${word//:/\\:}:${rest//:/\\:}")
-  done < <("${(Q)words[1]}" complete -- "${(@Q)words[2,CURRENT]}" 2>/dev/null)
+    [[ -z $word ]] || found+=("${word//:/\\:}:${rest//:/\\:}")
+  done <<<"$("${(Q)words[1]}" complete -- "${(@Q)words[2,CURRENT]}" 2>/dev/null)"
   if (( $#found )); then
     _describe earpoint found
   else
