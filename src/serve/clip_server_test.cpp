@@ -170,7 +170,7 @@ TEST(ClipServer, SaysThatAPortIsTaken) {
   ClipLibrary library;
   ClipServer first(library, bundled_methods(), {});
   const int port = first.bind();
-  ClipServer second(library, bundled_methods(), {.port = port});
+  ClipServer second(library, bundled_methods(), {.address = {.port = port}});
   try {
     second.bind();
     ADD_FAILURE() << "port " << port << " was given twice";
