@@ -22,7 +22,7 @@ The packages install these scripts. By hand:
 )";
 
 constexpr const char* kBash =
-    R"(# Completion of earpoint for bash; written by: earpoint completion bash
+    R"script(# Completion of earpoint for bash; written by: earpoint completion bash
 _earpoint() {
   local word rest
   COMPREPLY=()
@@ -31,9 +31,9 @@ _earpoint() {
   done <<<"$("${1/#\~/$HOME}" complete -- "${COMP_WORDS[@]:1:COMP_CWORD}" 2>/dev/null)"
 }
 complete -o default -F _earpoint earpoint
-)";
+)script";
 
-constexpr const char* kZsh = R"(#compdef earpoint
+constexpr const char* kZsh = R"script(#compdef earpoint
 # Completion of earpoint for zsh; written by: earpoint completion zsh
 _earpoint() {
   local -a found
@@ -52,17 +52,17 @@ if [ "$funcstack[1]" = _earpoint ]; then
 else
   compdef _earpoint earpoint
 fi
-)";
+)script";
 
 constexpr const char* kFish =
-    R"(# Completion of earpoint for fish; written by: earpoint completion fish
+    R"script(# Completion of earpoint for fish; written by: earpoint completion fish
 function __earpoint_complete
     set -l words (commandline -opc) (commandline -ct)
     $words[1] complete -- $words[2..-1] 2>/dev/null
 end
 complete -c earpoint -n 'test (count (__earpoint_complete)) -gt 0' -f
 complete -c earpoint -a '(__earpoint_complete)'
-)";
+)script";
 
 void print_script(const std::string& shell) {
   fmt::print("{}", shell == "bash" ? kBash : shell == "zsh" ? kZsh : kFish);
