@@ -5,11 +5,10 @@
 
 namespace CLI {
 class App;
+class Option;
+}  // namespace CLI
 
 namespace earpoint {
-
-class Option;
-}  // namespace earpoint
 
 /// A word that may stand at the place of the cursor, and what it means in one line.
 struct Completion {
@@ -30,4 +29,4 @@ struct Completion {
 /// The options that --help lists, without positionals.
 [[nodiscard]] std::vector<const CLI::Option*> visible_options(const CLI::App& app);
 
-}  // namespace CLI
+}  // namespace earpoint

@@ -4,8 +4,9 @@
 
 namespace CLI {
 class App;
+}
 
-namespace earpoint {}
+namespace earpoint {
 
 /// `earpoint completion SHELL` prints a script that completes commands and options in that shell;
 /// `earpoint manual` prints the manual page. Both read the program's own commands, so that nothing
@@ -19,4 +20,4 @@ void add_completion_commands(CLI::App& app);
 /// @return  whether they were such a question
 bool answer_completion(const CLI::App& app, std::span<char* const> arguments);
 
-}  // namespace CLI
+}  // namespace earpoint

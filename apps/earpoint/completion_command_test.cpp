@@ -77,10 +77,10 @@ TEST(Completion, FollowsSubcommandsAndOptions) {
 }
 
 TEST(Completion, BashUsesIt) {
-  const std::string script = R"(eval "$("$0" completion bash)"
+  const std::string script = R"shell(eval "$("$0" completion bash)"
     COMP_WORDS=("$0" render --texture n) COMP_CWORD=3
     _earpoint "$0"
-    printf '%s\n' "${COMPREPLY[@]}")";
+    printf '%s\n' "${COMPREPLY[@]}")shell";
   const ProgramOutcome outcome = run_program("/bin/bash", {"-c", script, EARPOINT_PROGRAM});
   EXPECT_EQ(outcome.output, "natural\n") << outcome.errors;
 }

@@ -4,8 +4,9 @@
 
 namespace CLI {
 class App;
+}
 
-namespace earpoint {}
+namespace earpoint {
 
 /// A library's message for the command line: what it calls a setting gets the flag of the command
 /// that sets it. "layout: expected ..." becomes "--layout: expected ...", and "...; choose another
@@ -16,4 +17,4 @@ namespace earpoint {}
 /// The innermost subcommand that was given, or the program itself.
 [[nodiscard]] const CLI::App& given_command(const CLI::App& app);
 
-}  // namespace CLI
+}  // namespace earpoint

@@ -52,6 +52,6 @@ int main(int argc, char** argv) {
   earpoint::add_view_command(app);
 #endif
   earpoint::add_completion_commands(app);
-  if (answer_completion(app, {argv, static_cast<std::size_t>(argc)})) return 0;
+  if (earpoint::answer_completion(app, {argv, static_cast<std::size_t>(argc)})) return 0;
   return earpoint::run_app(app, argc, argv);
 }

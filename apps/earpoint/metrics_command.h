@@ -2,10 +2,11 @@
 
 namespace CLI {
 class App;
+}
 
-namespace earpoint {}
+namespace earpoint {
 
 /// Adds `earpoint metrics`: compares an estimate with its reference.
 void add_metrics_command(CLI::App& app);
 
-}  // namespace CLI
+}  // namespace earpoint

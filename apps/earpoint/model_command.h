@@ -2,10 +2,11 @@
 
 namespace CLI {
 class App;
+}
 
-namespace earpoint {}
+namespace earpoint {
 
 /// Adds `earpoint model`: import, info, run.
 void add_model_command(CLI::App& app);
 
-}  // namespace CLI
+}  // namespace earpoint

@@ -2,10 +2,11 @@
 
 namespace CLI {
 class App;
+}
 
-namespace earpoint {}
+namespace earpoint {
 
 /// Adds `run` to `earpoint model`: raw tensors in, raw tensors out.
 void add_model_run_command(CLI::App& model);
 
-}  // namespace CLI
+}  // namespace earpoint

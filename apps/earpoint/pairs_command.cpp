@@ -41,7 +41,6 @@ struct Options {
 };
 
 void run(const Options& options) {
-  using DatasetLayout;
   const PairDraw draw = draw_named(options.draw);
   if (draw == PairDraw::released && options.seed) {
     throw InputError("--seed", "the released draw has its own", "leave it out");

@@ -2,10 +2,11 @@
 
 namespace CLI {
 class App;
+}
 
-namespace earpoint {}
+namespace earpoint {
 
 /// Adds `earpoint pairs` to the program.
 void add_pairs_command(CLI::App& app);
 
-}  // namespace CLI
+}  // namespace earpoint

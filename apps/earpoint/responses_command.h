@@ -2,11 +2,12 @@
 
 namespace CLI {
 class App;
+}
 
-namespace earpoint {}
+namespace earpoint {
 
 /// Adds `earpoint responses`: the measured impulse responses of Real Acoustic Fields, listed, or
 /// compared with estimates.
 void add_responses_command(CLI::App& app);
 
-}  // namespace CLI
+}  // namespace earpoint

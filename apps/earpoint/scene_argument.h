@@ -10,8 +10,9 @@
 
 namespace CLI {
 class App;
+}
 
-namespace earpoint {}
+namespace earpoint {
 
 /// Which scene a command works on: a model file, a box, or a home drawn from a seed.
 struct SceneArgument {
@@ -37,4 +38,4 @@ struct NamedScene {
 /// @throws InputError if no scene or several are named, or it cannot be read
 NamedScene read_scene(const SceneArgument& argument);
 
-}  // namespace CLI
+}  // namespace earpoint

@@ -2,10 +2,11 @@
 
 namespace CLI {
 class App;
+}
 
-namespace earpoint {}
+namespace earpoint {
 
 /// Adds `earpoint trace`: the impulse response from one place to another.
 void add_trace_command(CLI::App& app);
 
-}  // namespace CLI
+}  // namespace earpoint

@@ -2,8 +2,9 @@
 
 namespace CLI {
 class App;
+}
 
-namespace earpoint {}
+namespace earpoint {
 
 /// What `earpoint --help` says of it.
 inline constexpr const char* kTrainDescription =
@@ -13,4 +14,4 @@ inline constexpr const char* kTrainDescription =
 /// Adds `earpoint train`: learns a network from a data set.
 void add_train_command(CLI::App& app);
 
-}  // namespace CLI
+}  // namespace earpoint

@@ -2,10 +2,11 @@
 
 namespace CLI {
 class App;
+}
 
-namespace earpoint {}
+namespace earpoint {
 
 /// Adds `earpoint view`: the picture that a camera takes of a scene, its depth and its mask.
 void add_view_command(CLI::App& app);
 
-}  // namespace CLI
+}  // namespace earpoint
