@@ -27,7 +27,7 @@ py::array picture_of(const PairItem& item) {
   return array_of(item.view->values, {3, item.view->height, item.view->width});
 }
 
-py::dict dict_of(PairItem item) {
+py::dict dict_of(const PairItem& item) {
   const PairSample& sample = item.sample;
   py::dict result;
   result["src_wav"] = array_of(sample.source);

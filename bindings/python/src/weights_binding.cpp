@@ -28,12 +28,12 @@ namespace {
 
 /// NumPy's name of an element type. @return nothing for bfloat16, which NumPy lacks
 std::optional<std::string> numpy_name(DType type) {
-  static const std::map<DType, std::string> kNames = {
+  static const std::map<DType, std::string> names = {
       {DType::f64, "<f8"}, {DType::f32, "<f4"}, {DType::f16, "<f2"}, {DType::i64, "<i8"},
       {DType::i32, "<i4"}, {DType::i16, "<i2"}, {DType::i8, "|i1"},  {DType::u64, "<u8"},
       {DType::u32, "<u4"}, {DType::u16, "<u2"}, {DType::u8, "|u1"},  {DType::boolean, "|b1"}};
-  const auto found = kNames.find(type);
-  return found == kNames.end() ? std::nullopt : std::optional(found->second);
+  const auto found = names.find(type);
+  return found == names.end() ? std::nullopt : std::optional(found->second);
 }
 
 /// The array takes the tensor's memory.
