@@ -118,9 +118,8 @@ std::optional<std::filesystem::path> find_pair_list(const std::filesystem::path&
 
 PairList frozen_or_drawn_pairs(const SoundSpacesDataset& dataset,
                                const std::filesystem::path& folder) {
-  constexpr std::uint64_t kDrawSeed = 1;
   if (const auto list = find_pair_list(folder, dataset.split())) return read_pair_list(*list);
-  return draw_pair_list(dataset, PairDraw::every_target, kDrawSeed);
+  return draw_pair_list(dataset, PairDraw::every_target, kPairDrawSeed);
 }
 
 std::string text_of(const PairList& list) {

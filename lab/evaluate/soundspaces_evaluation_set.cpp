@@ -16,9 +16,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Seed of pairs that are drawn because the data set has no list.
-constexpr std::uint64_t kDrawSeed = 1;
-
 /// `limit` pairs, spread evenly over the list, as neighbours in it are of the same conversation.
 std::vector<ViewPair> spread(std::vector<ViewPair> pairs, std::optional<std::size_t> limit) {
   if (!limit || *limit >= pairs.size()) return pairs;
@@ -36,12 +33,13 @@ struct Origin {
 Origin pairs_of(const SoundSpacesDataset& dataset, const fs::path& folder,
                 const PairChoice& choice) {
   if (choice.draw == PairDraw::released) {
-    return {draw_pair_list(dataset, *choice.draw, kDrawSeed), "drawn as the released test does"};
+    return {draw_pair_list(dataset, *choice.draw, kPairDrawSeed),
+            "drawn as the released test does"};
   }
   const auto found = choice.list ? choice.list : find_pair_list(folder, dataset.split());
   if (choice.draw || !found) {
-    return {draw_pair_list(dataset, PairDraw::every_target, kDrawSeed),
-            fmt::format("drawn, every viewpoint the target once, seed {}", kDrawSeed)};
+    return {draw_pair_list(dataset, PairDraw::every_target, kPairDrawSeed),
+            fmt::format("drawn, every viewpoint the target once, seed {}", kPairDrawSeed)};
   }
   Origin origin{read_pair_list(*found), found->string()};
   if (origin.list.split != dataset.split()) {

@@ -62,8 +62,11 @@ PairList draw_pair_list(const SoundSpacesDataset& dataset, PairDraw draw, std::u
 std::optional<std::filesystem::path> find_pair_list(const std::filesystem::path& folder,
                                                     const std::string& split);
 
-/// The frozen list of the data set's split, or where there is none one drawn with a fixed seed,
-/// every target once.
+/// Seed of pairs that are drawn because a data set has no list.
+inline constexpr std::uint64_t kPairDrawSeed = 1;
+
+/// The frozen list of the data set's split; without one, a list drawn with kPairDrawSeed, every
+/// target once.
 /// @param folder  as soundspaces_options() knows it
 /// @throws InputError as read_pair_list() and draw_pair_list()
 PairList frozen_or_drawn_pairs(const SoundSpacesDataset& dataset,
