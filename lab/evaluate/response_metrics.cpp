@@ -10,6 +10,7 @@
 
 #include <earpoint/audio/butterworth.h>
 #include <earpoint/error.h>
+#include <earpoint/pose.h>
 
 #include "reflected_stft.h"
 
@@ -18,7 +19,6 @@ namespace {
 
 constexpr const char* kWhere = "impulse responses";
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr int kNafRateHz = 22050;
 constexpr std::size_t kNafMinLength = 4410;
 constexpr StftShape kNafShape{512, 512, 128, Window::hann};
@@ -114,8 +114,7 @@ T60Error t60_error(const ResponsePair& pair, const Measure& measure) {
   return {100.0 * sum / pair.reference.channels(), false};
 }
 
-/// Sums | ln(|S| + 1e-3) - ln(|S'| + 1e-3) | over the first frames and bins.
-/// @return the mean
+/// The mean of | ln(|S| + 1e-3) - ln(|S'| + 1e-3) | over the first frames and bins.
 double log_difference(const PowerSpectrogram& a, const PowerSpectrogram& b, int frames, int bins) {
   constexpr double kFloor = 1e-3;
   const auto level = [](float power) { return std::log(std::sqrt(double{power}) + kFloor); };
@@ -126,7 +125,7 @@ double log_difference(const PowerSpectrogram& a, const PowerSpectrogram& b, int 
       sum += std::abs(level(a.values[at]) - level(b.values[at]));
     }
   }
-  return sum / (double{static_cast<double>(frames)} * bins);
+  return sum / (static_cast<double>(frames) * bins);
 }
 
 /// SoX's high-pass of second order, its output clamped to full scale, as torchaudio has it.
@@ -139,15 +138,11 @@ std::vector<float> highpassed(Channel response, int rate_hz) {
                                    .b2 = (1.0 + std::cos(w)) / 2.0 / a0,
                                    .a1 = -2.0 * std::cos(w) / a0,
                                    .a2 = (1.0 - alpha) / a0};
-  std::vector<float> out(response.size());
-  double z1 = 0.0;
-  double z2 = 0.0;
-  for (std::size_t i = 0; i < response.size(); ++i) {
-    const double x = response[i];
-    const double y = section.b0 * x + z1;
-    z1 = section.b1 * x - section.a1 * y + z2;
-    z2 = section.b2 * x - section.a2 * y;
-    out[i] = static_cast<float>(std::clamp(y, -1.0, 1.0));
+  SectionFilter filter(std::span(&section, 1));
+  std::vector<float> out;
+  out.reserve(response.size());
+  for (const float x : response) {
+    out.push_back(static_cast<float>(std::clamp(filter.process(x), -1.0, 1.0)));
   }
   return out;
 }
