@@ -113,15 +113,15 @@ Waveform read_channels(const fs::path& file, int channels) {
   return resample(sound, kRate_hz);
 }
 
-/// The second around a moment; zeros before and after the sound.
+/// The second around a moment, as the released loader cuts it: one that begins before the sound has
+/// the sound from its start, and zeros follow where it ends.
 Waveform second_around(const Waveform& sound, int time_s) {
   const std::ptrdiff_t start = std::ptrdiff_t{time_s} * kRate_hz - kPairSamples / 2;
   Waveform result(sound.channels(), kPairSamples, kRate_hz);
   const std::ptrdiff_t first = std::max<std::ptrdiff_t>(0, start);
   const std::ptrdiff_t last = std::min(sound.samples(), start + kPairSamples);
   for (int c = 0; c < sound.channels() && first < last; ++c) {
-    std::ranges::copy(sound.channel(c).subspan(first, last - first),
-                      result.channel(c).begin() + (first - std::max<std::ptrdiff_t>(0, start)));
+    std::ranges::copy(sound.channel(c).subspan(first, last - first), result.channel(c).begin());
   }
   return result;
 }
@@ -201,7 +201,6 @@ void RwavsDataset::read_scene(const std::string& name, const Vector3& position) 
   RwavsScene& scene = scenes_[name];
   scene.metres_per_unit = kRwavsMeanDistance_m / mean;
   scene.speaker_m = scene.metres_per_unit * position;
-  scene.distance_m = kRwavsMeanDistance_m;
 
   const SoundInfo info = probe_sound(folder / kHeardSound);
   const double duration_s = static_cast<double>(info.frames) / info.sample_rate_hz;
@@ -250,9 +249,9 @@ PairSample RwavsDataset::sample(const RwavsMoment& moment) const {
     std::ranges::copy(std::as_const(sample.dry).channel(0), sample.source.channel(ear).begin());
   }
   sample.world_from_source =
-      look_at(scene.speaker_m + Vector3{scene.distance_m, 0.0, 0.0}, scene.speaker_m);
+      look_at(scene.speaker_m + Vector3{kRwavsMeanDistance_m, 0.0, 0.0}, scene.speaker_m);
   sample.source_from_target = inverse(sample.world_from_source) * moment.world_from_listener;
-  sample.speaker_m = {scene.distance_m, 0.0, 0.0};
+  sample.speaker_m = {kRwavsMeanDistance_m, 0.0, 0.0};
   return sample;
 }
 

@@ -29,7 +29,6 @@ struct RwavsScene {
   /// such that the mean distance from the loudspeaker in training is kRwavsMeanDistance_m.
   /// Directions do not depend on it, nor ratios of distances.
   double metres_per_unit = 1.0;
-  double distance_m = 0.0;  ///< that mean distance
 };
 inline constexpr double kRwavsMeanDistance_m = 2.0;
 
@@ -53,7 +52,7 @@ class RwavsDataset {
 
   /// What was played and what was heard in the second around a moment, at 16 kHz. The data have no
   /// other listener, so the source is the dry sound in both ears, as a head would hear it that
-  /// faces the loudspeaker from RwavsScene::distance_m. It is scaled by one gain a scene, so that
+  /// faces the loudspeaker from kRwavsMeanDistance_m. It is scaled by one gain a scene, so that
   /// it is as loud as the recordings are in the training split on average. Any thread may call
   /// this; sounds of the last scene are kept.
   /// @return  no picture and no box; PairSample::dry is the scaled dry sound
