@@ -7,7 +7,8 @@ Each DIR is a checkout of the repository that `REPOSITORIES` names; pyroomacoust
 that the evaluations of its time used. Their functions are imported and run; nothing of them is copied here. Calls
 of libraries that are not in Debian are answered by what their documentation says, computed with NumPy, SciPy and
 PyTorch: librosa.stft, librosa.util.fix_length, torchaudio.functional.highpass_biquad,
-torchaudio.transforms.Spectrogram. ISO 3382-1 has no released code: its band values are computed here with SciPy.
+torchaudio.transforms.Spectrogram. The options of a released script, and h5py, from which it reads nothing here, are
+replaced as well. ISO 3382-1 has no released code: its band values are computed here with SciPy.
 Writes released.json. Needs python3-numpy, python3-scipy and python3-torch.
 """
 import argparse
@@ -46,8 +47,8 @@ def read(name):
     return rate, np.atleast_2d((samples.astype(np.float32) / np.float32(32768.0)).T)
 
 
-def stub(name, **members):
-    """A module that answers for a library that is not here."""
+def stand_in(name, **members):
+    """A module that imports find in place of the real one."""
     module = types.ModuleType(name)
     for key, value in members.items():
         setattr(module, key, value)
@@ -94,14 +95,14 @@ class Spectrogram:
         return torch.stft(waveform, n_fft, hop, length, window, return_complex=True)
 
 
-def install_stubs(folders):
-    stub("librosa", stft=librosa_stft("constant"), util=types.SimpleNamespace(fix_length=fix_length),
-         resample=lambda y, orig_sr, target_sr: y)
-    functional = stub("torchaudio.functional", highpass_biquad=highpass_biquad)
-    transforms = stub("torchaudio.transforms", Spectrogram=Spectrogram)
-    stub("torchaudio", functional=functional, transforms=transforms)
+def install_stand_ins(folders):
+    stand_in("librosa", stft=librosa_stft("constant"), util=types.SimpleNamespace(fix_length=fix_length),
+             resample=lambda y, orig_sr, target_sr: y)
+    functional = stand_in("torchaudio.functional", highpass_biquad=highpass_biquad)
+    transforms = stand_in("torchaudio.transforms", Spectrogram=Spectrogram)
+    stand_in("torchaudio", functional=functional, transforms=transforms)
     rt60 = runpy.run_path(str(folders["pyroomacoustics"] / "pyroomacoustics/experimental/rt60.py"))
-    stub("pyroomacoustics", experimental=types.SimpleNamespace(measure_rt60=rt60["measure_rt60"]))
+    stand_in("pyroomacoustics", experimental=types.SimpleNamespace(measure_rt60=rt60["measure_rt60"]))
 
 
 def fresh_import(folder, name):
@@ -161,8 +162,8 @@ def naf_t60(folder, reference, estimate):
         options = types.SimpleNamespace(exp_name="{}", apt="room", baseline_mode="aac", interp_mode="linear",
                                         save_loc=str(data), inference_loc=".", spec_base=str(data),
                                         wav_base=str(data / "wav"))
-        stub("options", Options=lambda: types.SimpleNamespace(parse=lambda: options))
-        stub("h5py", File=lambda path, mode: {})
+        stand_in("options", Options=lambda: types.SimpleNamespace(parse=lambda: options))
+        stand_in("h5py", File=lambda path, mode: {})
         printed = []
         with unittest.mock.patch.object(sys, "path", [str(folder), *sys.path]), \
                 unittest.mock.patch("builtins.print", lambda *words: printed.append(words)):
@@ -250,7 +251,7 @@ def main():
     for name in REPOSITORIES:
         parser.add_argument("--" + name, type=pathlib.Path, required=True)
     folders = {name: path.resolve() for name, path in vars(parser.parse_args()).items()}
-    install_stubs(folders)
+    install_stand_ins(folders)
     record = {
         "repositories": {name: {"repository": "https://github.com/" + REPOSITORIES[name], "commit": commit_of(path)}
                          for name, path in folders.items()},
