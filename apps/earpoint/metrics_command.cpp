@@ -252,13 +252,14 @@ Report compare(MetricsOptions options) {
          {std::pair{options.trim, "--trim"}, std::pair{options.sign_fix, "--sign-fix"},
           std::pair{!options.rt60_model.empty(), "--rt60-model"}}) {
       if (given) {
-        throw InputError(flag, "is of binaural sounds, not of impulse responses", "leave it out");
+        throw InputError(flag, "applies to binaural sounds, not to impulse responses",
+                         "leave it out");
       }
     }
     return response_report(convention, options.reference, options.estimate, options.length_s);
   }
   if (options.length_s) {
-    throw InputError("--length", "is of conventions that compare impulse responses",
+    throw InputError("--length", "applies only to conventions for impulse responses",
                      "leave it out, or choose raf, naf, avr or iso");
   }
   if (convention == MetricConvention::rwavs) options.variant = "rwavs";

@@ -183,7 +183,7 @@ void compare(const Options& options) {
 
 void run(const Options& options) {
   if (options.nearest && !options.estimates.empty()) {
-    throw InputError("--nearest", "is an estimate of its own", "leave out --estimates");
+    throw InputError("--nearest", "cannot be combined with --estimates", "leave out one of them");
   }
   if (options.nearest || !options.estimates.empty()) return compare(options);
   list(options);
