@@ -159,6 +159,7 @@ TEST(DspStream, ResetReturnsToSilence) {
   stream.reset();
   process(stream, again, 0, again.samples());
   EXPECT_TRUE(std::ranges::equal(sound.planar(), again.planar()));
+  EXPECT_GT(std::ranges::max(sound.planar()), 0.05F);
 }
 
 }  // namespace
