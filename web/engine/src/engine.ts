@@ -286,6 +286,7 @@ export class Stream {
 
   private makeRoom(frames: number): void {
     this.instance.exports.free(this.ears);
+    this.room = 0; // until there is memory: nothing may be written to address 0
     this.ears = this.instance.exports.malloc(2 * 4 * frames);
     if (this.ears === 0) throw new Error('no memory left');
     this.room = frames;
