@@ -17,7 +17,7 @@ export interface NodeOptions extends Omit<StreamOptions, 'sampleRate'> {
  * automated: x, y, z in metres, yaw, pitch, roll in degrees.
  */
 export class EarpointNode {
-  /** What stops the sound: the message of an error in the worklet. */
+  /** The message of an error in the worklet. One while rendering ends the sound; a refused picture or position does not. */
   onproblem: (what: string) => void = () => {};
   /** Where the network takes the speaker's mouth to be. */
   speaker: Point | null = null;

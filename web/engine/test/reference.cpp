@@ -83,7 +83,6 @@ Pose pose_of(const Place& place) {
                                  radians_from_degrees(place[5])})};
 }
 
-/// @param known  a clip and its speaker, as examples/earpoints.json has them
 /// A native stream of either kind, as this program needs it.
 struct NativeStream {
   std::function<void(const Pose&)> move_to;
@@ -120,6 +119,7 @@ NativeStream open_stream(const fs::path& model, int rate_hz, const Vector3& mout
           stream->latency_samples()};
 }
 
+/// @param known_path  a clip and its speaker, as examples/earpoints.json has them
 void run(const std::string& model, const fs::path& known_path, const std::string& walk, int rate_hz,
          const fs::path& folder) {
   const nlohmann::json known = nlohmann::json::parse(std::ifstream(known_path));
