@@ -15,11 +15,6 @@ namespace earpoint::python {
 namespace py = pybind11;
 namespace {
 
-std::string shape_text(const py::array& array) {
-  return fmt::format("{} of shape ({})", py::str(array.dtype()).cast<std::string>(),
-                     fmt::join(array.shape(), array.shape() + array.ndim(), ", "));
-}
-
 /// Integers would be taken for samples far beyond full scale.
 void check_samples(const py::array& sound, const std::string& name) {
   if (sound.dtype().kind() != 'f') {
@@ -47,6 +42,11 @@ void expect_count(std::size_t found, std::size_t expected, const std::string& na
 }
 
 }  // namespace
+
+std::string shape_text(const py::array& array) {
+  return fmt::format("{} of shape ({})", py::str(array.dtype()).cast<std::string>(),
+                     fmt::join(array.shape(), array.shape() + array.ndim(), ", "));
+}
 
 Waveform waveform_of(const py::array& sound, int sample_rate_hz, const std::string& name) {
   if (sample_rate_hz <= 0) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,6 +17,9 @@ namespace earpoint::python {
 /// What Python passes and gets: NumPy arrays, tuples and None, checked here. A caller's mistake
 /// (shape, type) throws pybind11::value_error, which Python sees as ValueError, and says what was
 /// expected and what was found.
+
+/// What an array is, for messages: "float32 of shape (2, 480)".
+[[nodiscard]] std::string shape_text(const pybind11::array& array);
 
 /// @param sound  [channels, samples], or [samples] for one channel; float32 or float64, -1 to 1
 /// @param name   the argument, for messages

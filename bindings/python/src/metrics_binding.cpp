@@ -2,6 +2,7 @@
 #include "bindings.h"
 
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 

@@ -1,10 +1,9 @@
 #include "arrays.h"
 #include "bindings.h"
-#include "stream_door.h"
+#include "locked.h"
 
 #include <array>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -17,6 +16,7 @@
 #include <earpoint/core/csv.h>
 #include <earpoint/core/file.h>
 #include <earpoint/renderer.h>
+#include <earpoint/stream.h>
 #include <earpoint/synthesis/earpoint_path.h>
 
 namespace earpoint::python {
@@ -24,27 +24,6 @@ namespace py = pybind11;
 namespace {
 
 using Numbers = std::vector<double>;
-
-/// A renderer that several Python threads may call: one after the other.
-class RendererDoor {
- public:
-  RendererDoor(const std::string& model, double fov_deg, std::optional<double> texture,
-               std::optional<std::string> hrtf, int threads)
-      : renderer_(Renderer::open(model, {.horizontal_fov_rad = radians_from_degrees(fov_deg),
-                                         .texture = texture,
-                                         .hrtf = std::move(hrtf),
-                                         .threads = threads})) {}
-
-  template <typename Work>
-  auto alone(Work&& work) {
-    const std::lock_guard guard(mutex_);
-    return work(renderer_);
-  }
-
- private:
-  std::mutex mutex_;
-  Renderer renderer_;
-};
 
 /// A request, and the picture that it points to.
 struct OwnedRequest {
@@ -103,7 +82,19 @@ OwnedRequest request_of(const std::optional<py::array>& image,
   return owned;
 }
 
-py::array_t<float> render(RendererDoor& door, const py::array& audio, int rate,
+std::unique_ptr<Locked<Renderer>> open_renderer(const std::string& model, double fov_deg,
+                                                std::optional<double> texture,
+                                                std::optional<std::string> hrtf, int threads) {
+  return without_lock([&] {
+    return std::make_unique<Locked<Renderer>>(
+        Renderer::open(model, {.horizontal_fov_rad = radians_from_degrees(fov_deg),
+                               .texture = texture,
+                               .hrtf = std::move(hrtf),
+                               .threads = threads}));
+  });
+}
+
+py::array_t<float> render(Locked<Renderer>& locked, const py::array& audio, int rate,
                           const std::optional<py::array>& image,
                           const std::optional<Numbers>& speaker, const std::optional<Numbers>& box,
                           const Numbers& pose, const py::object& path,
@@ -114,53 +105,40 @@ py::array_t<float> render(RendererDoor& door, const py::array& audio, int rate,
         fmt::format("audio: expected one or two channels, found {}", sound.channels()));
   }
   OwnedRequest owned = request_of(image, speaker, box, pose, path, extend_and_limit, gain_db);
-  return array_of(without_lock([&] {
-    return door.alone([&](Renderer& renderer) { return renderer.render(sound, owned.pointed()); });
-  }));
+  return array_of(
+      locked.run([&](Renderer& renderer) { return renderer.render(sound, owned.pointed()); }));
 }
 
-std::vector<std::string> warnings(RendererDoor& door, const py::array& audio, int rate,
+std::vector<std::string> warnings(Locked<Renderer>& locked, const py::array& audio, int rate,
                                   const std::optional<py::array>& image,
                                   const std::optional<Numbers>& speaker,
                                   const std::optional<Numbers>& box, const Numbers& pose,
                                   const py::object& path) {
   const Waveform sound = waveform_of(audio, rate, "audio");
   OwnedRequest owned = request_of(image, speaker, box, pose, path, {true, true}, 0.0);
-  return without_lock([&] {
-    return door.alone(
-        [&](Renderer& renderer) { return renderer.warnings(sound, owned.pointed()); });
-  });
+  return locked.run([&](Renderer& renderer) { return renderer.warnings(sound, owned.pointed()); });
 }
 
-std::unique_ptr<StreamDoor> stream(RendererDoor& door, int rate, bool extend_band, bool limit,
-                                   std::optional<int> phase_rounds) {
-  return without_lock([&] {
-    return door.alone([&](Renderer& renderer) {
-      return std::make_unique<StreamDoor>(renderer.stream({.sample_rate_hz = rate,
-                                                           .extend_band = extend_band,
-                                                           .limit = limit,
-                                                           .phase_rounds = phase_rounds}));
-    });
+std::unique_ptr<Locked<Stream>> stream(Locked<Renderer>& locked, int rate, bool extend_band,
+                                       bool limit, std::optional<int> phase_rounds) {
+  return locked.run([&](Renderer& renderer) {
+    return std::make_unique<Locked<Stream>>(renderer.stream({.sample_rate_hz = rate,
+                                                             .extend_band = extend_band,
+                                                             .limit = limit,
+                                                             .phase_rounds = phase_rounds}));
   });
 }
 
 }  // namespace
 
 void bind_renderer(py::module_& module) {
-  py::class_<RendererDoor>(module, "Renderer")
-      .def(py::init([](const std::string& model, double fov_deg, std::optional<double> texture,
-                       std::optional<std::string> hrtf, int threads) {
-        return without_lock([&] {
-          return std::make_unique<RendererDoor>(model, fov_deg, texture, std::move(hrtf), threads);
-        });
-      }))
+  py::class_<Locked<Renderer>>(module, "Renderer")
+      .def(py::init(&open_renderer))
       .def("render", &render)
       .def("warnings", &warnings)
       .def("stream", &stream)
-      .def("model", [](RendererDoor& door) {
-        return without_lock([&] {
-          return door.alone([](Renderer& renderer) { return std::string(renderer.model()); });
-        });
+      .def("model", [](Locked<Renderer>& locked) {
+        return locked.run([](Renderer& renderer) { return std::string(renderer.model()); });
       });
 }
 

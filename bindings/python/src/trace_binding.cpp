@@ -1,16 +1,18 @@
 #include "arrays.h"
 #include "bindings.h"
 
-#include <memory>
+#include <array>
+#include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 #include <pybind11/stl.h>
 
 #include <earpoint/audio/decay.h>
+#include <earpoint/error.h>
 #include <earpoint/trace.h>
 
 namespace earpoint::python {
