@@ -39,14 +39,14 @@ class PairReader::SoundSpacesPairs : public PairReader::Pairs {
  public:
   SoundSpacesPairs(const fs::path& folder, const PairOptions& options)
       : dataset_(soundspaces_options(folder, options.split)), sampler_(dataset_, kCache_bytes) {
-    const std::optional<fs::path> frozen =
-        options.draw == "frozen" ? find_pair_list(folder, options.split) : std::nullopt;
-    where_ = frozen ? frozen->string() : folder.string();
-    const PairDraw draw =
-        options.draw == "frozen" ? PairDraw::every_target : draw_named(options.draw);
-    list_ = frozen ? read_pair_list(*frozen) : draw_pair_list(dataset_, draw, options.seed);
-    for (const ViewPair& pair : list_.pairs)
-      clips_.push_back(&clip_of(pair, dataset_.clips(), where_));
+    const bool is_frozen = options.draw == "frozen";
+    list_ = is_frozen ? frozen_or_drawn_pairs(dataset_, folder)
+                      : draw_pair_list(dataset_, draw_named(options.draw), options.seed);
+    const fs::path where =
+        is_frozen ? find_pair_list(folder, options.split).value_or(folder) : folder;
+    for (const ViewPair& pair : list_.pairs) {
+      clips_.push_back(&clip_of(pair, dataset_.clips(), where.string()));
+    }
   }
 
   [[nodiscard]] std::size_t size() const override { return list_.pairs.size(); }
@@ -77,7 +77,6 @@ class PairReader::SoundSpacesPairs : public PairReader::Pairs {
 
   SoundSpacesDataset dataset_;
   PairSampler sampler_;
-  std::string where_;
   PairList list_;
   std::vector<const SoundSpacesClip*> clips_;
 };

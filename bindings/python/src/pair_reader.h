@@ -21,25 +21,24 @@ struct PairItem {
   PairSample sample;
   EncodedPose pose;
   std::vector<float> box;  ///< [4]
-  std::optional<ImagePlanes>
-      view;  ///< as the network is shown the picture; nothing: as the file has it
+  /// The picture as the network is shown it; nothing: as the file has it.
+  std::optional<ImagePlanes> view;
 };
 
 /// Which pairs, and in what form.
 struct PairOptions {
   std::string split = "train";
-  std::optional<std::string>
-      layout;  ///< "soundspaces" or "replay"; nothing: whichever the folder holds
-  /// "frozen": the list beside the data set, else one is drawn as such lists are; "every-target":
-  /// drawn so, with `seed`; "released": as the released test draws. Of Replay the first two mean
-  /// the last one.
+  /// "soundspaces" or "replay"; nothing: whichever the folder holds.
+  std::optional<std::string> layout;
+  /// "frozen": frozen_or_drawn_pairs(); "every-target": drawn like such a list, with `seed`;
+  /// "released": as the released test draws. Of Replay the first two mean the last one.
   std::string draw = "frozen";
   std::uint64_t seed = 0;
   /// Description of a ViGAS network as JSON: poses, boxes and pictures as it takes them. Nothing:
   /// as the released loader of the layout has them, and pictures of their own size.
   std::optional<std::string> network;
-  bool align =
-      false;  ///< Replay: moves the source by its delay to the target, as the released loader does
+  /// Replay: moves the source by its delay to the target, as the released loader does.
+  bool align = false;
 };
 
 /// The pairs of viewpoints of a data set's split, by number; a second of sound each. Const calls

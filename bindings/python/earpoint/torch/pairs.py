@@ -40,9 +40,9 @@ class PairDataset(Dataset[dict[str, Any]]):
     :param split: train, val, test, or another that is there
     :param network: a ViGAS network (or its description) whose encoding of poses, boxes and pictures is wanted; None: the
         released loader's
-    :param draw: ``frozen``: the pair list beside the data set, else one is drawn as such lists are;
-        ``every-target``: drawn so, with ``seed``; ``released``: as the released test draws. Of Replay the first two
-        mean the last one
+    :param draw: ``frozen``: the pair list beside the data set; without one, the list that ``earpoint evaluate`` draws.
+        ``every-target``: a list drawn like that, with ``seed``. ``released``: as the released test draws. Of Replay the
+        first two mean the last one
     :param seed: of ``every-target``
     :param random: draw source, speaker and second anew at every access (of Replay: the views), by PyTorch's generator,
         which a DataLoader seeds in each worker: for training
