@@ -45,6 +45,9 @@ void check(const SimulateOptions& options) {
   if (options.split.find_first_of("/\\") != std::string::npos || options.split.starts_with('.')) {
     throw InputError("--split", "expected a folder's name, found '" + options.split + "'");
   }
+  if (!options.up_axis.empty() && options.up_axis != "y" && options.up_axis != "z") {
+    throw InputError("--up", "expected y or z, found '" + options.up_axis + "'");
+  }
   if (!options.scenes.empty()) return;
   const auto refuse = [](const char* flag) {
     throw InputError(flag, "applies only to a scene that is read from a file",

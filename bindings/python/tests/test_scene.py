@@ -143,6 +143,8 @@ class SimulateTest(unittest.TestCase):
                 earpoint.simulate(Path(name) / "out", ray=5)
             with self.assertRaisesRegex(earpoint.InputError, "^rays: expected 1 or more"):
                 earpoint.simulate(Path(name) / "out", rays=0)
+            with self.assertRaisesRegex(earpoint.InputError, "^up: expected y or z, found 'x'"):
+                earpoint.simulate(Path(name) / "out", scene="room.glb", up="x")
             self.assertFalse((Path(name) / "out").exists())
 
 
