@@ -1,6 +1,6 @@
 """Makes the wheel: CMake builds the extension module, the models come along.
 
-From the top of the tree: python3 -m build --no-isolation --wheel bindings/python -o out/wheel
+From the top of the tree: python3 -m build --no-isolation --wheel --outdir out/python bindings/python
 EARPOINT_BUILD_DIR names a build tree that has the module already, which is then taken from there.
 """
 import os
