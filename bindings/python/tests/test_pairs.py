@@ -75,7 +75,7 @@ class PairsTest(unittest.TestCase):
             self.pairs[6]
         self.assertEqual(self.pairs[-1]["name"], names[-1])
 
-    def test_the_target_is_heard_by_its_response(self):
+    def test_the_encoded_distance_is_that_of_the_viewpoints(self):
         metadata = json.loads(next(self.homes.glob("test/*/cleaned_metadata_v3.json")).read_text())
         distances = {}
         for clip_index, clip in enumerate(metadata):
@@ -149,7 +149,8 @@ class PairsTest(unittest.TestCase):
         item = pairs[0]
         self.assertEqual(tuple(item["tgt_rotation"].shape), (6,))
         self.assertEqual(tuple(item["src_rgb"].shape), (3, 216, 384))
-        ahead = "DSLR-1 -> DSLR-2" in item["name"] or "1 -> " in item["name"].split(": ")[1]
+        self.assertRegex(item["name"], "^SC-1022/0: (1 -> 2|2 -> 1)$")
+        ahead = item["name"].endswith("1 -> 2")
         # From camera 1 the other is 1 m ahead and 2 m to the left; from camera 2, which looks left, 2 m behind and 1 m
         # to the left.
         expected = [1.0, 2.0, 0.0] if ahead else [-2.0, 1.0, 0.0]

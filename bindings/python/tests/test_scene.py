@@ -111,7 +111,7 @@ class LocateTest(ClipCase):
     def test_takes_a_box_and_refuses_a_bad_one(self):
         ours = earpoint.locate(CLIP, speaker_box=(0.383, 0.348, 0.513, 1.0))
         self.assertIn("box", ours["by"])
-        with self.assertRaisesRegex(earpoint.InputError, "^speaker_box: |box"):
+        with self.assertRaisesRegex(earpoint.InputError, "box"):
             earpoint.locate(CLIP, speaker_box=(0.5, 0.5, 0.4, 0.6))
         with self.assertRaises(earpoint.InputError):
             earpoint.locate("missing.mp4")
