@@ -123,7 +123,7 @@ class Renderer:
             as the network was trained with; 0: the lowest latency
         :raises InputError: if the rate or the rounds are not supported, or the model is not a gtf network
         """
-        return Stream._of(self._renderer.stream(int(rate), bool(extend_band), bool(limit), phase_rounds))
+        return Stream(self._renderer.stream(int(rate), bool(extend_band), bool(limit), phase_rounds))
 
 
 def is_full(band: str) -> bool:
@@ -138,17 +138,10 @@ class Stream:
     Calls from several threads run one after the other. Python's global lock is released in each.
     """
 
-    _stream: _earpoint.Stream
     __slots__ = ("_stream",)
 
-    def __init__(self, model: PathLike = "gtf", rate: int = 48000, *, fov: float = 90.0) -> None:
-        self._stream = Renderer(model, fov=fov).stream(rate)._stream
-
-    @classmethod
-    def _of(cls, stream: _earpoint.Stream) -> Stream:
-        made = cls.__new__(cls)
-        made._stream = stream
-        return made
+    def __init__(self, stream: _earpoint.Stream) -> None:
+        self._stream = stream
 
     def process(self, block: NDArray[np.float32], out: NDArray[np.float32] | None = None) -> NDArray[np.float32]:
         """Renders the next samples.
