@@ -29,8 +29,8 @@ def picture_of(file):
     """The first frame, uint8 [height, width, 3]."""
     command = ["ffmpeg", "-v", "error", "-i", str(file), "-frames:v", "1", "-f", "image2pipe", "-c:v", "ppm", "-"]
     data = subprocess.run(command, check=True, capture_output=True).stdout
-    kind, width, height, _, pixels = data.split(maxsplit=4)
-    return np.frombuffer(data[len(data) - 3 * int(width) * int(height):], np.uint8).reshape(int(height), int(width), 3)
+    width, height = map(int, data.split(maxsplit=3)[1:3])
+    return np.frombuffer(data[len(data) - 3 * width * height:], np.uint8).reshape(height, width, 3)
 
 
 here = sound_of(EXAMPLES / "clip.mp4")
@@ -67,7 +67,7 @@ for start in range(0, RATE, block):
     heard.append(stream.process(here[:, start:start + block], out).copy())
 print("live", np.concatenate(heard, axis=1).shape, "latency", stream.latency, "samples, speaker at", stream.speaker)
 
-# %% Where is the speaker, if nobody says so?
+# %% No speaker given: located by picture and sound.
 found = earpoint.locate(EXAMPLES / "clip.mp4", three_d=True)["speaker"]
 print(f"speaker {found['azimuth_deg']:.0f} degrees to the left, {found['distance_m']:.1f} m away")
 
@@ -76,13 +76,13 @@ room = earpoint.Scene.box((6, 5, 3), absorption=0.2, scattering=0.5)
 response = earpoint.trace(room, source=(1, 2, 1.5), listener=(3, 2, 1.5), yaw=180, rate=RATE)
 print("T30 of the left ear", response.t30[0], "s, EDT", response.edt[0], "s, C50", response.c50[0], "dB")
 
-# %% Go on from shipped weights in PyTorch, and render with the result.
+# %% Continue the training of shipped weights in PyTorch, and render with the result.
 try:
     import torch
 
     import earpoint.torch
 except ImportError:
-    print("without PyTorch: the rest is left out")
+    print("PyTorch is missing: the rest is left out")
     sys.exit()
 
 network = earpoint.torch.vigas("vigas")

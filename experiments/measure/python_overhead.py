@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""What the Python package costs beside the command line: whole clips, rendered in turns by both as processes of their own,
-and a stream of blocks against the same samples as one block.
+"""The Python package's overhead over the command line: whole clips, rendered alternately by both, each in its own
+process; and a stream in blocks against the same samples as one block.
 
-Prints one JSON object for each comparison; `ratio` is the median of the package's time over the program's, or of many
-blocks' over one's. Whole clips: processor seconds, start, reading and writing included, Python's own start and that of
-NumPy as `import_s` beside.
+Prints one JSON object for each comparison, in processor seconds; `ratio` is the median of the package over that of the
+program, or of many blocks over that of one. Whole clips include start, reading and writing; `ratio`
+leaves out `import_s`, which Python's start and the imports of NumPy and the package take.
 
 usage: PYTHONPATH=... /usr/bin/python3 experiments/measure/python_overhead.py EARPOINT CLIP [SECONDS] [ROUNDS]
 """

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 @contextmanager
 def arguments_for_flags() -> Iterator[None]:
-    """Messages of the command line name flags; here they are arguments."""
+    """Messages of the command line name flags: puts the arguments in their place."""
     try:
         yield
     except _earpoint.InputError as error:
@@ -41,7 +41,8 @@ class Response:
     rate: int
     """Hz"""
     t30: tuple[float | None, ...]
-    """Reverberation time T60 in seconds, from the decay between -5 and -35 dB, of each channel; None: not so far"""
+    """Reverberation time T60 in seconds, from the decay between -5 and -35 dB, of each channel; None if it ends before
+    -35 dB"""
     edt: tuple[float | None, ...]
     """Early decay time in seconds, from 0 to -10 dB, of each channel"""
     c50: tuple[float | None, ...]
@@ -49,10 +50,12 @@ class Response:
 
 
 def reverberation(samples: ArrayLike, rate: int) -> Response:
-    """Measures an impulse response, as ISO 3382-1 has it.
+    """Measures an impulse response, by the definitions of ISO 3382-1.
 
     :param samples: float [channels, samples] or [samples], linear pressure
     :param rate: Hz
+    :return: the samples and t30, edt and c50 of each channel; None where the decay does not reach far enough
+    :raises ValueError: if the array has another shape or type
     """
     sound = np.atleast_2d(np.asarray(samples))
     measured = _earpoint.reverberation(sound, int(rate))
