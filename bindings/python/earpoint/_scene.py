@@ -200,7 +200,7 @@ def simulate(out: PathLike, **options: Any) -> dict[str, Any]:
         heard, jobs, shard; or instead of scenes, scene (a list of files) with materials, up, unit, close_ceiling
     :return: the summary that ``earpoint simulate --json`` prints
     :raises InputError: if an option is out of range or the folder was begun with others
-    :raises TypeError: for an unknown option
+    :raises TypeError: for an unknown option, or one of another type
     """
     given = {name: os.fspath(value) if isinstance(value, os.PathLike) else value for name, value in options.items()}
     if "scene" in given:

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
 #include <pybind11/stl.h>
 
 #include <earpoint/core/progress.h>
@@ -18,12 +19,19 @@ namespace earpoint::python {
 namespace py = pybind11;
 namespace {
 
-/// Takes an option out of those that are given: one that is misspelt is left, and refused.
+/// Takes an option out of those that are given: misspelt ones are left, and refused.
+/// @throws pybind11::type_error if it is of another type
 template <typename Value>
 void take(const py::dict& options, const char* name, Value& value) {
   if (!options.contains(name)) return;
   const py::object given = options.attr("pop")(name);
-  if (!given.is_none()) value = given.cast<Value>();
+  if (given.is_none()) return;
+  try {
+    value = given.cast<Value>();
+  } catch (const py::cast_error&) {
+    throw py::type_error(
+        fmt::format("simulate(): option '{}' cannot be {}", name, std::string(py::repr(given))));
+  }
 }
 
 void take(const py::dict& options, const char* name, std::optional<std::filesystem::path>& value) {

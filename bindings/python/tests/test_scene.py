@@ -141,6 +141,8 @@ class SimulateTest(unittest.TestCase):
         with tempfile.TemporaryDirectory() as name:
             with self.assertRaisesRegex(TypeError, "no option 'ray'"):
                 earpoint.simulate(Path(name) / "out", ray=5)
+            with self.assertRaisesRegex(TypeError, "option 'scenes' cannot be 'two'"):
+                earpoint.simulate(Path(name) / "out", scenes="two")
             with self.assertRaisesRegex(earpoint.InputError, "^rays: expected 1 or more"):
                 earpoint.simulate(Path(name) / "out", rays=0)
             with self.assertRaisesRegex(earpoint.InputError, "^up: expected y or z, found 'x'"):
