@@ -266,7 +266,7 @@ TEST_F(TrainCommandTest, BadUseIsOneLine) {
   EXPECT_NE(error_of({"--set", "training.bathc=2"})
                 .find("--set training.bathc=2: 'training': unknown key 'bathc'"),
             std::string::npos);
-  EXPECT_NE(error_of({"--set", "network.channels=few"}).find("'channels': expected"),
+  EXPECT_NE(error_of({"--set", "network.channels=few"}).find("channels: expected"),
             std::string::npos)
       << error_of({"--set", "network.channels=few"});
   // Several folders are allowed for pairs of viewpoints, as for this network, but they must exist.

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <earpoint/core/progress.h>
+#include <earpoint/core/temporary_folder.h>
 #include <earpoint/dataset_testing/tiny_published.h>
 #include <earpoint/evaluate/evaluation.h>
 #include <earpoint/evaluate/evaluation_set.h>
@@ -17,13 +18,9 @@ namespace fs = std::filesystem;
 
 class RwavsEvaluationSetTest : public ::testing::Test {
  protected:
-  void SetUp() override {
-    root_ = fs::path(testing::TempDir()) / "rwavs_evaluation";
-    fs::remove_all(root_);
-    write_tiny_rwavs(root_);
-  }
-  void TearDown() override { fs::remove_all(root_); }
-  fs::path root_;
+  void SetUp() override { write_tiny_rwavs(root_); }
+  TemporaryFolder folder_;
+  fs::path root_ = folder_.path();
 };
 
 TEST_F(RwavsEvaluationSetTest, HasEveryPoseWithItsSceneAsCluster) {
