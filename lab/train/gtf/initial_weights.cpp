@@ -152,23 +152,34 @@ GtfWeights initial_gtf_weights(const GtfDescription& description, const HrtfSet&
   return weights;
 }
 
-GtfWeights with_sight_points(GtfWeights weights, int sight_points, std::uint64_t seed) {
-  EARPOINT_CHECK(weights.description.sight_points == 0);
-  const std::int64_t known = weights.description.conditioning_inputs();
-  weights.description.sight_points = sight_points;
-  check_description(weights.description, "sight points");
-  const std::map<std::string, Shape> shapes = required_tensors(weights.description);
+GtfWeights with_new_parts(GtfWeights weights, const GtfDescription& description,
+                          std::uint64_t seed) {
+  GtfDescription& d = weights.description;
+  const GtfDescription before = d;
+  const std::int64_t known = before.conditioning_inputs() - before.sight_features();
+  d.ear_delays |= description.ear_delays;
+  d.texture |= description.texture;
+  d.dry_voice |= description.dry_voice;
+  if (d.phase_rounds == 0) d.phase_rounds = description.phase_rounds;
+  if (d.sight_points == 0) d.sight_points = description.sight_points;
+  check_description(d, "new parts");
+  const std::map<std::string, Shape> shapes = required_tensors(d);
   std::uint64_t index = 0;
-  for (const std::string name : {"sight.weight", "sight.bias"}) {
-    weights.tensors[name] =
-        make_tensor<float>(draw(shapes, name, RandomStream(seed, {index++})), shapes.at(name));
+  for (const auto& [name, shape] : shapes) {
+    const RandomStream random(seed, {index++});
+    if (weights.tensors.contains(name)) continue;
+    weights.tensors[name] = make_tensor<float>(draw(shapes, name, random), shape);
   }
-  // New conditions are last and have weights of zero at first.
+  // The texture's condition comes before those of the sight points; new ones have weights of zero.
   Tensor& joined = weights.tensors.at("conditioning.0.weight");
   const Shape& wider = shapes.at("conditioning.0.weight");
+  const std::int64_t inserted = d.texture && !before.texture ? 1 : 0;
   std::vector<float> values(static_cast<std::size_t>(wider[0] * wider[1]));
   for (std::int64_t row = 0; row < wider[0]; ++row) {
-    std::copy_n(joined.as<float>().begin() + row * known, known, values.begin() + row * wider[1]);
+    const auto from = joined.as<float>().begin() + row * before.conditioning_inputs();
+    const auto to = values.begin() + row * wider[1];
+    std::copy_n(from, known, to);
+    std::copy_n(from + known, before.sight_features(), to + known + inserted);
   }
   joined = make_tensor<float>(values, wider);
   return weights;

@@ -170,16 +170,50 @@ TEST(GtfLearner, GradientIsTheSlopeOfTheLossWithSightPoints) {
   expect_slope(d, 6);
 }
 
-TEST(GtfLearner, RendersAsBeforeWithSightPointsThatAreNew) {
-  const GtfDescription d = small();
-  const GtfWeights before = stirred(d);
-  const GtfWeights after = with_sight_points(before, 3, 1);
-  const TrainingBatch batch = batch_for(d, 2);
+/// @param parts  what `before` gets and has not
+void expect_as_before(const GtfWeights& before, const GtfDescription& parts) {
+  const GtfWeights after = with_new_parts(before, parts, 1);
+  EXPECT_EQ(after.description, parts);
+  const TrainingBatch batch = batch_for(parts, 2);
   const std::vector<float> expected = GtfLearner(before).predict(batch);
-  const std::vector<float> found = GtfLearner(after).predict(batch);
+  GtfLearnerOptions options;
+  if (parts.texture) options.natural_loss = options.loss;
+  const std::vector<float> found = GtfLearner(after, options).predict(batch);
+  ASSERT_EQ(found.size(), expected.size());
   for (std::size_t i = 0; i < found.size(); ++i) {
     // Only zeros are added, but the order of float32 sums may change.
     ASSERT_NEAR(found[i], expected[i], 1e-5) << i;
+  }
+}
+
+TEST(GtfLearner, RendersAsBeforeWithPartsThatAreNew) {
+  const GtfDescription d = small();
+  GtfDescription parts = d;
+  parts.sight_points = 3;
+  expect_as_before(stirred(d), parts);
+  parts.texture = parts.dry_voice = true;
+  expect_as_before(stirred(d), parts);
+}
+
+TEST(GtfLearner, KeepsItsSightWhenATextureIsAdded) {
+  GtfDescription d = small();
+  d.sight_points = 2;
+  GtfDescription parts = d;
+  parts.texture = true;
+  expect_as_before(stirred(d), parts);
+}
+
+TEST(GtfLearner, GetsEarDelaysAndPhaseRoundsWithTheSameTensors) {
+  const GtfDescription d = small();
+  GtfDescription parts = d;
+  parts.ear_delays = true;
+  parts.phase_rounds = 2;
+  const GtfWeights before = stirred(d);
+  const GtfWeights after = with_new_parts(before, parts, 1);
+  EXPECT_EQ(after.description, parts);
+  ASSERT_EQ(after.tensors.size(), before.tensors.size());
+  for (const auto& [name, tensor] : before.tensors) {
+    EXPECT_TRUE(std::ranges::equal(after.tensors.at(name).as<float>(), tensor.as<float>())) << name;
   }
 }
 

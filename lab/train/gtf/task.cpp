@@ -115,10 +115,7 @@ GtfLearner make_learner(const GtfDescription& description, const GtfLearnerOptio
   }
   if (init) {
     GtfWeights weights = gtf_weights(read_safetensors(*init), *init);
-    if (weights.description.sight_points == 0 && description.sight_points > 0) {
-      weights = with_sight_points(std::move(weights), description.sight_points, seed);
-    }
-    return GtfLearner(weights, learner);
+    return GtfLearner(with_new_parts(std::move(weights), description, seed), learner);
   }
   const HrtfSet head = HrtfSet::load(GtfDescription::kSampleRateHz);
   return GtfLearner(initial_gtf_weights(description, head, seed), learner);

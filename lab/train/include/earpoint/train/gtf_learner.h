@@ -55,11 +55,16 @@ struct GtfLearnerOptions {
 [[nodiscard]] GtfWeights initial_gtf_weights(const GtfDescription& description, const HrtfSet& head,
                                              std::uint64_t seed);
 
-/// The same network, which also sees along the way to the target: it renders as before until it
-/// learns what to make of that.
-/// @param weights  of a network that looks at a picture and has no sight points
-[[nodiscard]] GtfWeights with_sight_points(GtfWeights weights, int sight_points,
-                                           std::uint64_t seed);
+/// The same network with those parts of another description that it lacks: sight points, a texture,
+/// a dry voice, ear delays, phase rounds. Parts with tensors of their own change nothing until they
+/// are trained.
+/// @param weights      of a network that is told neither more nor less than the description says
+/// apart
+///                     from these parts
+/// @param seed         of the tensors that do not start at zero
+/// @throws InputError  if the parts do not fit the network: sight points without a picture
+[[nodiscard]] GtfWeights with_new_parts(GtfWeights weights, const GtfDescription& description,
+                                        std::uint64_t seed);
 
 /// A sample as the network is trained on it: beside its inputs it holds where the speaker is and
 /// what is said, "dry".
