@@ -21,7 +21,7 @@ std::vector<double> parse_numbers(const std::string& text, std::size_t count,
 ///         that far, and units are then most likely mixed up
 Vector3 parse_place(const std::string& text, const std::string& flag);
 
-/// Lets numbers from `least` to `most` pass, and no NaN (CLI::Range lets it).
+/// Accepts numbers from `least` to `most`; refuses NaN, which CLI::Range accepts.
 CLI::Validator within(double least, double most);
 
 /// --ambient KIND, a name of AmbientSeparation.

@@ -17,7 +17,7 @@ void add_completion_commands(CLI::App& app);
 /// last word, each in a line with a tab and its meaning. Words look like options, so this is no
 /// command of `app`.
 /// @param arguments  of the program
-/// @return  whether they were such a question
+/// @return  whether they asked for a completion
 bool answer_completion(const CLI::App& app, std::span<char* const> arguments);
 
 }  // namespace earpoint

@@ -16,14 +16,14 @@ struct MethodRequest {
   /// Known names, NAME=WEIGHTS.safetensors, or names of shipped models.
   std::vector<std::string> words;
   std::filesystem::path data;  ///< where `tf` finds the training split
-  std::string tf_index;        ///< locations, relative, or empty: by whether the scenes are known
-  bool enhance = false;        ///< speech is asked for, not what a place hears
+  std::string tf_index;        ///< "locations" or "relative"; empty: as transfer_index_for()
+  bool enhance = false;        ///< the answer is the dry speech, not the sound at the target
   DatasetLayout layout = DatasetLayout::soundspaces;
-  bool recorded = false;      ///< the data tell no responses
+  bool recorded = false;      ///< the data have no impulse responses
   bool knows_speaker = true;  ///< the data tell where speakers are
-  bool oracles = false;       ///< all of them as well, of recordings those that need no more
-  /// `input` and every shipped model of the families gtf and vigas, or every run of `runs`,
-  /// instead.
+  bool oracles = false;  ///< adds all oracles; for recordings those that need no impulse responses
+  /// In place of `words`: `input` and every run of `runs`, or without it every shipped model of the
+  /// families gtf and vigas.
   bool ablations = false;
   /// Each of its folders that holds a best.safetensors is a row, named like the folder.
   std::optional<std::filesystem::path> runs;

@@ -23,7 +23,7 @@ struct EvaluateOptions {
   std::string split = "test";
   std::string layout;  ///< empty: whichever there is
   std::optional<std::filesystem::path> pairs;
-  std::string draw;  ///< empty: the list
+  std::string draw;  ///< empty: the frozen list
   MethodRequest methods;
   std::optional<std::size_t> limit;
   int jobs = 0;

@@ -8,7 +8,7 @@ class App;
 
 namespace earpoint {
 
-/// A library's message for the command line: what it calls a setting gets the flag of the command
+/// A library's message for the command line: the name of a setting becomes the flag of the command
 /// that sets it. "layout: expected ..." becomes "--layout: expected ...", and "...; choose another
 /// port" becomes "...; choose another port (--port)".
 /// @param command  flags that it does not have are left out; null: the command has them all

@@ -20,8 +20,8 @@ class ViewSampler {
   static constexpr int kTile = 8;  ///< pixels along each side
 
   /// @param solved  of the same scene; both must outlive the sampler
-  /// @param region  the part of the camera's picture to trace; a multiple of kTile to the right of
-  ///                and below the whole picture's corner its samples are those of the whole picture
+  /// @param region  the part of the camera's picture to trace; where it begins at multiples of
+  ///                kTile, its samples are those of the whole picture
   /// @param side    samples along each side of a pixel
   ViewSampler(const LitScene& scene, const SolvedLight& solved, const Camera& camera,
               const PixelRegion& region, int side, std::uint64_t seed);
@@ -45,8 +45,8 @@ class ViewSampler {
     bool used = false;
     std::uint32_t pixel = 0;
     Float3 direction;              // of the ray that arrived, unit length
-    float path_m = 0.0F;           // from the camera, times its stretch: gives the footprint
-    Rgb passed{1.0F, 1.0F, 1.0F};  // share of light that mirrors on the way return
+    float path_m = 0.0F;           // the first hit's depth and the way behind mirrors
+    Rgb passed{1.0F, 1.0F, 1.0F};  // share of light that the mirrors on the way reflect
     Guide place;
     SurfacePoint point;
     std::uint32_t region = 0;

@@ -15,7 +15,7 @@ namespace earpoint {
 /// @param sound         2 channels, else a caller's bug; on the camera's clock
 /// @param about_s       within some 20 ms of the clap
 /// @param interaural_s  arrival at the left ear minus that at the right, seconds; negative: left
-/// first
+///                      first
 /// @return  seconds on the camera's clock, {left, right}; nothing where no pair fits
 [[nodiscard]] std::optional<std::array<double, 2>> clap_at_ears(const Waveform& sound,
                                                                 double about_s,

@@ -18,7 +18,7 @@ inline constexpr double kEvent_s = 0.5;
 class VoiceEvents {
  public:
   /// @param devices   must outlive this; near microphones, or else the first camera, tell who
-  /// speaks
+  ///                  speaks
   /// @param centre_m  about where people are
   VoiceEvents(const std::vector<DeviceSound>& devices, const Vector3& centre_m);
 

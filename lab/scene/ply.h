@@ -20,7 +20,7 @@ struct PlyModel {
 
 /// Reads a Stanford polygon file: ascii, or binary of either byte order.
 /// @throws InputError if it is missing, not PLY, cut short, or a face has a vertex that is not
-/// there
+///         there
 PlyModel read_ply(const std::filesystem::path& path);
 
 }  // namespace earpoint

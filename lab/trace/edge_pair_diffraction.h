@@ -37,10 +37,10 @@ struct FacePlace {
 ///
 /// Sound on the face is a sum of plane waves of complex angle, and each edge turns one such sum
 /// into another by the exact wedge solution (Macdonald; Sommerfeld's integral); the orders are
-/// added up until they do not matter. Exact for a line source and endless edges; for a point source
-/// the spreading of its unfolded path replaces the line's, and for edges that end the
-/// share that their parts in sight have in the first-order sound. Faces that absorb weigh their
-/// terms as in `diffract`.
+/// added up until they do not matter. Exact for a line source and endless edges. For a point source
+/// the spreading of the unfolded path replaces that of the line source; edges of finite length
+/// count by the share that their parts in sight have in the first-order sound. Faces that absorb
+/// weigh their terms as in `diffract`.
 /// @param reference_m  the spectrum's phase is that of a way of this length
 /// @return  pressure relative to 1 m in free field
 DiffractionSpectrum diffract_over_face(const EdgeFace& face, const FacePlace& source,

@@ -31,7 +31,7 @@ struct PassageWay {
     std::vector<EdgeInterval> in_sight;  ///< from both ends
   };
   std::array<Crossing, 2> crossings;  ///< [side that it comes in by]
-  BandArray counts{};
+  BandArray counts{};     ///< weight per band: reflections of both sides, less close to the wall
   double across_m = 0.0;  ///< of the shorter crossing
   Way shortest;
 };
@@ -42,8 +42,8 @@ std::optional<PassageWay> way_through(const SceneGeometry& scene, const FacingPa
 
 /// What the passage sends, but for what either side sends alone: what goes to and fro between both.
 /// It is known for a line source and endless edges. For a point source the spreading of the
-/// unfolded way takes the place of the line's, and for edges that end the Fresnel integral over
-/// what is in sight of them.
+/// unfolded way takes the place of the line's; edges of finite length count by the Fresnel integral
+/// over what is in sight of them.
 /// @return  pressure relative to 1 m in free field; its phase is relative to the shortest way's
 DiffractionSpectrum sound_of_both_sides(const PassageWay& way, double speed_m_per_s);
 

@@ -70,7 +70,7 @@ inline Float3 diffuse_direction(const Float3& normal, RandomStream& random) {
   return direction;
 }
 
-/// Leaves shares of the energy, per band, and scales them.
+/// Multiplies the energy of every band by its share and by `scale`.
 inline void weigh(Lane& lane, const BandArray& shares, float scale) {
   for (int band = 0; band < kOctaveBands; ++band) lane.energy[band] *= shares[band] * scale;
 }

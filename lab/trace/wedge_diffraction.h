@@ -12,7 +12,7 @@ namespace earpoint {
 /// A straight edge where two faces meet, seen along the edge: the air fills the angle from the
 /// first face (0) to the second (`open_angle_rad`).
 struct Wedge {
-  double open_angle_rad = 0.0;  ///< in (0, 2 pi]; below pi nothing is diffracted that needs it
+  double open_angle_rad = 0.0;  ///< in (0, 2 pi]; below pi reflections alone are complete
   /// Pressure that each face reflects, per band; 1 for a rigid one.
   std::array<BandArray, 2> reflection{all_bands(1.0F), all_bands(1.0F)};
 };

@@ -43,8 +43,8 @@ class OutputFile {
 /// Streams are added, then begin(), packets in any order, finish().
 class OutputContainer {
  public:
-  /// @throws InputError if the path's extension is not .mp4, .m4v, .mov or .mkv or it cannot be
-  /// written
+  /// @throws InputError if the path's extension is not .mp4, .m4v, .mov or .mkv, or it cannot be
+  ///         written
   explicit OutputContainer(const std::filesystem::path& path);
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }

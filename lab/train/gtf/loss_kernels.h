@@ -4,7 +4,8 @@
 
 namespace earpoint::train {
 
-/// What the terms of the loss over one row of a spectrum count, means already divided by.
+/// Weights of the terms of the loss over one row of a spectrum, divided by what their means are
+/// over.
 struct RowWeights {
   float magnitude = 0.0F;
   float log_magnitude = 0.0F;

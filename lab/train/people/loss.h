@@ -12,8 +12,9 @@ struct PeopleTargets {
   at::Tensor background;  ///< [pictures][height][width]
 };
 
-/// How far the network's answer is off: the focal loss of middles, which cells near a middle share
-/// less, and one less the generalised intersection over union of boxes, both per person.
+/// How far the network's answer is off: the focal loss of middles, in which cells near a middle
+/// count less as background, and 1 minus the generalised intersection over union of boxes, both per
+/// person.
 /// Sources: Zhou et al., "Objects as points", 2019, equation 1; Rezatofighi et al., CVPR 2019.
 /// @param answer  [pictures][PeopleDescription::kOutputs][height][width]
 /// @return        one number

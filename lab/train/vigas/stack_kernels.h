@@ -24,7 +24,7 @@ struct Product {
 void add_products(std::span<const Product> products, float* to, std::ptrdiff_t to_row,
                   std::ptrdiff_t rows, std::ptrdiff_t columns);
 
-/// The gradient of b in a product: what is below.
+/// What add_outer_products() multiplies: in the gradient of a Product by b.
 struct Outer {
   const float* a = nullptr;  ///< [count][rows]
   std::ptrdiff_t a_row = 0;

@@ -40,7 +40,7 @@ inline GtfDescription small() {
   return d;
 }
 
-/// Random weights; tables of a head that is all level and delay.
+/// Random weights, and random levels and delays as the tables of the head.
 inline GtfWeights random_weights(const GtfDescription& d) {
   GtfWeights weights{d, {}, {}};
   std::uint64_t seed = 1;

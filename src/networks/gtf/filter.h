@@ -23,7 +23,7 @@ class GtfFilter {
 
   /// Forgets the tails.
   void reset();
-  /// Tails from before a change of scale in what goes in.
+  /// Brings the tails to a new scale of the input.
   void rescale(float factor);
   /// From here on. Allocates nothing.
   void condition(const GtfConditions& conditions);

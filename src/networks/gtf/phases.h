@@ -60,7 +60,7 @@ class GtfPhases {
   /// @param most_rounds  that reset() may ask for
   explicit GtfPhases(int most_rounds) : rounds_(static_cast<std::size_t>(most_rounds)) {}
 
-  /// Of them. Frames leave kOverlappingFrames later for each.
+  /// Rounds in use. Each makes frames leave kOverlappingFrames later.
   [[nodiscard]] int rounds() const { return static_cast<int>(active_); }
   /// Restarts with that many rounds.
   /// @param end  of the sound: silence from that sample on; none in a stream

@@ -81,7 +81,7 @@ class SceneDrawer {
   /// @param exposure  what the light is multiplied by, quality.exposure beside it; > 0
   /// @return  the region's pixels
   /// @throws std::logic_error if the camera, the quality, the region or the exposure is out of
-  /// range
+  ///         range
   [[nodiscard]] View draw_region(const Camera& camera, const PixelRegion& region,
                                  const RenderQuality& quality, float exposure, std::uint64_t seed,
                                  ThreadPool& pool) const;

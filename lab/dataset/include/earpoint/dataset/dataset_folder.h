@@ -27,9 +27,8 @@ enum class DatasetLayout {
 /// that one included; one of `earpoint simulate` by its dataset.json; RWAVS from the folder with
 /// its position.json, or from a scene.
 /// @param asked  the layout to look for; nothing: whichever there is
-/// @throws InputError if there is none, not the one that was asked for, or several and none was
-/// asked
-///         for
+/// @throws InputError if there is none, not the one that was asked for, or several where none was
+///         asked for
 [[nodiscard]] DatasetLayout dataset_layout(const std::filesystem::path& folder,
                                            std::optional<DatasetLayout> asked);
 

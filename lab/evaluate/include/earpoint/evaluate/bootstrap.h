@@ -17,9 +17,9 @@ struct ConfidenceRange {
 /// A number over clips, and how sure it is.
 struct Estimate {
   double value = 0.0;
-  /// Nothing where there are clips of one cluster only: they cannot tell.
+  /// Nothing if all clips are of one cluster.
   std::optional<ConfidenceRange> range;
-  std::size_t clips = 0;  ///< that it is over
+  std::size_t clips = 0;  ///< clips with a value
 };
 
 /// Means over clips with bootstrap intervals. Clips that belong together (the windows and

@@ -50,8 +50,8 @@ struct ComparisonOptions {
 };
 
 /// Renders the clip for each earpoint by each method as `earpoint render` does and measures what
-/// comes out against what was heard there. gtf gets nothing about the speaker, dsp
-/// where the speaker is, other networks the box.
+/// comes out against what was heard there. gtf gets nothing about the speaker, dsp the speaker's
+/// position, other networks the box.
 ///
 /// @param folder  gets the sounds: source.flac, and a file for each earpoint and method
 /// @throws InputError as render(), as read_sound(); if a truth is not binaural or not as long as

@@ -66,9 +66,8 @@ struct MethodEntry {
 /// as in training. A network that was trained on sounds with their ambient part hears it, where the
 /// sample has one (PairSample::ambient), and the ambient part is then taken out of what it answers.
 /// @param name     of the row
-/// @param weights  a file that make_synthesizer() knows; it is read here, so that a bad one is
-/// found
-///                 before any work is done
+/// @param weights  a file that make_synthesizer() knows; it is read here, before any work is done,
+///                 so that a bad one is found
 /// @param options  of the network: its texture, whether it was trained for enhancement
 /// @throws InputError as make_synthesizer, or if the network wants another rate
 [[nodiscard]] MethodEntry network_method(const std::string& name, const std::string& weights,

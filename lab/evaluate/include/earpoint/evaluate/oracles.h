@@ -17,7 +17,8 @@ namespace earpoint {
 /// - `oracle-expected`: of many such tails the median magnitude in every bin and frame: nearly the
 ///   best Mag possible without knowing individual reflections, with a bad decay;
 /// - `oracle-all`: the true dry speech by the true response, which is the target except for
-/// rounding. The last three need simulated data.
+///   rounding.
+/// The last three need simulated data.
 [[nodiscard]] std::vector<MethodEntry> oracle_methods();
 
 }  // namespace earpoint

@@ -16,8 +16,8 @@ enum class SpeakerBoxes {
   none,      ///< nothing
 };
 
-/// @param name  "true", "detected" or "none". @throws InputError naming boxes if it is none of
-/// them
+/// @param name  "true", "detected" or "none"
+/// @throws InputError naming boxes if it is none of them
 [[nodiscard]] SpeakerBoxes boxes_named(std::string_view name);
 
 /// Replaces what the data set knows of the speaker by what a method gets: speaker_box and
@@ -31,7 +31,7 @@ using SpeakerTelling = std::function<void(PairSample&)>;
 /// is heard where the speaker is not in the picture.
 /// @param detector  a detector's file; nothing: the shipped one
 /// @throws InputError if the detector is missing or damaged; it is read here, before any work is
-/// done
+///         done
 [[nodiscard]] std::function<SpeakerTelling()> telling_maker(
     SpeakerBoxes boxes, const std::optional<std::filesystem::path>& detector);
 

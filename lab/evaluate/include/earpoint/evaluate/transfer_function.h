@@ -33,8 +33,8 @@ enum class TransferIndex {
 /// as 2 sin(t / 2) metres.
 /// Source: Novel-View Acoustic Synthesis, CVPR 2023, section 6, baseline 2.
 /// @param folder  of the data set; its split `train` is read
-/// @throws InputError if there is none, or it has no positions of speakers, like the published
-///         Replay-NVAS does not
+/// @throws InputError if there is none, or it has no positions of speakers, as the published
+///         Replay-NVAS
 [[nodiscard]] MethodEntry transfer_function_method(const std::filesystem::path& folder,
                                                    DatasetLayout layout, TransferIndex index);
 

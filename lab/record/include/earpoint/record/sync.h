@@ -77,8 +77,7 @@ struct SyncOptions {
 /// near microphone of who speaks alone in every ear of every camera, by GCC-PHAT. How long a voice
 /// travels depends on where it is, which is not known: places and clocks are found together, such
 /// that all ears agree. A clapper whose place is known counts where both ears of a camera heard it
-/// directly. Without near microphones the first camera
-/// stands for them.
+/// directly. Without near microphones the first camera stands for them.
 /// @throws InputError if no device matches the first camera
 [[nodiscard]] SyncResult synchronize(const DeviceSounds& sounds, const SyncOptions& options,
                                      ProgressSink& progress);

@@ -23,7 +23,7 @@ struct Look {
   float roughness = 0.8F;                              ///< 0 mirror, 1 matt
   float metallic = 0.0F;
   float opacity = 1.0F;
-  std::array<float, 3> emission{};  ///< radiance, 1 = white of a picture exposed as it is
+  std::array<float, 3> emission{};  ///< radiance; 1 is white at an exposure of 1
 
   static constexpr int kNoTexture = -1;
 };

@@ -14,7 +14,7 @@ namespace earpoint {
 
 /// The planes of a mesh's triangles, to find where a ray meets one exactly as on any other machine:
 /// a ray tracing library computes distances by reciprocals that differ from processor to processor
-/// in the last bits, and a path that is reflected again and again makes the most of them.
+/// in the last bits, and every reflection of a path makes the difference larger.
 class TrianglePlanes {
  public:
   TrianglePlanes() = default;

@@ -23,8 +23,8 @@ class Directivity {
   Directivity(int azimuths, int elevations, std::vector<BandArray> energies);
 
   /// The same all around the axis to the front, interpolated linearly in energy.
-  /// @param energies  evenly over the angle from the front, from 0 to 180 degrees; two or more, >=
-  /// 0
+  /// @param energies  evenly over the angle from the front, from 0 to 180 degrees; two or more, all
+  ///                  >= 0
   /// @throws std::logic_error if there are fewer or an energy is negative
   static Directivity about_front(std::vector<BandArray> energies);
 

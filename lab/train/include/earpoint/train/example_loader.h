@@ -129,7 +129,7 @@ class ReplayExamples : public ExampleLoader {
 /// @throws InputError as these do
 [[nodiscard]] std::unique_ptr<ExampleLoader> pair_examples(PairOptions options, PairEncoder encode);
 
-/// In a row, by when a data set is beyond repair.
+/// So many examples in a row that cannot be made end training: the whole data set is bad.
 inline constexpr std::uint64_t kMostBadExamples = 100;
 
 /// `count` of `size` numbers, evenly spread; all of them if count is 0.

@@ -43,7 +43,7 @@ struct GtfLearnerOptions {
   /// Who hears reverberation times for the loss. Not who measures them: what learns to please one
   /// estimator must convince another.
   std::optional<Rt60EstimatorWeights> estimator;
-  /// Of what it learns from; nothing: as the weights have it.
+  /// Of the data it learns from, for its weight file; nothing: that of the weights.
   std::optional<GtfTrainingRange> training_range;
   double longest_gradient = 1.0;  ///< gradients are scaled down to that length
   double second_decay = 0.98;     ///< of Adam: short, as loud clips come and go

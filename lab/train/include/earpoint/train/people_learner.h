@@ -28,8 +28,8 @@ class PeopleLearner : public NetworkLearner<PeopleDescription> {
   /// What PeopleNetwork says of each view: [pictures][kOutputs][height / kCell][width / kCell].
   [[nodiscard]] std::vector<float> maps(const TrainingBatch& batch);
 
-  /// Of each picture one less the share that is right of what was found or should have been: twice
-  /// the people found over those found, missed and wrong, at an overlap of one half.
+  /// 1 - F1 of each picture: people missed and false detections over these and twice the people
+  /// found, where boxes overlap by one half or more; 0 where there is nobody and nobody is found.
   [[nodiscard]] std::vector<double> errors(const TrainingBatch& batch) override;
   [[nodiscard]] std::string_view error_name() const override { return "people_error"; }
 

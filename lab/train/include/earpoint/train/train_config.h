@@ -49,13 +49,13 @@ struct TrainConfig {
   std::string text;  ///< the whole configuration with what it extends and what was set, as JSON
 };
 
-/// One value of a configuration that is set aside of its file.
+/// One value of a configuration that is set apart from its file, as by --set KEY=VALUE.
 struct ConfigSetting {
   std::string key;    ///< names from the outside in, with dots: "network.picture.width_px"
   std::string value;  ///< JSON; what is no JSON is a string
 };
 
-/// Reads a configuration and the ones that it extends. Keys that nobody knows are errors.
+/// Reads a configuration and the ones that it extends. Unknown keys are errors.
 /// @param settings  override the file's values, later ones earlier ones
 /// @param where     file and settings, for messages; empty: the file
 /// @throws InputError naming file and key

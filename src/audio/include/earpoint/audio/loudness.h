@@ -12,8 +12,7 @@ namespace earpoint {
 ///
 /// @param sound  1 channel or more, > 0 samples, any rate (it is weighted at 48 kHz)
 /// @return  LKFS: -3.01 for a sine of 997 Hz at full scale in one channel; nothing where no block
-/// is
-///          above -70 LKFS
+///          is above -70 LKFS
 /// Source: ITU-R BS.1770-4, annex 1.
 [[nodiscard]] std::optional<double> loudness_lkfs(const Waveform& sound);
 

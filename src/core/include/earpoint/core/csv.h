@@ -30,8 +30,7 @@ char csv_separator(std::string_view header);
 /// @param name     stands for the file in messages
 /// @param columns  the expected header
 /// @throws InputError naming the line: wrong header, wrong number of cells, an empty cell, no
-/// number,
-///         not finite, or no row at all
+///         number, not finite, or no row at all
 std::vector<NumberRow> parse_number_csv(std::string_view text, const std::string& name,
                                         std::span<const std::string_view> columns);
 

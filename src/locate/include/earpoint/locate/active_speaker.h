@@ -21,8 +21,8 @@ struct BoxDirection {
 /// What is known of one moment before it is decided who speaks.
 struct SpeakerMoment {
   std::vector<int> tracks;          ///< who is in the picture
-  std::vector<double> likelihoods;  ///< of the sound, would each of them speak; up to a factor
-  double outside = 1.0;             ///< would somebody speak who is not in the picture
+  std::vector<double> likelihoods;  ///< of the sound if each of them speaks; up to a factor
+  double outside = 1.0;             ///< the same if somebody speaks who is not in the picture
   double power = 0.0;               ///< of the sound
 };
 

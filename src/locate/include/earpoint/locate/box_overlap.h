@@ -13,7 +13,7 @@ namespace earpoint {
 
 /// Keeps the surest of those boxes that show the same person: greedy non-maximum suppression.
 /// @param most_overlap  boxes that overlap a surer one by more (intersection over union) are
-/// dropped
+///                      dropped
 /// @return the rest, the surest first; equal scores stay in the order given
 [[nodiscard]] std::vector<DetectedPerson> suppress_repeated(std::vector<DetectedPerson> people,
                                                             double most_overlap);

@@ -38,8 +38,7 @@ class PeopleDetector {
 /// Makes a detector out of a file: a weight file of the project's own network (.safetensors), or a
 /// network that OpenCV runs (.onnx), where Earpoint was built with OpenCV.
 /// @param file     nothing: the project's own network that is shipped as people.safetensors;
-/// "nanodet":
-///                 the one that `./dev assets --people` has installed
+///                 "nanodet": the one that `./dev assets --people` has installed
 /// @param threads  > 0
 /// @throws InputError if the file is missing, of another kind or damaged, or needs OpenCV and this
 ///         build is without

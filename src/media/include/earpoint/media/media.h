@@ -26,7 +26,7 @@ enum class StreamKind {
 
 /// One stream of a container.
 struct StreamInfo {
-  int index = 0;  ///< in the container; what --audio-stream takes
+  int index = 0;  ///< in the container; what AudioReader's audio_stream means
   StreamKind kind = StreamKind::other;
   std::string codec;                 ///< FFmpeg's name, e.g. "h264", "aac"
   double start_s = 0.0;              ///< >= 0
@@ -117,7 +117,7 @@ class AudioReader {
   ///                          can be decoded
   /// @throws  InputError as probe_media; if there is no (such) audio stream; if it is mono or has
   ///          more than two channels and binaural_channels is not given (the message names the
-  ///          stream and --binaural-channels); if it holds no sample at all
+  ///          stream and asks for the channel of each ear); if it holds no sample at all
   explicit AudioReader(const std::filesystem::path& path,
                        std::optional<std::array<int, 2>> binaural_channels = std::nullopt,
                        std::optional<int> audio_stream = std::nullopt);

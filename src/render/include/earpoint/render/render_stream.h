@@ -28,7 +28,7 @@ class RenderStream {
     bool extend_band = true;  ///< carry the band above the model's along
     bool limit = true;        ///< keep the output within full scale
     /// Rounds that make the phases of frames agree; each makes the stream 20 ms later. By default
-    /// the network's own, as in render(); 0 is soonest.
+    /// the network's own, as in render(); 0 has the lowest latency.
     std::optional<int> phase_rounds{};
     /// As SynthesizerOptions has it.
     std::optional<double> texture{};

@@ -10,7 +10,7 @@ namespace earpoint {
 
 /// Beyond any audible distance: units are then most likely mixed up.
 inline constexpr double kFarthestPlace_m = 1e4;
-/// A hundred turns: paths may go on counting.
+/// A hundred turns: along a path an angle may grow beyond one.
 inline constexpr double kLargestDegrees = 36000.0;
 
 /// @throws InputError naming `where` if a coordinate is not finite or beyond kFarthestPlace_m

@@ -85,7 +85,7 @@ class AcousticSynthesizer {
     return {};
   }
 
-  /// @throws InputError if something that this synthesizer needs is missing, naming the flag
+  /// @throws InputError naming what this synthesizer needs and does not get
   virtual void observe(const Observation& observation) = 0;
 
   /// @return 2 ears, [samples] of the window observed last, at the window's rate

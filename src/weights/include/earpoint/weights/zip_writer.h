@@ -15,8 +15,7 @@ namespace earpoint {
 class ZipWriter {
  public:
   /// @throws InputError if the archive would be larger than the 4 GB that the format's 32-bit
-  /// fields
-  ///         can say
+  ///         fields can say
   void add(std::string_view name, std::span<const std::byte> bytes);
 
   /// @return the archive; nothing can be added afterwards

@@ -47,8 +47,7 @@ EncodedPose encode_pose(PoseEncoding encoding, const Pose& source_from_target,
                         const Pose& world_from_source = {});
 
 /// @return the four numbers of `bboxes`: for soundspaces [y_min, y_max, x_min, x_max], the first
-/// and
-///         the last row and column of a picture of 256 pixels, divided by 255 as the released
+///         and the last row and column of a picture of 256 pixels, divided by 255 as the released
 ///         loader does; for corners [x_min, y_min, x_max, y_max], fractions of the picture; for
 ///         centre [1, 4 (x - 1/2), 4 (y - 1/2), 2 ln 2 h] of its middle and height, zeros for a box
 ///         without height

@@ -14,7 +14,7 @@ namespace earpoint {
 
 /// What a gtf network is asked for.
 struct GtfUse {
-  /// 0 the mean, 1 natural; means nothing to a network that knows one.
+  /// 0 the mean, 1 natural; means nothing to a network with one texture.
   double texture = 1.0;
   /// Keep the level within what the geometry allows: not of a network that was trained for
   /// enhancement.

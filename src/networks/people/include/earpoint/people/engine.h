@@ -24,7 +24,7 @@ class PeopleNetwork {
   /// nothing.
   /// @param view  as people_view() makes it; both sides multiples of PeopleDescription::kCoarsest
   /// @return [PeopleDescription::kOutputs][height / kCell][width / kCell], valid until the next
-  /// call
+  ///         call
   /// @throws std::logic_error if the view has another form
   [[nodiscard]] std::span<const float> run(const ImagePlanes& view);
 

@@ -28,7 +28,7 @@ class VamSynthesizer : public AcousticSynthesizer {
  private:
   Vam network_;
   Waveform sound_;
-  std::shared_ptr<const Image> seen_;  ///< whose map this is:
+  std::shared_ptr<const Image> seen_;  ///< the picture of map_
   std::vector<float> map_;
 };
 

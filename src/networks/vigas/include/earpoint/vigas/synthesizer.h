@@ -33,7 +33,7 @@ class ViGasSynthesizer : public AcousticSynthesizer {
  private:
   ViGas network_;
   Waveform sound_;
-  std::shared_ptr<const Image> seen_;  ///< whose feature this is:
+  std::shared_ptr<const Image> seen_;  ///< the picture of visual_feature_
   std::vector<float> visual_feature_;
   std::vector<float> box_;
   Pose world_from_source_;
