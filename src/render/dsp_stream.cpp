@@ -39,9 +39,9 @@ struct Place {
   friend bool operator==(const Place&, const Place&) = default;
 };
 
-/// The unchanged sound, as late as the filters make it.
-EarFilterMatrix unchanged(std::size_t taps, int delay_samples) {
-  EarFilterMatrix matrix;
+/// The unchanged sound, as late as the filters make it. Allocates nothing if the matrix has that
+/// length.
+void pass_through(std::size_t taps, int delay_samples, EarFilterMatrix& matrix) {
   matrix.delay_samples = delay_samples;
   for (std::size_t target = 0; target < kEars; ++target) {
     for (std::size_t source = 0; source < kEars; ++source) {
@@ -49,7 +49,6 @@ EarFilterMatrix unchanged(std::size_t taps, int delay_samples) {
     }
     matrix.taps[target][target][static_cast<std::size_t>(delay_samples)] = 1.0F;
   }
-  return matrix;
 }
 
 /// Two ears in, two ears out, block by block, through filters that may change from block to block:
@@ -72,21 +71,28 @@ class EarFilters {
     }
   }
 
-  [[nodiscard]] Partitions partitions(const EarFilterMatrix& matrix) {
+  /// Room for the partitions of a matrix.
+  [[nodiscard]] Partitions empty_partitions() const {
     Partitions result;
+    for (auto& of_target : result) {
+      for (std::vector<Spectrum>& filter : of_target) filter.assign(count_, Spectrum(fft_.bins()));
+    }
+    return result;
+  }
+
+  void split(const EarFilterMatrix& matrix, Partitions& result) {
     for (std::size_t target = 0; target < kEars; ++target) {
       for (std::size_t source = 0; source < kEars; ++source) {
         const std::span<const float> taps = matrix.taps[target][source];
-        for (std::size_t start = 0; start < taps.size(); start += block_) {
+        for (std::size_t p = 0; p < count_; ++p) {
+          const std::size_t start = p * block_;
           std::ranges::fill(circular_, 0.0F);
           std::ranges::copy(taps.subspan(start, std::min(block_, taps.size() - start)),
                             circular_.begin());
-          result[target][source].emplace_back(fft_.bins());
-          fft_.forward(circular_, result[target][source].back());
+          fft_.forward(circular_, result[target][source][p]);
         }
       }
     }
-    return result;
   }
 
   /// @param in  one block of each ear, planar
@@ -136,23 +142,28 @@ class EarFilters {
 }  // namespace
 
 struct DspStream::State {
-  State(HrtfSet head_in, const Options& options_in)
+  State(const HrtfSet& head, const Options& options_in)
       : options(options_in),
-        head(std::move(head_in)),
         block(std::lround(kBlock_s * head.sample_rate_hz())),
-        // The filters' length and delay depend on the rate alone: any place tells them.
-        example(dsp_filters(head, Vector3{1.0, 0.0, 0.0}, Pose{})),
-        filters(static_cast<int>(block), example.taps[0][0].size()),
-        now(filters.partitions(design({}))),
+        designer(head),
+        filters(static_cast<int>(block), static_cast<std::size_t>(designer.taps())),
+        now(filters.empty_partitions()),
+        next(now),
         limiter(kEars, head.sample_rate_hz()) {
+    design({}, now);
     for (std::vector<float>* buffer : {&in, &out, &faded}) {
       buffer->resize(kEars * static_cast<std::size_t>(block));
     }
   }
 
-  [[nodiscard]] EarFilterMatrix design(const Place& place) const {
-    if (!place.mouth_m) return unchanged(example.taps[0][0].size(), example.delay_samples);
-    return dsp_filters(head, *place.mouth_m, place.source_from_target);
+  /// Takes 1 to 3 ms, and allocates nothing once it was called.
+  void design(const Place& place, EarFilters::Partitions& result) {
+    if (place.mouth_m) {
+      designer.design(*place.mouth_m, place.source_from_target, matrix);
+    } else {
+      pass_through(static_cast<std::size_t>(designer.taps()), designer.delay_samples(), matrix);
+    }
+    filters.split(matrix, result);
   }
 
   [[nodiscard]] Place wanted() const { return {mouth_m ? mouth_m : seen_m, source_from_target}; }
@@ -161,9 +172,9 @@ struct DspStream::State {
   void fade();
 
   Options options;
-  HrtfSet head;
   std::ptrdiff_t block;
-  EarFilterMatrix example;
+  DspFilterDesigner designer;
+  EarFilterMatrix matrix;  ///< the last design
   EarFilters filters;
   EarFilters::Partitions now;   ///< filters in use
   EarFilters::Partitions next;  ///< what they fade into
@@ -201,7 +212,7 @@ void DspStream::State::run_block() {
   for (float& sample : in) sample = std::isfinite(sample) ? sample : 0.0F;
   if (fading == 0 && wanted() != of_next) {
     of_next = wanted();
-    (starts ? now : next) = filters.partitions(design(of_next));
+    design(of_next, starts ? now : next);
     fading = starts ? 0 : kFadeBlocks;
   }
   starts = false;
@@ -211,8 +222,8 @@ void DspStream::State::run_block() {
   if (options.limit) limiter.process_late(out);
 }
 
-DspStream::DspStream(HrtfSet head, const Options& options)
-    : state_(std::make_unique<State>(std::move(head), options)) {}
+DspStream::DspStream(const HrtfSet& head, const Options& options)
+    : state_(std::make_unique<State>(head, options)) {}
 DspStream::~DspStream() = default;
 DspStream::DspStream(DspStream&&) noexcept = default;
 DspStream& DspStream::operator=(DspStream&&) noexcept = default;
@@ -236,7 +247,7 @@ void DspStream::place_speaker(const std::optional<Vector3>& mouth_m) {
 }
 
 void DspStream::move_to(const Pose& source_from_target) {
-  check_place(source_from_target.position_m, "earpoint");
+  check_pose(source_from_target, "earpoint");
   state_->source_from_target = source_from_target;
 }
 
@@ -248,10 +259,15 @@ void DspStream::process(std::array<std::span<const float>, 2> in,
   const std::ptrdiff_t samples = std::ssize(in[0]);
   for (std::ptrdiff_t done = 0; done < samples;) {
     const std::ptrdiff_t count = std::min(samples - done, s.block - s.filled);
+    const auto place = [&](std::size_t e) {
+      return static_cast<std::ptrdiff_t>(e) * s.block + s.filled;
+    };
+    // Both are read before one is written: an ear of `out` may be the memory of either of `in`.
     for (std::size_t e = 0; e < kEars; ++e) {
-      const auto place = static_cast<std::ptrdiff_t>(e) * s.block + s.filled;
-      std::copy_n(in[e].begin() + done, count, s.in.begin() + place);
-      std::copy_n(s.out.begin() + place, count, out[e].begin() + done);
+      std::copy_n(in[e].begin() + done, count, s.in.begin() + place(e));
+    }
+    for (std::size_t e = 0; e < kEars; ++e) {
+      std::copy_n(s.out.begin() + place(e), count, out[e].begin() + done);
     }
     done += count;
     s.filled += count;
@@ -264,7 +280,7 @@ void DspStream::process(std::array<std::span<const float>, 2> in,
 
 std::ptrdiff_t DspStream::latency_samples() const {
   const State& s = *state_;
-  return s.block + s.example.delay_samples + (s.options.limit ? s.limiter.latency_samples() : 0);
+  return s.block + s.designer.delay_samples() + (s.options.limit ? s.limiter.latency_samples() : 0);
 }
 
 std::optional<Vector3> DspStream::speaker_m() const { return state_->wanted().mouth_m; }

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <earpoint/core/random.h>
+#include <earpoint/core_testing/allocation_count.h>
 #include <earpoint/error.h>
 #include <earpoint/pose.h>
 #include <earpoint/render/dsp_stream.h>
@@ -116,27 +117,75 @@ double roughness(const Waveform& sound, std::ptrdiff_t from) {
   return largest;
 }
 
-TEST(DspStream, MovesWithoutAClick) {
-  Waveform tone(2, kRate_hz, kRate_hz);
-  for (std::ptrdiff_t i = 0; i < tone.samples(); ++i) {
+/// A low tone, the same at both ears.
+Waveform tone() {
+  Waveform sound(2, kRate_hz, kRate_hz);
+  for (std::ptrdiff_t i = 0; i < sound.samples(); ++i) {
     const double time_s = static_cast<double>(i) / kRate_hz;
     const auto sample = static_cast<float>(0.2 * std::sin(2.0 * kPi * 300.0 * time_s));
-    tone.channel(0)[i] = tone.channel(1)[i] = sample;
+    sound.channel(0)[i] = sound.channel(1)[i] = sample;
   }
-  const auto heard_when = [&](bool moves) {
-    DspStream stream = placed_stream();
-    Waveform heard = tone;
-    constexpr std::ptrdiff_t kStep = 480;
-    for (std::ptrdiff_t at = 0; at < heard.samples(); at += kStep) {
-      const double angle_rad = moves ? 3.0 * static_cast<double>(at) / kRate_hz : 0.0;
-      stream.move_to({{0.0, 0.0, 0.0}, quaternion_from_euler({.yaw_rad = angle_rad})});
-      process(stream, heard, at, kStep);
+  return sound;
+}
+
+/// What is heard of the tone where the head turns by `turn_rad` in the first half second and then
+/// stands still.
+Waveform heard_turning(double from_rad, double turn_rad) {
+  DspStream stream = placed_stream();
+  Waveform heard = tone();
+  constexpr std::ptrdiff_t kStep = 480;
+  const double half = static_cast<double>(heard.samples()) / 2.0;
+  for (std::ptrdiff_t at = 0; at < heard.samples(); at += kStep) {
+    const double turned_rad = turn_rad * std::min(1.0, static_cast<double>(at) / half);
+    stream.move_to({{0.0, 0.0, 0.0}, quaternion_from_euler({.yaw_rad = from_rad + turned_rad})});
+    process(stream, heard, at, kStep);
+  }
+  return heard;
+}
+
+/// The largest difference over the last quarter, either ear.
+float difference_at_the_end(const Waveform& a, const Waveform& b) {
+  float largest = 0.0F;
+  for (int ear = 0; ear < 2; ++ear) {
+    for (std::ptrdiff_t i = 3 * a.samples() / 4; i < a.samples(); ++i) {
+      largest = std::max(largest, std::abs(a.channel(ear)[i] - b.channel(ear)[i]));
     }
-    return roughness(heard, kRate_hz / 4);
-  };
+  }
+  return largest;
+}
+
+TEST(DspStream, MovesWithoutAClick) {
+  constexpr double kTurn_rad = 1.5;
+  const Waveform moves = heard_turning(0.0, kTurn_rad);
+  const Waveform starts = heard_turning(0.0, 0.0);
+  const Waveform arrived = heard_turning(kTurn_rad, 0.0);
+  // The last move is followed, all the way: what is left of the fades is far in the past.
+  EXPECT_LT(difference_at_the_end(moves, arrived), 1e-6F);
+  EXPECT_GT(difference_at_the_end(moves, starts), 0.02F);
   // A cross-fade of 40 ms bends the tone's waveform a little; a switch would be as large as the
   // tone itself, hundreds of times its second difference.
-  EXPECT_LT(heard_when(true), 4.0 * heard_when(false));
+  const double still = std::max(roughness(starts, kRate_hz / 4), roughness(arrived, kRate_hz / 4));
+  EXPECT_LT(roughness(moves, kRate_hz / 8), 2.0 * still);
+}
+
+TEST(DspStream, AllocatesNothingWhileTheEarpointAndTheSpeakerMove) {
+  DspStream stream = placed_stream();
+  Waveform sound = noise(kRate_hz / 2);
+  const Waveform source = sound;
+  constexpr std::ptrdiff_t kStep = 256;
+  const AllocationCount allocations;
+  for (std::ptrdiff_t at = 0; at + kStep <= sound.samples(); at += kStep) {
+    const double way = static_cast<double>(at) / kRate_hz;
+    // Past the mouth at 0.2 m, where the responses of near sources are computed, and the speaker
+    // is unknown for a while.
+    const double left_m = kMouth_m.y - 0.2;
+    stream.move_to({{8.0 * way, left_m, 0.0}, quaternion_from_euler({.yaw_rad = way})});
+    if (way > 0.3) stream.place_speaker({});
+    if (way > 0.4) stream.place_speaker(Vector3{2.0, way, 0.0});
+    process(stream, sound, at, kStep);
+  }
+  EXPECT_EQ(allocations.count(), 0);
+  EXPECT_FALSE(std::ranges::equal(sound.planar(), source.planar()));
 }
 
 TEST(DspStream, SeesTheSpeakerInThePicture) {
@@ -148,6 +197,14 @@ TEST(DspStream, SeesTheSpeakerInThePicture) {
   stream.place_speaker(kMouth_m);
   EXPECT_EQ(stream.speaker_m(), kMouth_m);
   EXPECT_THROW(stream.see(nullptr, Box{0.0, 0.25, 0.25, 1.0}), InputError);
+}
+
+TEST(DspStream, PlacesThatAreNoNumbersAreRefused) {
+  DspStream stream = placed_stream();
+  const double nan = std::nan("");
+  EXPECT_THROW(stream.move_to({{0.0, nan, 0.0}, {}}), InputError);
+  EXPECT_THROW(stream.move_to({{0.0, 0.0, 0.0}, {1.0, nan, 0.0, 0.0}}), InputError);
+  EXPECT_THROW(stream.place_speaker(Vector3{nan, 0.0, 0.0}), InputError);
 }
 
 TEST(DspStream, ResetReturnsToSilence) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <complex>
 #include <cstddef>
+#include <utility>
 
 #include <earpoint/audio/convolution.h>
 #include <earpoint/audio/fft.h>
@@ -31,21 +32,20 @@ class FilterDesign {
   explicit FilterDesign(const HrtfSet& hrtf)
       : rate_hz_(hrtf.sample_rate_hz()),
         taps_(2 * static_cast<int>(0.5 * kFilterLength_s * rate_hz_)),
-        fft_(fast_fft_size(2 * std::max(taps_, hrtf.taps()))) {}
+        fft_(fast_fft_size(2 * std::max(taps_, hrtf.taps()))),
+        circular_(fft_.size()) {}
 
   [[nodiscard]] int bins() const { return fft_.bins(); }
+  [[nodiscard]] int taps() const { return taps_; }
   [[nodiscard]] int delay_samples() const { return taps_ / 2; }
 
-  EarSpectra spectra(const Hrir& hrir) {
-    EarSpectra spectra;
-    std::vector<double> padded(fft_.size());
+  void transform(const Hrir& hrir, EarSpectra& spectra) {
     for (int ear = 0; ear < 2; ++ear) {
-      std::ranges::fill(padded, 0.0);
-      std::ranges::copy(hrir.taps[ear], padded.begin());
-      spectra[ear].resize(fft_.bins());
-      fft_.forward(padded, spectra[ear]);
+      std::ranges::fill(circular_, 0.0);
+      std::ranges::copy(hrir.taps[ear], circular_.begin());
+      spectra[ear].resize(bins());
+      fft_.forward(circular_, spectra[ear]);
     }
-    return spectra;
   }
 
   // conj(H_e) / (sum |H|^2 + w), in place of H.
@@ -65,18 +65,16 @@ class FilterDesign {
   }
 
   // The filter of a spectrum, made causal by the delay, its ends faded over an eighth each.
-  std::vector<float> taps(std::span<const Complex> spectrum) {
-    std::vector<double> circular(fft_.size());
-    fft_.inverse(spectrum, circular);
-    std::vector<float> taps(taps_);
+  void taps_of(std::span<const Complex> spectrum, std::vector<float>& taps) {
+    fft_.inverse(spectrum, circular_);
+    taps.resize(taps_);
     const int fade = taps_ / 8;
     for (int tap = 0; tap < taps_; ++tap) {
       const int time = tap - delay_samples();
       const double inside = std::min(1.0, (std::min(tap, taps_ - 1 - tap) + 0.5) / fade);
-      taps[tap] = static_cast<float>(circular[time < 0 ? time + fft_.size() : time] * 0.5 *
+      taps[tap] = static_cast<float>(circular_[time < 0 ? time + fft_.size() : time] * 0.5 *
                                      (1.0 - std::cos(kPi * inside)));
     }
-    return taps;
   }
 
  private:
@@ -90,6 +88,7 @@ class FilterDesign {
   int rate_hz_;
   int taps_;
   RealFft<double> fft_;
+  std::vector<double> circular_;  // a signal of the transform's size
 };
 
 }  // namespace
@@ -98,50 +97,87 @@ double distance_gain(double distance_m) { return 0.2 / std::max(0.2, distance_m)
 
 SourceFilter source_filter(const HrtfSet& hrtf, const Vector3& direction) {
   FilterDesign design(hrtf);
-  EarSpectra inverse = design.spectra(hrtf.interpolated(direction));
+  EarSpectra inverse;
+  design.transform(hrtf.interpolated(direction), inverse);
   design.invert(inverse);
   // A response contains the delay to the head's centre, so its inverse makes the sound earlier.
   SourceFilter filter;
   filter.delay_samples =
       design.delay_samples() - static_cast<int>(std::lround(hrtf.centre_delay_samples()));
-  for (int ear = 0; ear < 2; ++ear) filter.taps[ear] = design.taps(inverse[ear]);
+  for (int ear = 0; ear < 2; ++ear) design.taps_of(inverse[ear], filter.taps[ear]);
   return filter;
+}
+
+struct DspFilterDesigner::State {
+  explicit State(const HrtfSet& hrtf)
+      : heads(hrtf), filters(hrtf), hrir(hrtf.measured(0)), product(filters.bins()) {
+    for (EarSpectra* spectra : {&inverse, &forward}) {
+      for (std::vector<Complex>& spectrum : *spectra) spectrum.resize(filters.bins());
+    }
+  }
+
+  void transform_head(Spherical place, EarSpectra& spectra) {
+    const double distance_m = std::exchange(place.distance_m, 1.0);
+    heads.interpolate(cartesian_from_spherical(place), distance_m, hrir);
+    filters.transform(hrir, spectra);
+  }
+
+  HrirInterpolator heads;
+  FilterDesign filters;
+  // Work space.
+  Hrir hrir;
+  EarSpectra inverse;
+  EarSpectra forward;
+  std::vector<Complex> product;
+};
+
+DspFilterDesigner::DspFilterDesigner(const HrtfSet& hrtf) : state_(std::make_unique<State>(hrtf)) {}
+DspFilterDesigner::~DspFilterDesigner() = default;
+DspFilterDesigner::DspFilterDesigner(DspFilterDesigner&&) noexcept = default;
+DspFilterDesigner& DspFilterDesigner::operator=(DspFilterDesigner&&) noexcept = default;
+
+int DspFilterDesigner::taps() const { return state_->filters.taps(); }
+int DspFilterDesigner::delay_samples() const { return state_->filters.delay_samples(); }
+
+void DspFilterDesigner::design(const Spherical& speaker_from_source,
+                               const Spherical& speaker_from_target, EarFilterMatrix& matrix) {
+  EARPOINT_CHECK(speaker_from_source.distance_m > 0.0 && speaker_from_target.distance_m > 0.0);
+  State& s = *state_;
+  s.transform_head(speaker_from_source, s.inverse);
+  s.filters.invert(s.inverse);
+  s.transform_head(speaker_from_target, s.forward);
+  const double gain =
+      distance_gain(speaker_from_target.distance_m) / distance_gain(speaker_from_source.distance_m);
+
+  matrix.delay_samples = delay_samples();
+  for (int target = 0; target < 2; ++target) {
+    for (int source = 0; source < 2; ++source) {
+      for (int bin = 0; bin < s.filters.bins(); ++bin) {
+        s.product[bin] = gain * s.forward[target][bin] * s.inverse[source][bin];
+      }
+      s.filters.taps_of(s.product, matrix.taps[target][source]);
+    }
+  }
+}
+
+void DspFilterDesigner::design(const Vector3& speaker_m, const Pose& source_from_target,
+                               EarFilterMatrix& matrix) {
+  const Vector3 from_target = transform_point(inverse(source_from_target), speaker_m);
+  design(seen_from(speaker_m), seen_from(from_target), matrix);
 }
 
 EarFilterMatrix dsp_filters(const HrtfSet& hrtf, const Spherical& speaker_from_source,
                             const Spherical& speaker_from_target) {
-  EARPOINT_CHECK(speaker_from_source.distance_m > 0.0 && speaker_from_target.distance_m > 0.0);
-  FilterDesign design(hrtf);
-  const auto unit = [](Spherical s) {
-    s.distance_m = 1.0;
-    return cartesian_from_spherical(s);
-  };
-  EarSpectra inverse =
-      design.spectra(hrtf.interpolated(unit(speaker_from_source), speaker_from_source.distance_m));
-  design.invert(inverse);
-  const EarSpectra forward =
-      design.spectra(hrtf.interpolated(unit(speaker_from_target), speaker_from_target.distance_m));
-  const double gain =
-      distance_gain(speaker_from_target.distance_m) / distance_gain(speaker_from_source.distance_m);
-
   EarFilterMatrix matrix;
-  matrix.delay_samples = design.delay_samples();
-  std::vector<Complex> product(design.bins());
-  for (int target = 0; target < 2; ++target) {
-    for (int source = 0; source < 2; ++source) {
-      for (int bin = 0; bin < design.bins(); ++bin) {
-        product[bin] = gain * forward[target][bin] * inverse[source][bin];
-      }
-      matrix.taps[target][source] = design.taps(product);
-    }
-  }
+  DspFilterDesigner(hrtf).design(speaker_from_source, speaker_from_target, matrix);
   return matrix;
 }
 
 EarFilterMatrix dsp_filters(const HrtfSet& hrtf, const Vector3& speaker_m,
                             const Pose& source_from_target) {
-  const Vector3 from_target = transform_point(inverse(source_from_target), speaker_m);
-  return dsp_filters(hrtf, seen_from(speaker_m), seen_from(from_target));
+  EarFilterMatrix matrix;
+  DspFilterDesigner(hrtf).design(speaker_m, source_from_target, matrix);
+  return matrix;
 }
 
 Waveform apply_filters(const EarFilterMatrix& filters, const Waveform& binaural) {

@@ -220,46 +220,48 @@ Hrir HrtfSet::measured(std::size_t measurement) const {
 
 double HrtfSet::distance_m() const { return state_->set.distance_m; }
 
-struct HrtfSet::NearField {
-  std::array<std::vector<Complex>, 2> spectra;
-  std::array<double, 2> later_samples{};
-};
-
-HrtfSet::NearField HrtfSet::near_field_of(const Vector3& direction, double distance_m) const {
-  const double towards_left = direction.y / norm(direction);
-  NearField field;
-  for (std::vector<Complex>& spectrum : field.spectra) spectrum.resize(state_->spectra.bins);
-  near_field_spectra(distance_m, this->distance_m(), towards_left, sample_rate_hz() / 2.0,
-                     {field.spectra[0], field.spectra[1]});
-  const auto here = rigid_sphere_delays_s(distance_m, towards_left);
-  const auto there = rigid_sphere_delays_s(this->distance_m(), towards_left);
-  for (int ear = 0; ear < 2; ++ear) {
-    field.later_samples[ear] = (here[ear] - there[ear]) * sample_rate_hz();
-  }
-  return field;
-}
-
 Hrir HrtfSet::interpolated(const Vector3& direction) const {
   return interpolated(direction, distance_m());
 }
 
 Hrir HrtfSet::interpolated(const Vector3& direction, double distance_m) const {
-  EARPOINT_CHECK(distance_m > 0.0);
-  const Spectra& spectra = state_->spectra;
-  const DirectionMesh::Place place = state_->mesh.locate(direction);
-  const bool near = distance_m < this->distance_m();
-  NearField near_field;
-  if (near) near_field = near_field_of(direction, distance_m);
-  RealFft<float> fft(spectra.fft_size);
-  std::vector<Complex> spectrum(spectra.bins);
-  std::vector<float> padded(spectra.fft_size);
   Hrir hrir;
+  HrirInterpolator(*this).interpolate(direction, distance_m, hrir);
+  return hrir;
+}
+
+HrirInterpolator::HrirInterpolator(HrtfSet set)
+    : set_(std::move(set)),
+      fft_(set_.state_->spectra.fft_size),
+      spectrum_(set_.state_->spectra.bins),
+      padded_(set_.state_->spectra.fft_size) {
+  for (std::vector<Complex>& spectrum : near_spectra_) spectrum.resize(spectrum_.size());
+}
+
+// What a source nearer than the measurement changes.
+void HrirInterpolator::near_field(const Vector3& direction, double distance_m) {
+  const double towards_left = direction.y / norm(direction);
+  near_field_spectra(distance_m, set_.distance_m(), towards_left, set_.sample_rate_hz() / 2.0,
+                     {near_spectra_[0], near_spectra_[1]});
+  const auto here = rigid_sphere_delays_s(distance_m, towards_left);
+  const auto there = rigid_sphere_delays_s(set_.distance_m(), towards_left);
   for (int ear = 0; ear < 2; ++ear) {
+    near_later_samples_[ear] = (here[ear] - there[ear]) * set_.sample_rate_hz();
+  }
+}
+
+void HrirInterpolator::interpolate(const Vector3& direction, double distance_m, Hrir& hrir) {
+  EARPOINT_CHECK(distance_m > 0.0);
+  const Spectra& spectra = set_.state_->spectra;
+  const DirectionMesh::Place place = set_.state_->mesh.locate(direction);
+  const bool near = distance_m < set_.distance_m();
+  if (near) near_field(direction, distance_m);
+  for (int ear = 0; ear < 2; ++ear) {
+    double onset = 0.0;
     for (int corner = 0; corner < 3; ++corner) {
-      hrir.onset_samples[ear] += place.weights[corner] * spectra.onsets[place.corners[corner]][ear];
+      onset += place.weights[corner] * spectra.onsets[place.corners[corner]][ear];
     }
-    const std::complex<double> step =
-        std::polar(1.0, -2.0 * kPi * hrir.onset_samples[ear] / spectra.fft_size);
+    const std::complex<double> step = std::polar(1.0, -2.0 * kPi * onset / spectra.fft_size);
     std::complex<double> ramp = 1.0;
     for (int bin = 0; bin < spectra.bins; ++bin) {
       float log_magnitude = 0.0F;
@@ -272,17 +274,17 @@ Hrir HrtfSet::interpolated(const Vector3& direction, double distance_m) const {
       }
       const float length = std::abs(phase);
       phase = length > 0.0F ? phase / length : Complex(1.0F);
-      spectrum[bin] = std::exp(log_magnitude) * phase * Complex(ramp);
+      spectrum_[bin] = std::exp(log_magnitude) * phase * Complex(ramp);
       ramp *= step;
     }
     if (near) {
-      for (int bin = 0; bin < spectra.bins; ++bin) spectrum[bin] *= near_field.spectra[ear][bin];
-      hrir.onset_samples[ear] += near_field.later_samples[ear];
+      for (int bin = 0; bin < spectra.bins; ++bin) spectrum_[bin] *= near_spectra_[ear][bin];
+      onset += near_later_samples_[ear];
     }
-    fft.inverse(spectrum, padded);
-    hrir.taps[ear].assign(padded.begin(), padded.begin() + state_->set.taps);
+    hrir.onset_samples[ear] = onset;
+    fft_.inverse(spectrum_, padded_);
+    hrir.taps[ear].assign(padded_.begin(), padded_.begin() + set_.taps());
   }
-  return hrir;
 }
 
 }  // namespace earpoint

@@ -84,20 +84,27 @@ void near_field_spectra(double distance_m, double measured_distance_m, double to
   // The ratio changes slowly over frequency: linear interpolation on this grid is within 0.1 %.
   constexpr double kStep_hz = 125.0;
   const int steps = std::max(1, static_cast<int>(std::ceil(nyquist_hz / kStep_hz)));
-  std::vector<std::array<Complex, 2>> grid(steps + 1);
-  for (int i = 0; i <= steps; ++i) {
-    const double frequency_hz = nyquist_hz * i / steps;
+  const auto ratios = [&](int step) {
+    const double frequency_hz = nyquist_hz * step / steps;
     const auto here = rigid_sphere_ears(frequency_hz, distance_m, towards_left);
     const auto there = rigid_sphere_ears(frequency_hz, measured_distance_m, towards_left);
-    for (int ear = 0; ear < 2; ++ear) grid[i][ear] = here[ear] / there[ear];
-  }
+    return std::array<Complex, 2>{here[0] / there[0], here[1] / there[1]};
+  };
+  // The two points of the grid around a bin are computed when a bin first lies between them.
+  int below = 0;
+  std::array<Complex, 2> low = ratios(0);
+  std::array<Complex, 2> high = ratios(1);
   const std::size_t bins = spectra[0].size();
   for (std::size_t bin = 0; bin < bins; ++bin) {
     const double place = static_cast<double>(bin) * steps / static_cast<double>(bins - 1);
-    const int below = std::min(static_cast<int>(place), steps - 1);
+    const int wanted = std::min(static_cast<int>(place), steps - 1);
+    if (wanted != below) {
+      low = wanted == below + 1 ? high : ratios(wanted);
+      high = ratios(wanted + 1);
+      below = wanted;
+    }
     for (int ear = 0; ear < 2; ++ear) {
-      spectra[ear][bin] = std::complex<float>(
-          grid[below][ear] + (place - below) * (grid[below + 1][ear] - grid[below][ear]));
+      spectra[ear][bin] = std::complex<float>(low[ear] + (place - below) * (high[ear] - low[ear]));
     }
   }
 }

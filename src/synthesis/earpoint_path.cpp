@@ -90,6 +90,18 @@ void check_place(const Vector3& place_m, const std::string& where) {
   }
 }
 
+void check_pose(const Pose& pose, const std::string& where) {
+  check_place(pose.position_m, where);
+  const Quaternion& q = pose.orientation;
+  const double square = q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z;
+  if (std::isfinite(square) && square > 0.0) return;
+  throw InputError(where,
+                   fmt::format("expected an orientation, found the quaternion "
+                               "({:g}, {:g}, {:g}, {:g})",
+                               q.w, q.x, q.y, q.z),
+                   "turns are unit quaternions");
+}
+
 void check_angle_deg(double angle_deg, const std::string& where) {
   if (std::abs(angle_deg) <= kLargestDegrees) return;
   throw InputError(where, fmt::format("expected an angle in degrees, found {:g}", angle_deg));
@@ -101,7 +113,7 @@ EarpointPath::EarpointPath(std::vector<Row> rows) : name_("path"), rows_(std::mo
   if (rows_.empty()) throw InputError(name_, "has no row", "give at least one pose");
   double before_s = -std::numeric_limits<double>::infinity();
   for (const Row& row : rows_) {
-    check_place(row.pose.position_m, name_);
+    check_pose(row.pose, name_);
     if (!(row.time_s > before_s)) {
       throw InputError(name_,
                        fmt::format("time {} s does not come after {} s", row.time_s, before_s));

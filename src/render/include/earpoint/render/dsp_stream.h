@@ -16,8 +16,9 @@ namespace earpoint {
 /// size: filters for the earpoint of that moment, cross-faded every 40 ms while it moves. Standing
 /// still, the output is that of DspSynthesizer.
 ///
-/// Without a known speaker the sound passes unchanged. process() designs filters while the earpoint
-/// moves, which allocates; otherwise it does not. One caller at a time.
+/// Without a known speaker the sound passes unchanged. process(), move_to() and place_speaker()
+/// allocate nothing and take no lock. While the earpoint moves, process() designs filters once in
+/// 40 ms of sound, which takes 1 to 3 ms. One caller at a time.
 class DspStream {
  public:
   struct Options {
@@ -26,7 +27,7 @@ class DspStream {
   };
 
   /// @param head  at the stream's rate
-  DspStream(HrtfSet head, const Options& options);
+  DspStream(const HrtfSet& head, const Options& options);
   ~DspStream();
   DspStream(DspStream&&) noexcept;
   DspStream& operator=(DspStream&&) noexcept;

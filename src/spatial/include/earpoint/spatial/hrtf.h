@@ -1,12 +1,14 @@
 #pragma once
 
 #include <array>
+#include <complex>
 #include <cstddef>
 #include <filesystem>
 #include <memory>
 #include <span>
 #include <vector>
 
+#include <earpoint/audio/fft.h>
 #include <earpoint/spatial/sofa_file.h>
 #include <earpoint/vector3.h>
 
@@ -87,11 +89,31 @@ class HrtfSet {
   [[nodiscard]] Hrir interpolated(const Vector3& direction, double distance_m) const;
 
  private:
-  struct NearField;
-  [[nodiscard]] NearField near_field_of(const Vector3& direction, double distance_m) const;
-
+  friend class HrirInterpolator;
   struct State;
   std::shared_ptr<const State> state_;
+};
+
+/// HrtfSet::interpolated() again and again without allocating, for the audio thread. An object
+/// holds its own work space: use one per thread.
+class HrirInterpolator {
+ public:
+  explicit HrirInterpolator(HrtfSet set);
+
+  /// @param direction   not zero
+  /// @param distance_m  > 0
+  /// @param hrir        gets the response; allocates only if its taps are not set.taps() long yet
+  void interpolate(const Vector3& direction, double distance_m, Hrir& hrir);
+
+ private:
+  void near_field(const Vector3& direction, double distance_m);
+
+  HrtfSet set_;
+  RealFft<float> fft_;
+  std::vector<std::complex<float>> spectrum_;
+  std::vector<float> padded_;
+  std::array<std::vector<std::complex<float>>, 2> near_spectra_;  ///< [ear][bins]
+  std::array<double, 2> near_later_samples_{};
 };
 
 }  // namespace earpoint

@@ -27,7 +27,7 @@ constexpr double kHeadRadius_m = 0.0875;
 
 /// What a source nearer than the measurement changes at both ears: `rigid_sphere_ears` at its
 /// distance over that at the measured distance (distance variation functions). One at the measured
-/// distance and beyond.
+/// distance and beyond. Allocates nothing.
 /// @param spectra  left, right; shape [bins] each, from 0 Hz to `nyquist_hz`
 void near_field_spectra(double distance_m, double measured_distance_m, double towards_left,
                         double nyquist_hz, std::array<std::span<std::complex<float>>, 2> spectra);

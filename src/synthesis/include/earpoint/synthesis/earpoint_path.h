@@ -15,6 +15,9 @@ inline constexpr double kLargestDegrees = 36000.0;
 
 /// @throws InputError naming `where` if a coordinate is not finite or beyond kFarthestPlace_m
 void check_place(const Vector3& place_m, const std::string& where);
+/// The same for the pose of a head. Allocates nothing unless it fails or `where` is long.
+/// @throws InputError also if the orientation is not finite or has no length
+void check_pose(const Pose& pose, const std::string& where);
 /// @throws InputError naming `where` if the angle is not finite or beyond kLargestDegrees
 void check_angle_deg(double angle_deg, const std::string& where);
 
