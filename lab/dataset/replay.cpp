@@ -11,6 +11,7 @@
 #include <earpoint/audio/gcc_phat.h>
 #include <earpoint/audio/resample.h>
 #include <earpoint/audio/sound_file.h>
+#include <earpoint/audio/window_of.h>
 #include <earpoint/core/file.h>
 #include <earpoint/core/json_field.h>
 #include <earpoint/core/json_file.h>
