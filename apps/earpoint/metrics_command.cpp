@@ -19,6 +19,7 @@
 #include <nlohmann/json.hpp>
 
 #include <earpoint/audio/sound_file.h>
+#include <earpoint/audio/window_of.h>
 #include <earpoint/core/file.h>
 #include <earpoint/error.h>
 #include <earpoint/evaluate/decay_metrics.h>
@@ -92,13 +93,7 @@ has the differences and what each leaves out.
 using Report = MetricsReport;
 
 void trim_to(Waveform& wave, std::ptrdiff_t samples) {
-  if (wave.samples() <= samples) return;
-  Waveform shorter(wave.channels(), samples, wave.sample_rate_hz());
-  for (int c = 0; c < wave.channels(); ++c) {
-    std::ranges::copy(wave.channel(c).first(static_cast<std::size_t>(samples)),
-                      shorter.channel(c).begin());
-  }
-  wave = std::move(shorter);
+  if (wave.samples() > samples) wave = window_of(wave, 0, samples);
 }
 
 /// Both sounds, comparable.
@@ -291,7 +286,7 @@ void add_metrics_command(CLI::App& app) {
           ->add_option("--convention", options->convention,
                        "Whose definitions: paper or rwavs (binaural sounds); raf, naf, avr or iso "
                        "(impulse responses)")
-          ->check(CLI::IsMember({"paper", "rwavs", "raf", "naf", "avr", "iso"}))
+          ->check(CLI::IsMember(convention_names()))
           ->capture_default_str()
           ->excludes(variant)
           ->excludes(decays);

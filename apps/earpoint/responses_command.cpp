@@ -206,7 +206,7 @@ void add_responses_command(CLI::App& app) {
   command->add_flag("--nearest", options->nearest,
                     "Compare the response of the nearest item of the split train");
   command->add_option("--convention", options->convention, "Definitions of the metrics")
-      ->check(CLI::IsMember({"raf", "naf", "avr", "iso"}))
+      ->check(CLI::IsMember(response_convention_names()))
       ->capture_default_str();
   command
       ->add_option("--length", options->length_s,

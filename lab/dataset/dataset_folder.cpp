@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <earpoint/core/file.h>
 #include <earpoint/core/json_field.h>
+#include <earpoint/core/json_file.h>
 #include <earpoint/error.h>
 
 namespace earpoint {
@@ -52,8 +52,7 @@ std::optional<fs::path> replay_root(const fs::path& folder) {
 SoundSpacesDataset::Options recorded_options(const fs::path& folder, const std::string& split) {
   SoundSpacesDataset::Options options{.root = folder, .split = split};
   const fs::path record = record_of(folder);
-  const auto json = nlohmann::json::parse(read_text_file(record), nullptr, false);
-  if (json.is_discarded()) throw InputError(record.string(), "is not valid JSON");
+  const nlohmann::json json = read_json(record);
   const JsonField fields(json, record.string());
   options.folder = ".";
   options.speech_folder = fields.field("speech_folder").text();

@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <earpoint/core/file.h>
 #include <earpoint/core/json_field.h>
+#include <earpoint/core/json_file.h>
 #include <earpoint/core/name_number.h>
 #include <earpoint/core/random.h>
 #include <earpoint/dataset/dataset_folder.h>
@@ -141,8 +141,7 @@ std::string text_of(const PairList& list) {
 }
 
 PairList read_pair_list(const std::filesystem::path& path) {
-  const nlohmann::json document = nlohmann::json::parse(read_text_file(path), nullptr, false);
-  if (document.is_discarded()) throw InputError(path.string(), "is not valid JSON");
+  const nlohmann::json document = read_json(path);
   const JsonField json(document, path.string());
   const std::string format = json.field("format").text();
   if (format != kFormat) {

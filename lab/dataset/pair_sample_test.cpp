@@ -10,6 +10,7 @@
 
 #include <earpoint/audio/convolution.h>
 #include <earpoint/audio/sound_file.h>
+#include <earpoint/audio/window_of.h>
 #include <earpoint/core/file.h>
 #include <earpoint/dataset/dataset_folder.h>
 #include <earpoint/dataset/pair_list.h>

@@ -8,6 +8,7 @@
 
 #include <earpoint/core/file.h>
 #include <earpoint/core/json_field.h>
+#include <earpoint/core/json_file.h>
 #include <earpoint/dataset/soundspaces_metadata.h>
 #include <earpoint/error.h>
 
@@ -37,14 +38,6 @@ Box box_of(const JsonField& json) {
                 .y_max = share(edges[3])};
   if (box.x_min < box.x_max && box.y_min < box.y_max) return box;
   throw InputError(json.where(), "expected x_min < x_max and y_min < y_max");
-}
-
-nlohmann::json parsed(std::string_view text, const std::string& where) {
-  try {
-    return nlohmann::json::parse(text);
-  } catch (const nlohmann::json::exception&) {
-    throw InputError(where, "is not valid JSON");
-  }
 }
 
 /// The views of one conversation.
@@ -95,7 +88,7 @@ std::vector<PeoplePicture> read_people_pictures(const fs::path& data, const std:
 
 std::vector<PeoplePicture> parse_people_pictures(std::string_view text, const std::string& where,
                                                  const fs::path& folder) {
-  const nlohmann::json document = parsed(text, where);
+  const nlohmann::json document = parse_json(text, where);
   const JsonField json(document, where);
   const JsonField format = json.field("format");
   if (format.text() != kFormat) {

@@ -12,6 +12,7 @@
 #include <earpoint/audio/sound_file.h>
 #include <earpoint/core/file.h>
 #include <earpoint/core/json_field.h>
+#include <earpoint/core/json_file.h>
 #include <earpoint/error.h>
 
 namespace earpoint {
@@ -65,7 +66,8 @@ RafItem read_item(const fs::path& data, const std::string& id) {
   return item;
 }
 
-/// A folder of a split is a text; published lists hold them flat or in a list of one.
+/// A folder of a split is a text; published lists hold them flat or in a list of one. read_json()
+/// limits the depth.
 void add_ids(const JsonField& list, std::vector<std::string>& ids) {
   for (const JsonField& item : list.items()) {
     if (item.is_text()) {
@@ -94,8 +96,7 @@ std::vector<std::string> ids_of(const RafDataset::Options& options) {
                      "get the room's list (data-split_emptyroom.json or data-split_furnishedroom."
                      "json of the repository), or use the split all");
   }
-  const auto json = nlohmann::json::parse(read_text_file(file), nullptr, false);
-  if (json.is_discarded()) throw InputError(file.string(), "is not valid JSON");
+  const nlohmann::json json = read_json(file);
   std::vector<std::string> ids;
   add_ids(JsonField(json, file.string()).field(options.split), ids);
   return ids;

@@ -130,6 +130,11 @@ TEST_F(RafDatasetTest, DamagedAndMissingFilesGiveOneLine) {
   expect_refusal("has no items in the split test");
   write_file(room_ / "metadata" / "data-split.json", std::string_view("{"));
   expect_refusal("data-split.json: is not valid JSON");
+  constexpr std::size_t kDepth = 1'000'000;  // more than the stack has room for
+  write_file(
+      room_ / "metadata" / "data-split.json",
+      std::string_view("{\"test\": " + std::string(kDepth, '[') + std::string(kDepth, ']') + "}"));
+  expect_refusal("data-split.json: is nested too deeply");
 }
 
 TEST_F(RafDatasetTest, TheFolderOfBothRoomsIsNotARoom) {

@@ -11,8 +11,10 @@
 #include <earpoint/audio/gcc_phat.h>
 #include <earpoint/audio/resample.h>
 #include <earpoint/audio/sound_file.h>
+#include <earpoint/audio/window_of.h>
 #include <earpoint/core/file.h>
 #include <earpoint/core/json_field.h>
+#include <earpoint/core/json_file.h>
 #include <earpoint/dataset/npy.h>
 #include <earpoint/dataset/replay_splits.h>
 #include <earpoint/error.h>
@@ -64,18 +66,15 @@ bool has_null(const JsonField& json) {
   return std::any_of(values.begin(), values.end(), [](const JsonField& v) { return v.is_null(); });
 }
 
-nlohmann::json parse_json(const fs::path& path) {
-  nlohmann::json document =
-      nlohmann::json::parse(without_nan(read_text_file(path)), nullptr, false);
-  if (document.is_discarded()) throw InputError(path.string(), "is not valid JSON");
-  return document;
+nlohmann::json read_with_nan(const fs::path& path) {
+  return parse_json(without_nan(read_text_file(path)), path.string());
 }
 
 /// The scenes of a split: those of the published data set, unless the folder has a list of its own.
 std::set<std::string> scenes_of(const fs::path& splits, const std::string& split) {
   const std::vector<std::string_view> published = replay_scenes(split);
   if (!fs::exists(splits)) return {published.begin(), published.end()};
-  const nlohmann::json document = parse_json(splits);
+  const nlohmann::json document = read_with_nan(splits);
   std::set<std::string> scenes;
   for (const JsonField& scene : JsonField(document, splits.string()).field(split).items()) {
     scenes.insert(scene.text());
@@ -136,7 +135,7 @@ std::array<double, 3> angles_of(const Vector3& direction) {
 }  // namespace
 
 ReplayCameras read_replay_cameras(const fs::path& path) {
-  const nlohmann::json document = parse_json(path);
+  const nlohmann::json document = read_with_nan(path);
   const JsonField root(document, path.string());
   const JsonField rotations = root.field("rotations");
   ReplayCameras cameras;
@@ -163,9 +162,8 @@ void ReplayDataset::read_clips() {
   const std::set<std::string> scenes = scenes_of(folder / options_.splits_file, options_.split);
   const fs::path metadata = folder / options_.metadata_file;
   // Clips keep the order of the file, so the document must be an ordered one.
-  const std::string text = without_nan(read_text_file(metadata));
-  const nlohmann::ordered_json ordered = nlohmann::ordered_json::parse(text, nullptr, false);
-  if (ordered.is_discarded()) throw InputError(metadata.string(), "is not valid JSON");
+  const nlohmann::ordered_json ordered =
+      parse_ordered_json(without_nan(read_text_file(metadata)), metadata.string());
   if (!ordered.is_object()) throw InputError(metadata.string(), "expected an object of clips");
   for (const auto& [key, value] : ordered.items()) {
     const std::string scene = fs::path(key).parent_path().filename().string();
@@ -187,7 +185,7 @@ void ReplayDataset::read_clips() {
 void ReplayDataset::read_mouths() {
   const fs::path path = options_.root / options_.folder / options_.clips_file;
   if (!fs::exists(path)) return;
-  const nlohmann::json document = parse_json(path);
+  const nlohmann::json document = read_with_nan(path);
   const JsonField known(document, path.string());
   for (ReplayClip& clip : clips_) {
     if (!known.has(clip.folder)) continue;

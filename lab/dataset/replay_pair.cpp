@@ -8,6 +8,7 @@
 
 #include <earpoint/audio/energy.h>
 #include <earpoint/audio/gcc_phat.h>
+#include <earpoint/audio/window_of.h>
 #include <earpoint/error.h>
 
 namespace earpoint {

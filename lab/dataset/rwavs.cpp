@@ -12,8 +12,10 @@
 #include <earpoint/audio/energy.h>
 #include <earpoint/audio/resample.h>
 #include <earpoint/audio/sound_file.h>
+#include <earpoint/core/axes.h>
 #include <earpoint/core/file.h>
 #include <earpoint/core/json_field.h>
+#include <earpoint/core/json_file.h>
 #include <earpoint/dataset/sample.h>
 #include <earpoint/error.h>
 
@@ -26,12 +28,6 @@ constexpr const char* kPositions = "position.json";
 constexpr const char* kDrySound = "source_syn_re.wav";
 constexpr const char* kHeardSound = "binaural_syn_re.wav";
 constexpr int kRate_hz = 16000;
-
-nlohmann::json read_json(const fs::path& file) {
-  auto json = nlohmann::json::parse(read_text_file(file), nullptr, false);
-  if (json.is_discarded()) throw InputError(file.string(), "is not valid JSON");
-  return json;
-}
 
 fs::path poses_file(const fs::path& scene, const std::string& split) {
   return scene / fmt::format("transforms_scale_{}.json", split);
@@ -46,24 +42,6 @@ int second_of(const JsonField& field) {
     field.fail("a frame named by its second, such as frames/00012.png");
   }
   return second;
-}
-
-/// The rotation with these columns: where x, y and z point. Shepperd, J. Guidance 1 (1978).
-Quaternion quaternion_from_axes(const Vector3& x, const Vector3& y, const Vector3& z) {
-  const std::array<double, 4> squares{1.0 + x.x + y.y + z.z, 1.0 + x.x - y.y - z.z,
-                                      1.0 - x.x + y.y - z.z, 1.0 - x.x - y.y + z.z};
-  const auto largest = std::ranges::max_element(squares) - squares.begin();
-  const double a = squares[static_cast<std::size_t>(largest)];
-  switch (largest) {
-    case 0:
-      return normalized({a, y.z - z.y, z.x - x.z, x.y - y.x});
-    case 1:
-      return normalized({y.z - z.y, a, x.y + y.x, x.z + z.x});
-    case 2:
-      return normalized({z.x - x.z, x.y + y.x, a, y.z + z.y});
-    default:
-      return normalized({x.y - y.x, x.z + z.x, y.z + z.y, a});
-  }
 }
 
 /// A camera of nerfstudio: sixteen numbers in rows, x right, y up, z backwards; world z up.

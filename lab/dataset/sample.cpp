@@ -23,15 +23,6 @@ Waveform highpass(const Waveform& sound, double cutoff_hz) {
   return filtered;
 }
 
-Waveform window_of(const Waveform& sound, std::ptrdiff_t start, std::ptrdiff_t samples) {
-  Waveform window(sound.channels(), samples, sound.sample_rate_hz());
-  const std::ptrdiff_t count = std::clamp(sound.samples() - start, std::ptrdiff_t{0}, samples);
-  for (int c = 0; c < sound.channels(); ++c) {
-    std::copy_n(sound.channel(c).begin() + start, count, window.channel(c).begin());
-  }
-  return window;
-}
-
 std::vector<float> mean_of_channels(const Waveform& sound) {
   std::vector<float> mean(static_cast<std::size_t>(sound.samples()));
   for (std::size_t i = 0; i < mean.size(); ++i) {

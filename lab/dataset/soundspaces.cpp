@@ -9,6 +9,7 @@
 #include <earpoint/audio/convolution.h>
 #include <earpoint/audio/resample.h>
 #include <earpoint/audio/sound_file.h>
+#include <earpoint/audio/window_of.h>
 #include <earpoint/core/file.h>
 #include <earpoint/error.h>
 #include <earpoint/media/image_file.h>

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include <earpoint/core/json_field.h>
+#include <earpoint/core/json_file.h>
 #include <earpoint/error.h>
 
 namespace earpoint {
@@ -98,8 +99,7 @@ nlohmann::ordered_json json_of(const SoundSpacesSpeaker& speaker) {
 std::vector<SoundSpacesClip> parse_soundspaces_metadata(std::string_view json,
                                                         const std::string& where,
                                                         const std::string& scene) {
-  const nlohmann::json document = nlohmann::json::parse(json, nullptr, false);
-  if (document.is_discarded()) throw InputError(where, "is not valid JSON");
+  const nlohmann::json document = parse_json(json, where);
   std::vector<SoundSpacesClip> clips;
   for (const JsonField& item : JsonField(document, where).items()) {
     clips.push_back(parse_clip(item, scene, static_cast<int>(clips.size())));

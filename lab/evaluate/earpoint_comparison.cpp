@@ -11,6 +11,7 @@
 
 #include <earpoint/audio/resample.h>
 #include <earpoint/audio/sound_file.h>
+#include <earpoint/audio/window_of.h>
 #include <earpoint/error.h>
 #include <earpoint/evaluate/metrics.h>
 #include <earpoint/gtf/synthesizer.h>
@@ -95,16 +96,6 @@ Waveform read_for_metrics(const fs::path& path) {
   return resample(read_sound(path), kMetricRateHz);
 }
 
-/// Cuts or zero-pads a sound to a length.
-Waveform with_length(const Waveform& sound, std::ptrdiff_t samples) {
-  Waveform result(sound.channels(), samples, sound.sample_rate_hz());
-  for (int c = 0; c < sound.channels(); ++c) {
-    std::copy_n(sound.channel(c).begin(), std::min(samples, sound.samples()),
-                result.channel(c).begin());
-  }
-  return result;
-}
-
 Waveform read_truth(const fs::path& path, const Waveform& source) {
   Waveform truth = read_for_metrics(path);
   if (truth.channels() != 2) {
@@ -115,7 +106,7 @@ Waveform read_truth(const fs::path& path, const Waveform& source) {
     throw InputError(path.string(), fmt::format("lasts {:.2f} s, the clip {:.2f} s",
                                                 truth.duration_s(), source.duration_s()));
   }
-  return with_length(truth, source.samples());
+  return window_of(truth, 0, source.samples());
 }
 
 nlohmann::ordered_json levels_json(const EarLevels& levels) {
@@ -156,7 +147,7 @@ EarpointComparison compare_earpoints(const EarpointClip& clip, std::span<const C
     result.truth = levels_of(truth, source);
     measurer.set_target(truth, nullptr);
     for (RenderedEarpoint& rendered : result.renderings) {
-      const Waveform sound = with_length(read_for_metrics(rendered.sound), source.samples());
+      const Waveform sound = window_of(read_for_metrics(rendered.sound), 0, source.samples());
       rendered.levels = levels_of(sound, source);
       rendered.metrics = measurer.measure(sound);
     }

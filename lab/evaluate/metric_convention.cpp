@@ -8,18 +8,19 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <earpoint/audio/energy.h>
+#include <earpoint/audio/window_of.h>
 #include <earpoint/error.h>
 
 namespace earpoint {
 namespace {
 
 constexpr double kMinDecayDb = 3.0;
-constexpr std::array kNames{
-    std::pair{"paper", MetricConvention::paper}, std::pair{"rwavs", MetricConvention::rwavs},
-    std::pair{"raf", MetricConvention::raf},     std::pair{"naf", MetricConvention::naf},
-    std::pair{"avr", MetricConvention::avr},     std::pair{"iso", MetricConvention::iso}};
+// In the order of MetricConvention.
+constexpr std::array<std::string_view, 6> kNames{"paper", "rwavs", "raf", "naf", "avr", "iso"};
+static_assert(kNames.size() == static_cast<std::size_t>(MetricConvention::iso) + 1);
 
 void check_samples(const Waveform& wave, std::string_view name) {
   if (wave.channels() == 0 || wave.samples() == 0) throw InputError(name, "holds no samples");
@@ -30,24 +31,23 @@ void check_samples(const Waveform& wave, std::string_view name) {
   }
 }
 
-/// The first `samples`; zeros after the end.
-Waveform of_length(const Waveform& wave, std::ptrdiff_t samples) {
-  Waveform result(wave.channels(), samples, wave.sample_rate_hz());
-  const auto kept = static_cast<std::size_t>(std::min(samples, wave.samples()));
-  for (int c = 0; c < wave.channels(); ++c) {
-    std::ranges::copy(wave.channel(c).first(kept), result.channel(c).begin());
-  }
-  return result;
-}
-
 }  // namespace
 
+std::vector<std::string> convention_names() { return {kNames.begin(), kNames.end()}; }
+
+std::vector<std::string> response_convention_names() {
+  std::vector<std::string> names = convention_names();
+  std::erase_if(
+      names, [](const std::string& name) { return !compares_responses(convention_named(name)); });
+  return names;
+}
+
 MetricConvention convention_named(std::string_view name) {
-  for (const auto& [known, convention] : kNames) {
-    if (name == known) return convention;
-  }
-  throw InputError("convention",
-                   fmt::format("expected paper, rwavs, raf, naf, avr or iso, found {}", name));
+  const auto found = std::ranges::find(kNames, name);
+  if (found != kNames.end()) return static_cast<MetricConvention>(found - kNames.begin());
+  throw InputError("convention", fmt::format("expected {} or {}, found {}",
+                                             fmt::join(kNames.begin(), kNames.end() - 1, ", "),
+                                             kNames.back(), name));
 }
 
 bool compares_responses(MetricConvention convention) {
@@ -106,8 +106,8 @@ ResponsePair response_pair(Waveform reference, std::string_view reference_name, 
     samples = std::min(
         samples, static_cast<std::ptrdiff_t>(std::lround(*length_s * reference.sample_rate_hz())));
   }
-  if (reference.samples() != samples) reference = of_length(reference, samples);
-  if (estimate.samples() != samples) estimate = of_length(estimate, samples);
+  if (reference.samples() != samples) reference = window_of(reference, 0, samples);
+  if (estimate.samples() != samples) estimate = window_of(estimate, 0, samples);
   return {std::move(reference), std::move(estimate)};
 }
 

@@ -14,6 +14,7 @@
 #include <nlohmann/json.hpp>
 
 #include <earpoint/core/file.h>
+#include <earpoint/core/json_file.h>
 #include <earpoint/dataset/pair_list.h>
 #include <earpoint/error.h>
 
@@ -158,8 +159,7 @@ void begin_dataset(const GenerationOptions& options, const SceneMaker& scenes,
     write_file(path, wanted.dump(1) + "\n");
     return;
   }
-  const Json found = Json::parse(read_text_file(path), nullptr, false);
-  if (found.is_discarded()) throw InputError(path.string(), "is not valid JSON");
+  const Json found = read_ordered_json(path);
   if (found == wanted) return;
   throw InputError(path.string(),
                    "this data set was started with other options: " + difference(found, wanted),

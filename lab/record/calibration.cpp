@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include <earpoint/core/axes.h>
 #include <earpoint/core/file.h>
 #include <earpoint/dataset/replay.h>
 #include <earpoint/dataset/replay_pair.h>
@@ -43,22 +44,6 @@ double metres_per_unit(const JsonField& units) {
   if (name == "cm") return 0.01;
   if (name == "mm") return 0.001;
   units.fail("m, cm, mm, or the metres of one unit");
-}
-
-/// The orientation with these x, y and z axes in the world.
-Quaternion quaternion_from_axes(const Vector3& x, const Vector3& y, const Vector3& z) {
-  // The largest of the four is found from the trace, the others from it.
-  const double trace = x.x + y.y + z.z;
-  const std::array<double, 4> squares{trace, x.x, y.y, z.z};
-  const auto largest = std::max_element(squares.begin(), squares.end()) - squares.begin();
-  if (largest == 0) return normalized({1.0 + trace, y.z - z.y, z.x - x.z, x.y - y.x});
-  if (largest == 1) {
-    return normalized({y.z - z.y, 1.0 + x.x - y.y - z.z, y.x + x.y, z.x + x.z});
-  }
-  if (largest == 2) {
-    return normalized({z.x - x.z, y.x + x.y, 1.0 - x.x + y.y - z.z, z.y + y.z});
-  }
-  return normalized({x.y - y.x, z.x + x.z, z.y + y.z, 1.0 - x.x - y.y + z.z});
 }
 
 /// A camera's pose from OpenCV's x_camera = R x_world + t, in the units and frame of t.

@@ -7,6 +7,7 @@
 
 #include <earpoint/core/file.h>
 #include <earpoint/core/json_field.h>
+#include <earpoint/core/json_file.h>
 #include <earpoint/dataset/replay.h>
 #include <earpoint/error.h>
 
@@ -29,8 +30,7 @@ bool has_file(const fs::path& file) {
 }
 
 PreparedClip read_clip(const fs::path& path) {
-  const auto document = nlohmann::json::parse(read_text_file(path), nullptr, false);
-  if (document.is_discarded()) throw InputError(path.string(), "is not valid JSON");
+  const nlohmann::json document = read_json(path);
   const JsonField json(document, path.string());
   PreparedClip clip;
   clip.window = json.field("window").integer();
@@ -40,12 +40,6 @@ PreparedClip read_clip(const fs::path& path) {
   if (json.has("mouth_m")) clip.mouth_m = json.field("mouth_m").vector3();
   for (const JsonField& image : json.field("images").items()) clip.images.push_back(image.text());
   return clip;
-}
-
-Json parse_ordered(const fs::path& path) {
-  Json json = Json::parse(read_text_file(path), nullptr, false);
-  if (json.is_discarded()) throw InputError(path.string(), "is not valid JSON");
-  return json;
 }
 
 void write_json(const fs::path& path, const Json& json) {
@@ -120,7 +114,7 @@ void write_dataset_files(const fs::path& out) {
   Json cameras{{"centers", Json::object()}, {"rotations", Json::object()}};
   Json splits{{"train", Json::array()}, {"val", Json::array()}, {"test", Json::array()}};
   for (const fs::path& scene : scenes) {
-    const Json record = parse_ordered(scene / kScene);
+    const Json record = read_ordered_json(scene / kScene);
     const std::string name = scene.filename().string();
     try {
       splits.at(record.at("split").get<std::string>()).push_back(name);

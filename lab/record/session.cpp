@@ -10,7 +10,7 @@
 
 #include <earpoint/core/file.h>
 #include <earpoint/core/json_field.h>
-#include <earpoint/error.h>
+#include <earpoint/core/json_file.h>
 
 namespace earpoint {
 namespace {
@@ -126,8 +126,7 @@ nlohmann::ordered_json json_of(const Pose& pose) {
 }  // namespace
 
 Session read_session(const fs::path& path) {
-  const auto document = nlohmann::json::parse(read_text_file(path), nullptr, false);
-  if (document.is_discarded()) throw InputError(path.string(), "is not valid JSON");
+  const nlohmann::json document = read_json(path);
   const JsonField root(document, path.string());
   root.expect_only({"format", "scene", "split", "units", "frame", "up", "cameras", "calibration",
                     "people", "microphones", "boxes", "clap_s", "clap_position"});

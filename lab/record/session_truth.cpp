@@ -9,7 +9,7 @@
 #include <earpoint/core/csv.h>
 #include <earpoint/core/file.h>
 #include <earpoint/core/json_field.h>
-#include <earpoint/error.h>
+#include <earpoint/core/json_file.h>
 #include <earpoint/pose.h>
 
 namespace earpoint {
@@ -93,8 +93,7 @@ double device_time_s(const DeviceClock& clock, double session_s) {
 }
 
 SessionTruth read_session_truth(const fs::path& path) {
-  const auto document = nlohmann::json::parse(read_text_file(path), nullptr, false);
-  if (document.is_discarded()) throw InputError(path.string(), "is not valid JSON");
+  const nlohmann::json document = read_json(path);
   const JsonField root(document, path.string());
   root.expect_only({"format", "cameras", "microphones", "people"});
   if (root.field("format").text() != kFormat) root.field("format").fail(kFormat);

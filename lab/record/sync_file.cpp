@@ -3,9 +3,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <earpoint/core/file.h>
 #include <earpoint/core/json_field.h>
-#include <earpoint/error.h>
+#include <earpoint/core/json_file.h>
 
 namespace earpoint {
 namespace {
@@ -100,8 +99,7 @@ std::string json_of(const SyncResult& result, const SyncErrors* errors) {
 }
 
 SyncResult read_sync(const std::filesystem::path& path) {
-  const auto document = nlohmann::json::parse(read_text_file(path), nullptr, false);
-  if (document.is_discarded()) throw InputError(path.string(), "is not valid JSON");
+  const nlohmann::json document = read_json(path);
   const JsonField root(document, path.string());
   root.expect_only({"format", "devices", "voices", "wearers", "notes"});
   if (root.field("format").text() != kFormat) root.field("format").fail(kFormat);

@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <earpoint/core/file.h>
 #include <earpoint/core/json_field.h>
+#include <earpoint/core/json_file.h>
 #include <earpoint/error.h>
 
 namespace earpoint {
@@ -133,8 +133,7 @@ std::string text_of(const Study& study) {
 
 Study read_study(const fs::path& folder) {
   const fs::path path = folder / "study.json";
-  const nlohmann::json document = nlohmann::json::parse(read_text_file(path), nullptr, false);
-  if (document.is_discarded()) throw InputError(path.string(), "is not JSON");
+  const nlohmann::json document = read_json(path);
   const JsonField json(document, path.string());
   if (json.field("format").text() != kFormat) {
     json.field("format").fail(fmt::format("\"{}\"", kFormat));

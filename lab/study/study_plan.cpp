@@ -9,8 +9,8 @@
 #include <nlohmann/json.hpp>
 
 #include <earpoint/core/json_field.h>
+#include <earpoint/core/json_file.h>
 #include <earpoint/core/random.h>
-#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {
@@ -89,10 +89,10 @@ std::string text_of(std::span<const StudyStep> steps) {
 }
 
 std::vector<StudyStep> parse_steps(const std::string& text) {
-  const nlohmann::json document = nlohmann::json::parse(text, nullptr, false);
-  if (document.is_discarded()) throw InputError("a participant's plan", "is not JSON");
+  constexpr const char* kWhere = "a participant's plan";
+  const nlohmann::json document = parse_json(text, kWhere);
   std::vector<StudyStep> steps;
-  for (const JsonField& item : JsonField(document, "a participant's plan").items()) {
+  for (const JsonField& item : JsonField(document, kWhere).items()) {
     const std::string kind = item.field("kind").text();
     const auto known = std::ranges::find(kKinds, kind, [](Kind k) { return name_of(k); });
     if (known == kKinds.end()) item.field("kind").fail("headphones, training or trial");

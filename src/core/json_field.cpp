@@ -11,9 +11,39 @@
 
 namespace earpoint {
 
+namespace {
+
+constexpr std::size_t kShown = 60;  // bytes of a value in a message
+
+std::string scalar_text(const nlohmann::json& value) {
+  return value.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
+}
+
+/// Appends a value as dump() writes it, until there is more than a message shows. So a value that
+/// is large or nested deeply costs nothing.
+void append_beginning(const nlohmann::json& value, std::string& text) {
+  if (text.size() > kShown) return;
+  if (!value.is_structured()) {
+    text += scalar_text(value);
+    return;
+  }
+  text += value.is_array() ? '[' : '{';
+  bool is_first = true;
+  for (const auto& [key, element] : value.items()) {
+    if (text.size() > kShown) return;
+    if (!is_first) text += ',';
+    is_first = false;
+    if (value.is_object()) text += scalar_text(key) + ':';
+    append_beginning(element, text);
+  }
+  text += value.is_array() ? ']' : '}';
+}
+
+}  // namespace
+
 void JsonField::fail(const std::string& expected) const {
-  constexpr std::size_t kShown = 60;
-  std::string found = value_.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
+  std::string found;
+  append_beginning(value_, found);
   if (found.size() > kShown) found = found.substr(0, kShown) + "...";
   refuse("expected " + expected + ", found " + found);
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include <earpoint/audio/window_of.h>
 #include <earpoint/error.h>
 
 namespace earpoint {
@@ -15,11 +16,7 @@ std::ptrdiff_t count_windows(std::ptrdiff_t samples, const WindowShape& shape) {
 }
 
 Waveform without_context(const Waveform& sound, const WindowShape& shape) {
-  Waveform middle(sound.channels(), shape.samples, sound.sample_rate_hz());
-  for (int c = 0; c < sound.channels(); ++c) {
-    std::copy_n(sound.channel(c).begin() + shape.context, shape.samples, middle.channel(c).begin());
-  }
-  return middle;
+  return window_of(sound, shape.context, shape.samples);
 }
 
 /// What the synthesizer makes of the window that it observed last, which starts at sample `start`.

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include <earpoint/audio/window_of.h>
 #include <earpoint/error.h>
 
 namespace earpoint {
@@ -95,12 +96,8 @@ SoundSurvey survey_blocks(const BlockReader& read, int sample_rate_hz, const std
 BlockReader read_blocks(const Waveform& sound) {
   return [&sound, read = std::ptrdiff_t{0}](std::ptrdiff_t samples) mutable {
     const std::ptrdiff_t count = std::min(samples, sound.samples() - read);
-    Waveform block(sound.channels(), count, sound.sample_rate_hz());
-    for (int c = 0; c < sound.channels(); ++c) {
-      std::ranges::copy(sound.channel(c).subspan(read, count), block.channel(c).begin());
-    }
-    read += count;
-    return block;
+    const std::ptrdiff_t start = std::exchange(read, read + count);
+    return window_of(sound, start, count);
   };
 }
 

@@ -134,8 +134,8 @@ TEST(RenderStream, HearsTheEarpointAsWholeWindowsDo) {
     for (int ear = 0; ear < 2; ++ear) {
       const auto heard = live.channel(ear).subspan(32000 + stream.latency_samples(), 16000);
       // A stream has statistics of the last second instead of the window's own, and a causal
-      // ambient split.
-      EXPECT_NEAR(level_db(heard), level_db(whole.channel(ear)), 1.5);
+      // ambient split: 0.13 dB were measured. The source's sound is 1.8 dB off and more.
+      EXPECT_NEAR(level_db(heard), level_db(whole.channel(ear)), 0.4);
     }
   }
 }

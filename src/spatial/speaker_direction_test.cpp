@@ -12,18 +12,26 @@ namespace {
 
 constexpr double kFov = kPi / 2;
 constexpr double kCameraHeight_m = 1.5;
+constexpr double kHeight_m = 1.7;
+constexpr double kMouthHeight_m = kHeight_m - 0.18;
+constexpr double kHalfDepth_m = 0.125;  // of a body
+constexpr double kHalfWidth_m = 0.225;  // of a body
+
+// The outline below has a point at every degree: its edges are up to half a degree off, by which a
+// body looks up to 4e-5 narrower, and at 2 m up to 8e-5 m farther away.
+constexpr double kOutline_m = 1e-4;
 
 // The box that a level camera 1.5 m above the floor sees around an upright body: a vertical
 // elliptic cylinder, 0.45 m wide and 0.25 m deep, whose feet are at (x, y). Cut at the picture.
-Box box_of_person(double x_m, double y_m, double height_m, int width_px, int height_px) {
+Box box_of_person(double x_m, double y_m, int width_px, int height_px) {
   const double half_width = std::tan(kFov / 2);
   const double half_height = half_width * height_px / width_px;
   Box box{1.0, 1.0, 0.0, 0.0};
   for (int step = 0; step < 360; ++step) {
     const double angle = radians_from_degrees(step);
-    const double x = x_m + 0.125 * std::cos(angle);
-    const double y = y_m + 0.225 * std::sin(angle);
-    for (const double z : {-kCameraHeight_m, height_m - kCameraHeight_m}) {
+    const double x = x_m + kHalfDepth_m * std::cos(angle);
+    const double y = y_m + kHalfWidth_m * std::sin(angle);
+    for (const double z : {-kCameraHeight_m, kHeight_m - kCameraHeight_m}) {
       const double column = 0.5 - y / x / half_width / 2.0;
       const double row = 0.5 - z / x / half_height / 2.0;
       box.x_min = std::min(box.x_min, column);
@@ -39,22 +47,50 @@ Box box_of_person(double x_m, double y_m, double height_m, int width_px, int hei
   return box;
 }
 
-Vector3 mouth_of_person(double x_m, double y_m, double height_m) {
-  return {x_m, y_m, height_m - 0.18 - kCameraHeight_m};
+Vector3 mouth_of_person(double x_m, double y_m) {
+  return {x_m, y_m, kMouthHeight_m - kCameraHeight_m};
+}
+
+// The tangents from the camera to the outline of a body, y = m x: with a and b half its depth and
+// width, (y - m x)^2 = a^2 m^2 + b^2.
+struct Outline {
+  double middle = 0.0;  // between the two slopes
+  double half = 0.0;    // from there to either
+};
+
+Outline outline_of(double x_m, double y_m) {
+  const double a2 = kHalfDepth_m * kHalfDepth_m;
+  const double b2 = kHalfWidth_m * kHalfWidth_m;
+  const double scale = x_m * x_m - a2;
+  return {x_m * y_m / scale, std::sqrt(x_m * x_m * b2 + y_m * y_m * a2 - a2 * b2) / scale};
+}
+
+// A box tells of a flat person. The body's nearest edge makes its top and bottom, so that its
+// height puts the person there.
+double depth_by_height(double x_m) { return x_m - kHalfDepth_m; }
+
+double depth_by_width(double x_m, double y_m) { return kHalfWidth_m / outline_of(x_m, y_m).half; }
+
+void expect_mouth(const Spherical& found, const Vector3& expected) {
+  const Vector3 mouth = cartesian_from_spherical(found);
+  EXPECT_NEAR(mouth.x, expected.x, kOutline_m);
+  EXPECT_NEAR(mouth.y, expected.y, kOutline_m);
+  EXPECT_NEAR(mouth.z, expected.z, kOutline_m);
 }
 
 TEST(SpeakerDirection, FindsAPersonWhoIsWhollySeen) {
   for (const double x_m : {2.0, 3.0, 5.0, 8.0}) {
     for (const double lateral : {-0.6, -0.2, 0.0, 0.3, 0.7}) {
-      const Box box = box_of_person(x_m, lateral * x_m, 1.7, 256, 256);
+      const double y_m = lateral * x_m;
+      const Box box = box_of_person(x_m, y_m, 256, 256);
       ASSERT_LT(box.y_max, 0.995);
       const Spherical found = speaker_direction_from_box(box, kFov, 256, 256);
-      const Spherical truth = spherical_from_cartesian(mouth_of_person(x_m, lateral * x_m, 1.7));
-      // The body's depth of 0.25 m makes the box larger than for the flat person assumed: up to
-      // 0.125 m closer than the axis, and up to 0.5 degrees off its middle.
-      EXPECT_NEAR(found.distance_m, truth.distance_m, 0.2);
-      EXPECT_NEAR(degrees_from_radians(found.azimuth_rad - truth.azimuth_rad), 0.0, 0.8);
-      EXPECT_NEAR(degrees_from_radians(found.elevation_rad - truth.elevation_rad), 0.0, 1.5);
+      const double depth_m = depth_by_height(x_m);
+      expect_mouth(found, {depth_m, depth_m * outline_of(x_m, y_m).middle,
+                           kMouthHeight_m - kCameraHeight_m});
+      // In front of the true mouth by half a body's depth, and on the way to it.
+      EXPECT_LT(norm(cartesian_from_spherical(found) - mouth_of_person(x_m, y_m)),
+                1.01 * std::hypot(1.0, lateral) * kHalfDepth_m);
     }
   }
 }
@@ -65,13 +101,11 @@ TEST(SpeakerDirection, LeftInThePictureIsPositiveAzimuth) {
 }
 
 TEST(SpeakerDirection, KnowsTheFormOfThePicture) {
-  const Box wide = box_of_person(4.0, 1.5, 1.7, 384, 216);
+  const Box wide = box_of_person(4.0, 1.5, 384, 216);
   ASSERT_LT(wide.y_max, 0.995);
-  const Spherical found = speaker_direction_from_box(wide, kFov, 384, 216);
-  const Spherical truth = spherical_from_cartesian(mouth_of_person(4.0, 1.5, 1.7));
-  EXPECT_NEAR(found.distance_m, truth.distance_m, 0.2);  // the body's depth, as above
-  // The body's depth again: up to 0.5 degrees, 0.01, off its middle.
-  EXPECT_NEAR(found.azimuth_rad, truth.azimuth_rad, 0.02);
+  const double depth_m = depth_by_height(4.0);
+  expect_mouth(speaker_direction_from_box(wide, kFov, 384, 216),
+               {depth_m, depth_m * outline_of(4.0, 1.5).middle, kMouthHeight_m - kCameraHeight_m});
 }
 
 TEST(SpeakerDirection, AnotherHeightScalesTheDistance) {
@@ -86,16 +120,15 @@ TEST(SpeakerDirection, AnotherHeightScalesTheDistance) {
 
 TEST(SpeakerDirection, CutAtTheBottomTheShouldersTellTheDistance) {
   for (const double x_m : {0.8, 1.0, 1.3}) {
-    const Box box = box_of_person(x_m, 0.1, 1.7, 256, 256);
+    const Box box = box_of_person(x_m, 0.1, 256, 256);
     ASSERT_EQ(box.y_max, 1.0);
     const Spherical found = speaker_direction_from_box(box, kFov, 256, 256);
-    const Spherical truth = spherical_from_cartesian(mouth_of_person(x_m, 0.1, 1.7));
-    // A round body's front edge looks wider: within 15 % here, where the height alone would put a
-    // person of 0.8 m at 1.5 m. At 0.8 m that edge, 0.125 m closer, is seen 0.02 further aside and
-    // 0.05 higher.
-    EXPECT_NEAR(found.distance_m / truth.distance_m, 1.0, 0.15);
-    EXPECT_NEAR(found.azimuth_rad, truth.azimuth_rad, 0.03);
-    EXPECT_NEAR(found.elevation_rad, truth.elevation_rad, 0.06);
+    const double depth_m = depth_by_width(x_m, 0.1);
+    const double top = (kHeight_m - kCameraHeight_m) / (x_m - kHalfDepth_m);
+    expect_mouth(found, {depth_m, depth_m * outline_of(x_m, 0.1).middle,
+                         depth_m * top - (kHeight_m - kMouthHeight_m)});
+    // The height alone would put a person at 0.8 m at 1.3 m.
+    EXPECT_NEAR(depth_m, x_m, 0.02 * x_m) << "a body's front makes it look wider, by up to 1.5 %";
   }
 }
 
@@ -103,16 +136,14 @@ TEST(SpeakerDirection, CutAtTheTopTheMouthIsMeasuredFromTheFeet) {
   // Somebody high on a ladder: 0.3 m of the body is above the picture, the feet are visible.
   const double x_m = 2.0;
   const double rise = 2.1;
-  Box box = box_of_person(x_m, -0.3, 1.7, 256, 256);
+  Box box = box_of_person(x_m, -0.3, 256, 256);
   box.y_min = 0.0;
   box.y_max -= rise / x_m / 2.0;
   const Spherical found = speaker_direction_from_box(box, kFov, 256, 256);
-  const Spherical truth =
-      spherical_from_cartesian(mouth_of_person(x_m, -0.3, 1.7) + Vector3{0, 0, rise});
-  // Half a body's width, 0.225 m, and a pixel of 256.
-  EXPECT_NEAR(found.distance_m, truth.distance_m, 0.25);
-  // By 0.25 m of distance the slope to the mouth, 1.52 m above the feet, changes by up to 0.08.
-  EXPECT_NEAR(found.elevation_rad, truth.elevation_rad, 0.08);
+  const double depth_m = depth_by_width(x_m, -0.3);
+  const double feet = rise / x_m - kCameraHeight_m / (x_m - kHalfDepth_m);
+  expect_mouth(found,
+               {depth_m, depth_m * outline_of(x_m, -0.3).middle, depth_m * feet + kMouthHeight_m});
 }
 
 TEST(SpeakerDirection, CutAtTopAndBottomTheMouthIsLevel) {
@@ -122,13 +153,14 @@ TEST(SpeakerDirection, CutAtTopAndBottomTheMouthIsLevel) {
 }
 
 TEST(SpeakerDirection, CutAtASideTheVisiblePartIsTaken) {
-  const Box box = box_of_person(3.0, 2.95, 1.7, 256, 256);
+  const Box box = box_of_person(3.0, 2.95, 256, 256);
   ASSERT_EQ(box.x_min, 0.0);
   const Spherical found = speaker_direction_from_box(box, kFov, 256, 256);
-  // Half a body's width, 0.225 m, and a pixel of 256.
-  EXPECT_NEAR(found.distance_m, norm(mouth_of_person(3.0, 2.95, 1.7)), 0.25);
-  // At most half a body's width, 0.225 m at 4.2 m, towards the middle.
-  EXPECT_NEAR(found.azimuth_rad, std::atan2(2.95, 3.0), 0.06);
+  const Outline outline = outline_of(3.0, 2.95);
+  const double edge = std::tan(kFov / 2.0);  // of the picture
+  const double depth_m = depth_by_height(3.0);
+  expect_mouth(found, {depth_m, depth_m * (outline.middle - outline.half + edge) / 2.0,
+                       kMouthHeight_m - kCameraHeight_m});
 }
 
 TEST(SpeakerDirection, RefusesWhatIsNotABox) {

@@ -84,6 +84,8 @@ TEST(Rt60Learner, LearnsHowFastNoiseFades) {
   }
   double error = 0.0;
   for (const double of_clip : learner.errors(fading_noise(4, 200))) error += of_clip / 4;
+  // At first it answers about half a second whatever it hears: `before` is near the error of the
+  // best such answer, 0.2 s for the four times.
   EXPECT_LT(error, 0.5 * before);
 }
 

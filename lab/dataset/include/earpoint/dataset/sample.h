@@ -24,9 +24,6 @@ struct NvasSample {
 /// `cutoff_hz` to one hertz below Nyquist, run both ways.
 Waveform highpass(const Waveform& sound, double cutoff_hz);
 
-/// The first `samples` of a sound from `start`; zeros where it has ended.
-Waveform window_of(const Waveform& sound, std::ptrdiff_t start, std::ptrdiff_t samples);
-
 /// Mean of the two channels. @return [samples]
 std::vector<float> mean_of_channels(const Waveform& sound);
 

@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <earpoint/waveform.h>
 
@@ -18,7 +19,12 @@ enum class MetricConvention {
   iso,    ///< ISO 3382-1:2009: iso_metrics()
 };
 
-/// @param name  "paper", "rwavs", "raf", "naf", "avr" or "iso"
+/// The names of all conventions, as above.
+[[nodiscard]] std::vector<std::string> convention_names();
+/// Of these, the conventions for impulse responses.
+[[nodiscard]] std::vector<std::string> response_convention_names();
+
+/// @param name  one of convention_names()
 /// @throws InputError naming convention if it is none of them
 [[nodiscard]] MetricConvention convention_named(std::string_view name);
 
