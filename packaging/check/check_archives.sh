@@ -19,8 +19,8 @@ check_wheel() {
   install python3-venv python3-numpy $(needs_of "$wheel")
   python3 -m venv --system-site-packages environment
   environment/bin/pip install --quiet --no-index --no-deps "/packages/$wheel"
-  (cd / && /check/environment/bin/python /check/wheel.py /check/live.raw /check/whole.raw /check/wheel_live.raw)
-  python3 compare.py whole.raw there_live.wav 0 || fail "the wheel renders another sound than the program"
+  (cd / && /check/environment/bin/python /check/wheel.py /check/moment.raw /check/whole.raw /check/wheel_live.raw)
+  python3 compare.py whole.raw moment_there.wav 0 || fail "the wheel renders another sound than the program"
   same_live_sound wheel_live.raw 0
   environment/bin/pip uninstall --quiet --yes earpoint
   [ -z "$(find environment -iname '*earpoint*')" ] || fail "pip uninstall leaves files"
@@ -38,7 +38,7 @@ check_plugin() {
   mkdir lv2
   cp -r "$name/lv2/earpoint.lv2" lv2
   [ "$(LV2_PATH=/check/lv2 lv2ls)" = urn:earpoint:plugin ] || fail "lv2ls does not list the plugin"
-  LV2_PATH=/check/lv2:/usr/lib/lv2 lv2apply -i live.wav -o plugin.wav -c earpoint_x 1 -c earpoint_y -0.5 -c yaw 90 \
+  LV2_PATH=/check/lv2:/usr/lib/lv2 lv2apply -i moment.wav -o plugin.wav -c earpoint_x 1 -c earpoint_y -0.5 -c yaw 90 \
     -c speaker_given 1 -c speaker_x 2 -c speaker_y 0.25 -c speaker_z 0.125 urn:earpoint:plugin
   same_live_sound plugin.wav 0
   python3 - "$name" <<'PYTHON'
@@ -59,7 +59,7 @@ check_engine() {
   # As npm installs a package that depends on nothing.
   mkdir -p node_modules/earpoint-engine
   tar xzf /packages/earpoint-engine-*.tgz -C node_modules/earpoint-engine --strip-components=1
-  node engine.mjs live.raw engine.raw
+  node engine.mjs moment.raw engine.raw
   # The tolerance of web/engine/test.
   same_live_sound engine.raw 1e-4
 }

@@ -38,7 +38,7 @@ earpoint render clip.mp4 --speaker 1.89,0.2,0.15 --translate 1.0,-0.5,0 --yaw 90
 earpoint evaluate --help >/dev/null
 [ "$(stat -c %s there.wav)" -gt 100000 ] || fail "there.wav is too short"
 # What check_archives.sh compares with.
-earpoint render live.wav --recording binaural --speaker 2,0.25,0.125 --translate 1,-0.5,0 --yaw 90 -o there_live.wav --quiet
+earpoint render moment.wav --recording binaural --speaker 2,0.25,0.125 --translate 1,-0.5,0 --yaw 90 -o moment_there.wav --quiet
 
 step "Manual page and completions"
 install man-db zsh fish bash-completion
