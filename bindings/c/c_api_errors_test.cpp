@@ -238,6 +238,11 @@ TEST_F(CApiErrors, BadPlacesAreNamed) {
   request.target.orientation = {nan, 0.0, 0.0, 0.0};
   EXPECT_TRUE(render_fails(request, input, "target.orientation: "));
   request = empty_request();
+  for (const double gain_db : {nan, 1e6}) {
+    request.gain_db = gain_db;
+    EXPECT_TRUE(render_fails(request, input, "gain: "));
+  }
+  request = empty_request();
   const earpoint_vector3 nowhere{nan, 0.0, 0.0};
   request.speaker_m = &nowhere;
   EXPECT_TRUE(render_fails(request, input, "speaker: "));

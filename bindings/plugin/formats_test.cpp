@@ -121,6 +121,19 @@ TEST_P(PluginFormat, PassesSoundOfOtherRatesAndSaysSo) {
   EXPECT_EQ(plugin->get(kStatus), static_cast<double>(Status::rate_not_supported));
 }
 
+TEST_P(PluginFormat, KeepsToTheRangeOfAParameterIfTheHostDoesNot) {
+  const Waveform sound = part_of(bundled_clip(), 0, 24000);
+  const auto with = [&](double metres, double degrees, double model) {
+    const auto plugin = load();
+    plugin->set(kEarpointX, metres);
+    plugin->set(kYaw, degrees);
+    plugin->set(kModel, model);
+    return plugin->process(sound, 512);
+  };
+  // 10 km are more than a stream takes.
+  EXPECT_TRUE(same(with(1e9, -1e30, 1e30), with(20.0, -180.0, 15.0)));
+}
+
 TEST_P(PluginFormat, TellsItsLatencyAndBypassesWithIt) {
   const auto plugin = load();
   plugin->set(kBypass, 1.0);

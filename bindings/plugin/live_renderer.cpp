@@ -4,6 +4,7 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <exception>
 #include <mutex>
 #include <thread>
 #include <utility>
@@ -24,6 +25,8 @@ namespace {
 constexpr double kWarmUp_s = 1.0;
 constexpr double kModelFade_s = 0.05;
 constexpr double kBypassFade_s = 0.01;
+/// No device is faster; what the library streams is less.
+constexpr double kHighestRate_hz = 1e6;
 /// What is processed at a time, so that buffers have a fixed size.
 constexpr std::ptrdiff_t kChunk = 256;
 constexpr std::size_t kChannels = 2;
@@ -90,6 +93,16 @@ std::optional<Stream> stream_of_mean(const std::string& file, const StreamOption
   }
 }
 
+/// @param left_out  gets a line if the file is no network any more
+std::optional<Renderer> opened(const std::string& file, std::vector<std::string>& left_out) {
+  try {
+    return Renderer::open(file);
+  } catch (const std::exception& error) {
+    left_out.emplace_back(error.what());
+    return std::nullopt;
+  }
+}
+
 }  // namespace
 
 struct LiveRenderer::State {
@@ -101,7 +114,8 @@ struct LiveRenderer::State {
   State(const State&) = delete;
   State& operator=(const State&) = delete;
 
-  void make_streams(const std::vector<StreamingModel>& models, double sample_rate_hz);
+  void make_streams(const std::vector<StreamingModel>& files, double sample_rate_hz);
+  void fail(Status why, const std::string& text);
   void reset_used(const std::stop_token& stop);
   [[nodiscard]] Slot* slot_of(const Settings& settings) const;
   void choose(const Settings& settings);
@@ -109,7 +123,9 @@ struct LiveRenderer::State {
   void fade_in_next(float* const* out, std::ptrdiff_t frames);
   void fade_bypass(bool bypass, float* const* out, std::ptrdiff_t frames);
 
+  Status status = Status::renders;
   std::string problem;
+  std::vector<std::string> left_out;
   std::vector<std::unique_ptr<Slot>> slots;
   std::vector<Textures> models;
   std::ptrdiff_t late = 0;
@@ -134,32 +150,53 @@ struct LiveRenderer::State {
 
 void LiveRenderer::State::make_streams(const std::vector<StreamingModel>& files,
                                        double sample_rate_hz) {
-  if (files.empty()) throw InputError("models", "none is installed", "see docs/plugin.md");
-  if (sample_rate_hz != std::floor(sample_rate_hz)) {
-    throw InputError("sample rate", fmt::format("{} Hz is no whole number", sample_rate_hz));
+  if (files.empty()) return fail(Status::no_model, "models: none is installed; see docs/plugin.md");
+  const bool is_whole = sample_rate_hz == std::floor(sample_rate_hz);
+  if (!is_whole || sample_rate_hz < 0.0 || sample_rate_hz > kHighestRate_hz) {
+    return fail(Status::rate_not_supported,
+                fmt::format("sample rate: {} Hz is not supported", sample_rate_hz));
   }
   const StreamOptions options{.sample_rate_hz = static_cast<int>(sample_rate_hz)};
   struct Made {
     Stream natural;
     std::optional<Stream> mean;
   };
-  std::vector<Made> made;
+  std::vector<std::optional<Made>> made;
   for (const StreamingModel& model : files) {
     const std::string file = model.file.string();
-    made.push_back({Renderer::open(file).stream(options), stream_of_mean(file, options)});
-    late = std::max(late, made.back().natural.latency_samples());
+    const std::optional<Renderer> renderer = opened(file, left_out);
+    auto& streams = made.emplace_back();
+    if (!renderer) continue;
+    try {
+      streams.emplace(renderer->stream(options), stream_of_mean(file, options));
+    } catch (const InputError& error) {
+      return fail(Status::rate_not_supported, error.what());
+    }
+    late = std::max(late, streams->natural.latency_samples());
   }
+  if (left_out.size() == files.size()) return fail(Status::no_model, left_out.front());
   const auto add = [this](Stream&& stream) {
     return slots.emplace_back(std::make_unique<Slot>(std::move(stream), late)).get();
   };
-  for (Made& both : made) {
-    Slot* const natural = add(std::move(both.natural));
-    models.push_back({natural, both.mean ? add(std::move(*both.mean)) : natural});
+  for (std::optional<Made>& both : made) {
+    models.emplace_back();
+    if (!both) continue;
+    Slot* const natural = add(std::move(both->natural));
+    models.back() = {natural, both->mean ? add(std::move(*both->mean)) : natural};
   }
+  const Textures first = *std::ranges::find_if(models, &Textures::natural);
+  std::ranges::replace_if(
+      models, [](const Textures& of) { return of.natural == nullptr; }, first);
   warm_up = std::lround(kWarmUp_s * sample_rate_hz);
   model_fade = std::lround(kModelFade_s * sample_rate_hz);
   bypass_fade = std::lround(kBypassFade_s * sample_rate_hz);
   dry_delay = StereoDelay(late);
+}
+
+void LiveRenderer::State::fail(Status why, const std::string& text) {
+  status = why;
+  problem = text;
+  late = 0;
 }
 
 void LiveRenderer::State::reset_used(const std::stop_token& stop) {
@@ -242,17 +279,14 @@ void LiveRenderer::State::run_chunk(bool bypass, const float* const* in, float* 
 
 LiveRenderer::LiveRenderer(const std::vector<StreamingModel>& models, double sample_rate_hz)
     : state_(std::make_unique<State>()) {
-  try {
-    state_->make_streams(models, sample_rate_hz);
-  } catch (const InputError& error) {
-    state_->problem = error.what();
-    state_->late = 0;
-  }
+  state_->make_streams(models, sample_rate_hz);
 }
 
 LiveRenderer::~LiveRenderer() = default;
 
 const std::string& LiveRenderer::problem() const { return state_->problem; }
+Status LiveRenderer::status() const { return state_->status; }
+const std::vector<std::string>& LiveRenderer::left_out() const { return state_->left_out; }
 
 void LiveRenderer::reset() {
   State& s = *state_;
@@ -271,8 +305,11 @@ void LiveRenderer::process(const Settings& settings, const float* const* in, flo
                            std::ptrdiff_t frames) {
   State& s = *state_;
   if (!s.problem.empty()) {
-    for (std::size_t c = 0; c < kChannels; ++c) {
-      if (in[c] != out[c]) std::copy_n(in[c], frames, out[c]);
+    for (std::ptrdiff_t i = 0; i < frames; ++i) {
+      const float left = in[0][i];  // the host's memory may be the same, with the ears swapped
+      const float right = in[1][i];
+      out[0][i] = left;
+      out[1][i] = right;
     }
     return;
   }

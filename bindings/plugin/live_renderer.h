@@ -9,6 +9,7 @@
 #include <earpoint/pose.h>
 
 #include "model_search.h"
+#include "parameters.h"
 
 namespace earpoint::plugin {
 
@@ -16,7 +17,7 @@ namespace earpoint::plugin {
 struct Settings {
   Pose earpoint{};                     ///< of its head, in the source's frame; within 10 km
   std::optional<Vector3> speaker_m{};  ///< the mouth, the same; nothing: located from the sound
-  int model = 0;                       ///< index into the models; one that is not there means 0
+  int model = 0;                       ///< index into the models; one that is not there: the first
   bool natural_texture = true;         ///< for networks trained for both textures
   bool bypass = false;                 ///< the input, as late as the output would be
 };
@@ -40,6 +41,10 @@ class LiveRenderer {
 
   /// Why the sound passes unchanged, one line; empty if it does not.
   [[nodiscard]] const std::string& problem() const;
+  /// The same for the host.
+  [[nodiscard]] Status status() const;
+  /// Models that could not be read, for which the first that could plays: a line each.
+  [[nodiscard]] const std::vector<std::string>& left_out() const;
 
   /// Restarts from silence; the first block then chooses its model at once. Not for the audio
   /// thread, and not while process() runs.

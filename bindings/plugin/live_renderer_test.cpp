@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <limits>
 #include <optional>
 #include <thread>
@@ -249,6 +251,45 @@ TEST_F(LiveRendererTest, PassesTheInputAndSaysWhyIfItCannotRender) {
   LiveRenderer nothing({}, 48000);
   EXPECT_NE(nothing.problem().find("models"), std::string::npos) << nothing.problem();
   EXPECT_TRUE(same(process(nothing, {.bypass = true}, sound), sound));
+}
+
+TEST_F(LiveRendererTest, SaysWhyAndSwapsNoEarsInTheHostsMemory) {
+  const Waveform sound = noise(300);
+  for (const double rate_hz :
+       {0.0, -48000.0, 1e300, std::nan(""), std::numeric_limits<double>::infinity()}) {
+    LiveRenderer live(models_, rate_hz);
+    EXPECT_EQ(live.status(), Status::rate_not_supported) << rate_hz;
+    Waveform memory = sound;
+    float* const left = memory.channel(0).data();
+    float* const right = memory.channel(1).data();
+    const float* const in[] = {left, right};
+    float* const out[] = {right, left};
+    live.process({}, in, out, 300);
+    EXPECT_TRUE(std::ranges::equal(memory.channel(1), sound.channel(0)));
+    EXPECT_TRUE(std::ranges::equal(memory.channel(0), sound.channel(1)));
+  }
+  EXPECT_EQ(LiveRenderer({}, 48000).status(), Status::no_model);
+}
+
+TEST_F(LiveRendererTest, ModelsThatAreGoneLeaveTheOthersAndTheirNumbers) {
+  const Waveform sound = noise(kRate_hz / 2);
+  std::filesystem::remove(models_[0].file);
+  std::ofstream(models_[2].file) << "no weights";
+  LiveRenderer live(models_, kRate_hz);
+  EXPECT_EQ(live.status(), Status::renders) << live.problem();
+  ASSERT_EQ(live.left_out().size(), 2u);
+  EXPECT_NE(live.left_out()[0].find("passing"), std::string::npos) << live.left_out()[0];
+  EXPECT_EQ(live.latency_samples(), stream(1).latency_samples());
+  const Waveform expected = process(stream(1), {}, sound);
+  for (const int model : {0, 1, 2}) {
+    live.reset();
+    EXPECT_TRUE(same(process(live, {.model = model}, sound), expected)) << model;
+  }
+  std::filesystem::remove(models_[1].file);
+  LiveRenderer none(models_, kRate_hz);
+  EXPECT_EQ(none.status(), Status::no_model);
+  EXPECT_NE(none.problem().find("passing"), std::string::npos) << none.problem();
+  EXPECT_TRUE(same(process(none, {}, sound), sound));
 }
 
 TEST_F(LiveRendererTest, ANumberWithoutAModelMeansTheFirst) {

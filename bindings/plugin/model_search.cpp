@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cstdlib>
+#include <exception>
 #include <map>
+#include <optional>
 #include <system_error>
 #include <utility>
 
-#include <earpoint/error.h>
 #include <earpoint/network.h>
 
 namespace earpoint::plugin {
@@ -29,18 +30,21 @@ std::vector<fs::path> folders_of(const fs::path& binary) {
 
 void add_models_in(const fs::path& folder, std::map<std::string, fs::path>& files) {
   std::error_code error;
-  for (const fs::directory_entry& file : fs::directory_iterator(folder, error)) {
-    if (file.path().extension() == kExtension) {
-      files.emplace(file.path().stem().string(), file.path());
+  for (auto file = fs::directory_iterator(folder, error);
+       !error && file != fs::directory_iterator(); file.increment(error)) {
+    if (file->path().extension() == kExtension) {
+      files.emplace(file->path().stem().string(), file->path());
     }
   }
 }
 
-bool streams(const std::string& model) {
+/// Nothing for what is no network. Folders near the host's program may hold anything under that
+/// name, and a host must not end because of it.
+std::optional<NetworkInfo> described(const std::string& model) {
   try {
-    return describe_network(model).streams;
-  } catch (const InputError&) {
-    return false;
+    return describe_network(model);
+  } catch (const std::exception&) {
+    return std::nullopt;
   }
 }
 
@@ -54,12 +58,14 @@ std::vector<StreamingModel> find_streaming_models(const fs::path& binary) {
   } else {
     for (const fs::path& folder : folders_of(binary)) add_models_in(folder, files);
     for (const std::string& name : installed_networks()) {
-      if (!files.contains(name)) files.emplace(name, describe_network(name).file);
+      if (files.contains(name)) continue;
+      if (const auto info = described(name)) files.emplace(name, info->file);
     }
   }
   std::vector<StreamingModel> models;
   for (auto& [name, file] : files) {
-    if (streams(file.string())) models.push_back({name, std::move(file)});
+    const auto info = described(file.string());
+    if (info && info->streams) models.push_back({name, std::move(file)});
   }
   for (auto first = kFirst.rbegin(); first != kFirst.rend(); ++first) {
     const auto found = std::ranges::find(models, *first, &StreamingModel::name);

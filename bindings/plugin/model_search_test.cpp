@@ -87,6 +87,25 @@ TEST_F(ModelSearchTest, KeepsTheNumbersOfTheShippedOnesAndSortsTheRest) {
   ::unsetenv("EARPOINT_MODELS_DIR");
 }
 
+TEST_F(ModelSearchTest, SurvivesWhatIsNoNetworkNearTheHostsProgram) {
+  // Where the library searches too: a folder beside the program, here the test.
+  const fs::path models = fs::read_symlink("/proc/self/exe").parent_path() / "models";
+  const bool was_there = fs::exists(models);
+  fs::create_directories(models);
+  const fs::path broken = models / "aaa_broken_network.safetensors";
+  const fs::path dangling = models / "aaa_dangling_link.safetensors";
+  const fs::path folder = models / "aaa_folder.safetensors";
+  std::ofstream(broken) << "no weights";
+  fs::create_symlink("/nowhere", dangling);
+  fs::create_directories(folder);
+  const auto models_found = found("earpoint.so");
+  for (const fs::path& file : {broken, dangling, folder}) {
+    EXPECT_EQ(file_of(models_found, file.stem().string()), "");
+    fs::remove(file);
+  }
+  if (!was_there) fs::remove(models);
+}
+
 TEST_F(ModelSearchTest, ANamedFolderIsTheOnlyOne) {
   put("models/beside.safetensors");
   fs::create_directories(folder_.path() / "empty");

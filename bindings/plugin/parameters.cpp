@@ -1,5 +1,8 @@
 #include "parameters.h"
 
+#include "model_search.h"
+
+#include <algorithm>
 #include <array>
 
 namespace earpoint::plugin {
@@ -43,5 +46,11 @@ constexpr std::array kPlain{
 }  // namespace
 
 std::span<const ParameterDescription> plain_parameters() { return kPlain; }
+
+float within_range(ParameterId id, float value) {
+  const auto* const plain = std::ranges::find(kPlain, id, &ParameterDescription::id);
+  if (plain != kPlain.end()) return std::clamp(value, plain->least, plain->most);
+  return std::clamp(value, 0.0F, id == kModel ? static_cast<float>(kMostModels - 1) : 1.0F);
+}
 
 }  // namespace earpoint::plugin

@@ -50,4 +50,8 @@ struct ParameterDescription {
 /// All but kModel, kBypass and kStatus, which have labels or a meaning of their own.
 [[nodiscard]] std::span<const ParameterDescription> plain_parameters();
 
+/// The value within the range of an input. Hosts do not keep to it: ffmpeg sends what it is told.
+/// @param value  finite
+[[nodiscard]] float within_range(ParameterId id, float value);
+
 }  // namespace earpoint::plugin

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include <DistrhoPlugin.hpp>
@@ -109,7 +110,8 @@ class EarpointPlugin : public DISTRHO::Plugin {
     return values_[index].load(std::memory_order_relaxed);
   }
   void setParameterValue(std::uint32_t index, float value) override {
-    if (std::isfinite(value)) values_[index].store(value, std::memory_order_relaxed);
+    if (index >= kStatus || !std::isfinite(value)) return;
+    values_[index].store(within_range(ParameterId{index}, value), std::memory_order_relaxed);
   }
 
   void activate() override {
@@ -136,12 +138,13 @@ class EarpointPlugin : public DISTRHO::Plugin {
     renderer_ = std::make_unique<LiveRenderer>(models(), sample_rate_hz);
     prepared_hz_ = sample_rate_hz;
     setLatency(static_cast<std::uint32_t>(renderer_->latency_samples()));
-    Status status = Status::renders;
+    for (const std::string& missing : renderer_->left_out()) {
+      d_stderr2("Earpoint: the first model plays instead: %s", missing.c_str());
+    }
     if (!renderer_->problem().empty()) {
-      status = models().empty() ? Status::no_model : Status::rate_not_supported;
       d_stderr2("Earpoint: the sound passes unchanged: %s", renderer_->problem().c_str());
     }
-    values_[kStatus] = static_cast<float>(status);
+    values_[kStatus] = static_cast<float>(renderer_->status());
   }
 
   [[nodiscard]] double value(ParameterId id) const {

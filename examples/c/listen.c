@@ -1,5 +1,5 @@
-/* Hears a sound file from another place: the whole clip at once, then live in blocks of 256
- * samples. usage: listen IN.wav WHOLE.wav LIVE.wav */
+/* Hears a sound file from another place: the whole clip at once, then live on the way there, in
+ * blocks of 256 samples. usage: listen IN.wav WHOLE.wav LIVE.wav */
 #include <sndfile.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -63,8 +63,11 @@ int main(int argc, char** argv) {
   earpoint_stream* stream;
   check(earpoint_stream_create(renderer, &options, &stream));
   check(earpoint_stream_place_speaker(stream, &mouth));
-  check(earpoint_stream_move_to(stream, &there));
   for (size_t at = 0; at < frames; at += 256) {
+    const double way = (double)at / (double)frames;
+    const earpoint_pose here = {{way, -0.5 * way, 0.0},
+                                earpoint_quaternion_from_euler(1.57 * way, 0.0, 0.0)};
+    check(earpoint_stream_move_to(stream, &here));
     const float* const block[] = {in[0] + at, in[1] + at};
     float* const there_block[] = {out[0] + at, out[1] + at};
     check(

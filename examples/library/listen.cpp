@@ -1,5 +1,5 @@
-// Renders a sound file at another position: the whole clip at once, then live in blocks of 256
-// samples.
+// Renders a sound file at another position: the whole clip at once, then live on the way there, in
+// blocks of 256 samples.
 //
 // usage: listen IN.wav WHOLE.wav LIVE.wav
 #include "count_allocations.h"
@@ -43,10 +43,12 @@ int listen(const char* in_path, const char* whole_path, const char* live_path) {
 
   earpoint::Stream stream = renderer.stream({.sample_rate_hz = sound.sample_rate_hz()});
   stream.place_speaker(mouth);
-  stream.move_to(there);
   earpoint::Waveform live(2, sound.samples(), sound.sample_rate_hz());
   const long before = allocations();
   for (std::ptrdiff_t at = 0; at < sound.samples(); at += 256) {
+    const double way = static_cast<double>(at) / static_cast<double>(sound.samples());
+    stream.move_to(
+        {{way, -0.5 * way, 0.0}, earpoint::quaternion_from_euler({.yaw_rad = 1.57 * way})});
     const float* in[] = {sound.channel(0).data() + at, sound.channel(1).data() + at};
     float* out[] = {live.channel(0).data() + at, live.channel(1).data() + at};
     stream.process(in, out, std::min<std::ptrdiff_t>(256, sound.samples() - at));

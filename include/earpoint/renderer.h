@@ -47,7 +47,7 @@ struct RenderRequest {
   /// Sound above the model's band follows the gain of its top octave.
   bool extend_band = true;
   bool limit = true;     ///< keep the output within full scale
-  double gain_db = 0.0;  ///< of the output, before the limiter
+  double gain_db = 0.0;  ///< of the output, before the limiter; -100 to 100
 };
 
 /// Renders a recorded moment at another position: the samples of `earpoint render` for the same
@@ -71,7 +71,7 @@ class EARPOINT_API Renderer {
   /// @return two ears, as long as the sound and at its rate
   /// @throws InputError if the sound is too short, of a lower rate, silent, or has NaN; if the
   ///         model needs a picture or a speaker and none is given; if the path does not cover the
-  ///         sound
+  ///         sound; if a place, turn or gain is not finite or absurdly large
   /// @throws std::logic_error if the sound has neither one nor two channels
   [[nodiscard]] Waveform render(const Waveform& sound, const RenderRequest& request);
 

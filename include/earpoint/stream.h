@@ -50,13 +50,13 @@ class EARPOINT_API Stream {
   void place_speaker(const std::optional<Vector3>& mouth_m);
 
   /// The earpoint from here on: pose of its head in the source's frame.
-  /// @throws InputError if it is not finite or farther than 10 km
+  /// @throws InputError if its place or orientation is not finite, or it is farther than 10 km
   void move_to(const Pose& source_from_target);
 
   /// Renders the next samples.
   /// @param in      left and right ear of the source, [2][frames]; NaN and infinity count as 0
   /// @param out     left and right ear of the earpoint, [2][frames], latency_samples() late; may be
-  ///                the memory of `in`
+  ///                the memory of `in`, also with the ears swapped
   /// @param frames  >= 0, may change with every call
   void process(const float* const* in, float* const* out, std::ptrdiff_t frames);
 

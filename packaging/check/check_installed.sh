@@ -37,6 +37,8 @@ earpoint --version
 earpoint render clip.mp4 --speaker 1.89,0.2,0.15 --translate 1.0,-0.5,0 --yaw 90 -o there.wav --quiet
 earpoint evaluate --help >/dev/null
 [ "$(stat -c %s there.wav)" -gt 100000 ] || fail "there.wav is too short"
+# What check_archives.sh compares with.
+earpoint render moment.wav --recording binaural --speaker 2,0.25,0.125 --translate 1,-0.5,0 --yaw 90 -o moment_there.wav --quiet
 
 step "Manual page and completions"
 install man-db zsh fish bash-completion
@@ -68,6 +70,15 @@ lintian --allow-root --fail-on error,warning --suppress-tags initial-upload-clos
   /packages/*.deb || fail "lintian finds faults"
 
 step "Removing the packages"
-quiet apt-get purge -y -q libearpoint-dev libearpoint0.1 earpoint earpoint-models
-[ ! -e /usr/share/earpoint ] && [ ! -e /usr/include/earpoint ] || fail "files were left behind"
+dpkg -L libearpoint-dev libearpoint0.1 earpoint earpoint-models >installed
+quiet apt-get purge -y -q --autoremove libearpoint-dev libearpoint0.1 earpoint earpoint-models
+while read -r path; do
+  if [ -e "$path" ] && [ ! -d "$path" ]; then fail "$path was left behind"; fi
+done <installed
+left=$(find / -xdev -iname '*earpoint*' -not -path '/check/*' -not -path '/packages/*')
+[ -z "$left" ] || fail "left behind: $left"
+if ldconfig -p | grep -q earpoint; then fail "the linker's cache still has the library"; fi
+
+# shellcheck source=packaging/check/check_archives.sh
+source /check/check_archives.sh
 echo "All packages work."

@@ -26,13 +26,14 @@ namespace {
 
 constexpr double kNarrowestView_rad = radians_from_degrees(10.0);
 constexpr double kWidestView_rad = radians_from_degrees(170.0);
+constexpr double kMostGain_db = 100.0;
 
 /// What a caller's sound is called in messages.
 constexpr const char* kSound = "sound";
 
 EarpointPath path_of(const RenderRequest& request) {
   if (request.path.empty()) {
-    check_place(request.target.position_m, "target");
+    check_pose(request.target, "target");
     return EarpointPath(request.target);
   }
   std::vector<EarpointPath::Row> rows;
@@ -130,6 +131,10 @@ Renderer Renderer::open(const std::string& model, const RendererOptions& options
 
 Waveform Renderer::render(const Waveform& sound, const RenderRequest& request) {
   const RendererOptions& how = state_->options;
+  if (!(std::abs(request.gain_db) <= kMostGain_db)) {
+    throw InputError("gain", fmt::format("expected -{0:g} to {0:g} dB, found {1:g}", kMostGain_db,
+                                         request.gain_db));
+  }
   SoundInMemory source{.sound = both_ears(sound),
                        .picture = nullptr,
                        .speaker_box = {},

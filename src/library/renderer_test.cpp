@@ -158,6 +158,21 @@ TEST_F(RendererTest, BadInputGetsOneLine) {
   EXPECT_THROW((void)Renderer::open("input").stream(), InputError);
 }
 
+TEST_F(RendererTest, NumbersThatAreNoneAreRefused) {
+  const double nan = std::nan("");
+  Renderer renderer = Renderer::open();
+  const Waveform sound = noise(2, 0.5, 16000);
+  for (const double gain_db : {nan, 1e9, -std::numeric_limits<double>::infinity()}) {
+    EXPECT_THROW((void)renderer.render(sound, {.gain_db = gain_db}), InputError);
+  }
+  const Pose no_turn{{1, 0, 0}, {0, 0, 0, 0}};
+  const Pose nan_turn{{1, 0, 0}, {1, nan, 0, 0}};
+  for (const Pose& pose : {no_turn, nan_turn}) {
+    EXPECT_THROW((void)renderer.render(sound, {.target = pose}), InputError);
+    EXPECT_THROW((void)renderer.render(sound, {.path = {{0, {}}, {0.5, pose}}}), InputError);
+  }
+}
+
 TEST_F(RendererTest, WarnsOfWhatTheNetworkWasNotTrainedFor) {
   const Renderer renderer = Renderer::open("gtf");
   const Waveform sound = noise(2, 0.5, 16000);

@@ -106,10 +106,29 @@ TEST_F(StreamTest, AllocatesNothingWhileItRuns) {
   EXPECT_EQ(allocations.count(), 0);
 }
 
+TEST_F(StreamTest, WritesWhereItReadsAlsoWithTheEarsSwapped) {
+  const Waveform sound = noise(16000, 16000);
+  Stream live = stream(16000);
+  Waveform expected(2, sound.samples(), 16000);
+  process(live, sound, expected, 500);
+  Waveform memory = sound;
+  live.reset();
+  for (std::ptrdiff_t start = 0; start < sound.samples(); start += 500) {
+    float* const left = memory.channel(0).data() + start;
+    float* const right = memory.channel(1).data() + start;
+    const float* const in[] = {left, right};
+    float* const out[] = {right, left};
+    live.process(in, out, 500);
+  }
+  EXPECT_TRUE(std::ranges::equal(memory.channel(1), expected.channel(0)));
+  EXPECT_TRUE(std::ranges::equal(memory.channel(0), expected.channel(1)));
+}
+
 TEST_F(StreamTest, BadInputGetsOneLine) {
   EXPECT_THROW((void)stream(11025), InputError);
   Stream live = stream(48000);
   EXPECT_THROW(live.move_to({{1e9, 0, 0}, {}}), InputError);
+  EXPECT_THROW(live.move_to({{0, 0, 0}, {std::nan(""), 0, 0, 0}}), InputError);
   EXPECT_THROW(live.place_speaker(Vector3{0, 0, std::nan("")}), InputError);
   EXPECT_THROW(live.see_nothing(Box{0.4, 0.2, 0.3, 1.0}), InputError);
   EXPECT_THROW(live.see(Image(), {}), std::logic_error);

@@ -260,7 +260,7 @@ void RenderStream::place_speaker(const std::optional<Vector3>& mouth_m) {
 }
 
 void RenderStream::move_to(const Pose& source_from_target) {
-  check_place(source_from_target.position_m, "earpoint");
+  check_pose(source_from_target, "earpoint");
   state_->source_from_target = source_from_target;
 }
 
@@ -272,10 +272,15 @@ void RenderStream::process(std::array<std::span<const float>, 2> in,
   const std::ptrdiff_t samples = std::ssize(in[0]);
   for (std::ptrdiff_t done = 0; done < samples;) {
     const std::ptrdiff_t count = std::min(samples - done, s.shape.native - s.filled);
+    const auto place = [&](std::size_t e) {
+      return static_cast<std::ptrdiff_t>(e) * s.shape.native + s.filled;
+    };
+    // Both are read before one is written: an ear of `out` may be the memory of either of `in`.
     for (std::size_t e = 0; e < kEars; ++e) {
-      const auto place = static_cast<std::ptrdiff_t>(e) * s.shape.native + s.filled;
-      std::copy_n(in[e].begin() + done, count, s.in.begin() + place);
-      std::copy_n(s.out.begin() + place, count, out[e].begin() + done);
+      std::copy_n(in[e].begin() + done, count, s.in.begin() + place(e));
+    }
+    for (std::size_t e = 0; e < kEars; ++e) {
+      std::copy_n(s.out.begin() + place(e), count, out[e].begin() + done);
     }
     done += count;
     s.filled += count;

@@ -148,7 +148,7 @@ typedef struct earpoint_request {
   /// Instead of the target, for a moving earpoint: ascending times, from 0 to the sound's end.
   const earpoint_path_point* path;
   size_t path_count;      ///< points of the path
-  double gain_db;         ///< of the output, before the limiter
+  double gain_db;         ///< of the output, before the limiter; -100 to 100
   int no_band_extension;  ///< not 0: sound above the model's band keeps its level
   int no_limiter;         ///< not 0: the output may exceed full scale
 } earpoint_request;
