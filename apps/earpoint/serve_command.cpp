@@ -40,6 +40,10 @@ Examples:
   # a network of your own beside the shipped ones
   earpoint serve clip.mp4 --model runs/mine/best.safetensors
 
+gtf, dsp and the recording are rendered in the browser, by the engine that this program holds if ./dev wasm had built it;
+everything else, and all of it where the browser cannot, by this program. Add ?engine=server or ?engine=browser to the
+address to force either.
+
 Only this computer can open the page, unless --host is given; the address then contains a token that
 listeners need. Stop with Ctrl-C.)";
 
@@ -167,7 +171,7 @@ void add_serve_command(CLI::App& app) {
       ->allow_extra_args(false);
   add_page_options(*command, arguments->address);
   command
-      ->add_option("--listeners", arguments->listeners, "Maximum number of pages that play at once")
+      ->add_option("--listeners", arguments->listeners, "Maximum number of pages that this program renders for at once")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
   command->add_flag("--no-uploads", arguments->no_uploads,
