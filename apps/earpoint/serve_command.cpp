@@ -40,9 +40,8 @@ Examples:
   # a network of your own beside the shipped ones
   earpoint serve clip.mp4 --model runs/mine/best.safetensors
 
-gtf, dsp and the recording are rendered in the browser, by the engine that this program holds if ./dev wasm had built it;
-everything else, and all of it where the browser cannot, by this program. Add ?engine=server or ?engine=browser to the
-address to force either.
+If this program was built with the engine for browsers, gtf, dsp and the recording are rendered in the
+browser, and the rest by this program; ?engine=server or ?engine=browser in the address forces either.
 
 Only this computer can open the page, unless --host is given; the address then contains a token that
 listeners need. Stop with Ctrl-C.)";

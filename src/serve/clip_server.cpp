@@ -35,6 +35,7 @@ using nlohmann::json;
 
 constexpr std::size_t kMostBody = 4096;                   // of a request, bytes
 constexpr std::size_t kMostWalk = std::size_t{4} << 20U;  // 20 minutes are 1.5 MB
+constexpr std::size_t kBlock = 65536;                     // of an answer, bytes sent at once
 constexpr std::chrono::seconds kLongestBody{30};
 constexpr std::chrono::seconds kLongestUpload{300};
 constexpr const char* kOneClip = "/api/clips/([0-9a-z-]{1,64})";
@@ -84,7 +85,6 @@ void send_file(const std::filesystem::path& path, const char* type, Response& re
 /// Sends memory block by block, without a copy of all of it. @param owner  keeps it until then
 void send_bytes(std::span<const std::byte> bytes, const std::shared_ptr<const void>& owner,
                 Response& response) {
-  constexpr std::size_t kBlock = 65536;
   response.set_content_provider(
       bytes.size(), "application/octet-stream",
       [bytes, owner](std::size_t offset, std::size_t length, httplib::DataSink& sink) {

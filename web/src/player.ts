@@ -45,6 +45,7 @@ export class Player {
   private isForced = false;
   private failure = ''; // of the engine, where nobody else may render
   private slow_s = 0;
+  private told_s = 0; // time of the last part that was told
   private leaps = 0;
   private moved_ms?: number; // time of a move that nothing was told of yet
   private mark?: { move?: number; sample?: number; moved_ms: number }; // what ends the measurement of a move
@@ -208,9 +209,17 @@ export class Player {
       this.load = report.load;
       this.watch(report.load, elapsed_s);
       if (report.ended) this.onend();
-      if (this.playing) this.onpart(this.time_s, this.request(this.time_s).pose);
+      if (this.playing) this.tellPart(this.request(this.time_s).pose);
     } else if (this.wanted !== null && this.playing) this.request(this.time_s);
     void this.pump();
+  }
+
+  /** As often as the server's parts are told. */
+  private tellPart(pose: Pose): void {
+    const elapsed_s = this.time_s - this.told_s;
+    if (elapsed_s >= 0 && elapsed_s < PART_S) return;
+    this.told_s = this.time_s;
+    this.onpart(this.time_s, pose);
   }
 
   private watch(load: number, elapsed_s: number): void {
