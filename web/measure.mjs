@@ -1,4 +1,5 @@
-// Measures the time from a drag until its sound begins to change, and the load of the server, for each method.
+// Measures the time from a drag until its sound begins to change, and the load, for each method: rendered by the server, and by
+// the page's engine where the program has one.
 // Usage: node web/measure.mjs EARPOINT_SERVE_ARGUMENT...    One JSON object a line.
 import { dragTo, openBrowser, openPage, settle, startProgram, until } from './test/harness.mjs';
 
@@ -6,11 +7,12 @@ const DRAGS = 20;
 const browser = await openBrowser();
 const program = await startProgram('serve', ...process.argv.slice(2), '--quiet');
 const at = (sorted, share) => sorted[Math.min(sorted.length - 1, Math.floor(share * sorted.length))];
-try {
-  const { page } = await openPage(browser, program.address);
+
+async function measure(engine, methods) {
+  const { page } = await openPage(browser, program.address, { engine });
   await page.click('#play');
   await until(page, () => window.earpoint.player?.playing);
-  for (const method of ['gtf', 'dsp', 'vigas']) {
+  for (const method of methods) {
     await page.click(`[data-method=${method}]`);
     await settle(page);
     const latencies_ms = [];
@@ -23,10 +25,17 @@ try {
     latencies_ms.sort((a, b) => a - b);
     const load = await page.evaluate(() => window.earpoint.player.load);
     console.log(JSON.stringify({
-      method, drags: DRAGS, median_ms: Math.round(at(latencies_ms, 0.5)), p95_ms: Math.round(at(latencies_ms, 0.95)),
+      method: engine === 'browser' ? `${method}, in the browser` : method, drags: DRAGS, median_ms: Math.round(at(latencies_ms, 0.5)), p95_ms: Math.round(at(latencies_ms, 0.95)),
       real_time_share: Number(load.toFixed(3)),
     }));
   }
+  await page.close();
+}
+
+try {
+  await measure('server', ['gtf', 'dsp', 'vigas']);
+  const { has_engine } = await (await fetch(new URL('/api/clips', program.address))).json();
+  if (has_engine) await measure('browser', ['gtf', 'dsp']);
 } finally {
   await browser.close();
   await program.stop();

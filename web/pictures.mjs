@@ -12,7 +12,9 @@ try {
     ['page-dark', { width: 1240, height: 1060 }, 'dark'],
     ['page-phone', { width: 390, height: 844 }, 'light'],
   ]) {
-    const { page } = await openPage(browser, program.address, { viewport, colorScheme, deviceScaleFactor: 1 });
+    const { page } = await openPage(browser, program.address, {
+      engine: null, viewport, colorScheme, deviceScaleFactor: 1,
+    });
     await page.click('#play');
     await page.waitForTimeout(2000);
     await page.evaluate(() => window.earpoint.map.turn(-30));

@@ -40,6 +40,9 @@ Examples:
   # a network of your own beside the shipped ones
   earpoint serve clip.mp4 --model runs/mine/best.safetensors
 
+If this program was built with the engine for browsers, gtf, dsp and the recording are rendered in the
+browser, and the rest by this program; ?engine=server or ?engine=browser in the address forces either.
+
 Only this computer can open the page, unless --host is given; the address then contains a token that
 listeners need. Stop with Ctrl-C.)";
 
@@ -167,7 +170,7 @@ void add_serve_command(CLI::App& app) {
       ->allow_extra_args(false);
   add_page_options(*command, arguments->address);
   command
-      ->add_option("--listeners", arguments->listeners, "Maximum number of pages that play at once")
+      ->add_option("--listeners", arguments->listeners, "Maximum number of pages that this program renders for at once")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
   command->add_flag("--no-uploads", arguments->no_uploads,

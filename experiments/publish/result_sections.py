@@ -156,7 +156,8 @@ SPEED = Page("speed-and-memory", "Speed, memory and exactness", "Timings on anot
     Section("The page of earpoint serve: from a move to its sound", "page_latency.jsonl", page_table,
             "`web/measure.mjs`: moves on the map in a headless Chromium while the bundled clip plays; from the last "
             "movement to the first part of the sound that was rendered for it, including the 90 ms that the page keeps "
-            "ready. The target is 200 ms on two cores. The share of real time is the server's, with request and response."),
+            "ready of the server's sound. The target is 200 ms on two cores. The share of real time is the server's, with "
+            "request and response; in the browser it is the engine's."),
     Section("Load on the server of earpoint serve", "serve_load.jsonl", load_table,
             "`experiments/stress/serve_load.py`: wrk on one thread beside the server. A part is 43 ms of sound for a "
             "listener who has moved; parts of one listener are made one after the other. Poses are posted until there are "

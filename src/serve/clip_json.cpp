@@ -34,6 +34,8 @@ json methods_of(const ServedClip& clip, std::span<const ListenMethod> methods) {
     json entry{{"name", method.name}};
     const std::string missing = missing_for(method, clip);
     if (!missing.empty()) entry["missing"] = missing;
+    if (method.model == "input") entry["browser"] = "recording";
+    if (method.engine_model) entry["browser"] = "model";
     list.push_back(std::move(entry));
   }
   if (!clip.places.empty()) list.push_back({{"name", kTruthName}});
@@ -96,6 +98,9 @@ json json_of(const ServedClip& clip, std::span<const ListenMethod> methods) {
                            {"heading_deg", degrees_from_radians(clip.speaker->heading_rad)},
                            {"spread_deg", degrees_from_radians(clip.speaker->spread_rad)}};
   }
+  // What a page's own engine is told, as the server's methods are.
+  if (clip.speaker_box) document["speaker_box"] = json_of(*clip.speaker_box);
+  if (clip.speaker_m) document["speaker_m"] = json_of(*clip.speaker_m);
   if (clip.map) {
     document["map"] = {{"camera_px", {clip.map->camera_x, clip.map->camera_y}},
                        {"pixels_per_metre", clip.map->pixels_per_metre}};

@@ -9,8 +9,10 @@
 #include <cstring>
 #include <fstream>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -33,6 +35,7 @@ using nlohmann::json;
 
 constexpr std::size_t kMostBody = 4096;                   // of a request, bytes
 constexpr std::size_t kMostWalk = std::size_t{4} << 20U;  // 20 minutes are 1.5 MB
+constexpr std::size_t kBlock = 65536;                     // of an answer, bytes sent at once
 constexpr std::chrono::seconds kLongestBody{30};
 constexpr std::chrono::seconds kLongestUpload{300};
 constexpr const char* kOneClip = "/api/clips/([0-9a-z-]{1,64})";
@@ -79,6 +82,17 @@ void send_file(const std::filesystem::path& path, const char* type, Response& re
       });
 }
 
+/// Sends memory block by block, without a copy of all of it. @param owner  keeps it until then
+void send_bytes(std::span<const std::byte> bytes, const std::shared_ptr<const void>& owner,
+                Response& response) {
+  response.set_content_provider(
+      bytes.size(), "application/octet-stream",
+      [bytes, owner](std::size_t offset, std::size_t length, httplib::DataSink& sink) {
+        return sink.write(reinterpret_cast<const char*>(bytes.data()) + offset,
+                          std::min(length, kBlock));
+      });
+}
+
 }  // namespace
 
 struct ClipServer::State {
@@ -87,8 +101,11 @@ struct ClipServer::State {
         methods(methods_in),
         options(std::move(options_in)),
         listeners(methods, static_cast<std::size_t>(options.most_listeners)),
-        pages({.address = options.address, .most_body = options.most_upload_bytes}),
+        pages({.address = options.address,
+               .most_body = options.most_upload_bytes,
+               .compiles_wasm = has_engine()}),
         server(pages.routes()) {
+    route_engine();
     route_pages();
     route_clips();
     route_listeners();
@@ -101,7 +118,8 @@ struct ClipServer::State {
   void route_pages() {
     server.Get("/api/clips", [this](const Request&, Response& response) {
       json document{{"clips", json::array()},
-                    {"most_upload_bytes", options.open_upload ? options.most_upload_bytes : 0}};
+                    {"most_upload_bytes", options.open_upload ? options.most_upload_bytes : 0},
+                    {"has_engine", has_engine()}};
       for (const auto& [id, name] : library.list()) {
         document["clips"].push_back({{"id", id}, {"name", name}});
       }
@@ -122,6 +140,24 @@ struct ClipServer::State {
       });
     });
     pages.route_page(page_bytes());
+  }
+
+  /// What a page needs that renders by itself.
+  void route_engine() {
+    server.Get(std::string(kOneClip) + "/sound",
+               [this](const Request& request, Response& response) {
+                 with_clip(request.matches[1], response, [&](const auto& clip) {
+                   send_bytes(std::as_bytes(clip->sound.planar()), clip, response);
+                 });
+               });
+    server.Get("/api/model", [this](const Request& request, Response& response) {
+      const auto method =
+          std::ranges::find(methods, request.get_param_value("method"), &ListenMethod::name);
+      if (method == methods.end() || !method->engine_model) {
+        return refuse(response, 404, "there is no method of that name for browsers");
+      }
+      send_bytes(*method->engine_model, method->engine_model, response);
+    });
   }
 
   void route_clips() {
@@ -272,5 +308,10 @@ void ClipServer::run() { state_->pages.run(); }
 void ClipServer::stop() { state_->pages.stop(); }
 
 bool has_page() { return !page_bytes().empty(); }
+
+bool has_engine() {
+  const auto files = page_bytes();
+  return std::ranges::find(files, kEngineFile, &PageBytes::name) != files.end();
+}
 
 }  // namespace earpoint

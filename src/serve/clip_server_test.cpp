@@ -1,6 +1,9 @@
 #include "test_clip.h"
 
 #include <cstring>
+#include <fstream>
+#include <iterator>
+#include <span>
 #include <string>
 #include <thread>
 #include <vector>
@@ -11,7 +14,10 @@
 #include <nlohmann/json.hpp>
 
 #include <earpoint/error.h>
+#include <earpoint/render/head_file.h>
 #include <earpoint/serve/clip_server.h>
+#include <earpoint/spatial/sofa_file.h>
+#include <earpoint/weights/safetensors.h>
 
 namespace earpoint {
 namespace {
@@ -45,6 +51,7 @@ class ClipServerTest : public testing::Test {
     static ClipLibrary library;
     if (library.list().empty()) {
       library.add("clip", "clip.mp4", [] { return *bundled_clip(); });
+      library.add("told", "clip.mp4, told", [] { return *told_clip(); });
     }
     return library;
   }
@@ -90,6 +97,55 @@ TEST_F(ClipServerTest, SendsTheSoundThatAListenerAsksFor) {
     EXPECT_EQ(samples[2 * i], sound.channel(0)[9000 + i]);
     EXPECT_EQ(samples[2 * i + 1], sound.channel(1)[9000 + i]);
   }
+}
+
+TEST_F(ClipServerTest, SendsAllOfTheRecordingForPagesThatRender) {
+  const auto answer = client_->Get("/api/clips/clip/sound");
+  ASSERT_TRUE(answer);
+  ASSERT_EQ(answer->status, 200);
+  const Waveform& sound = bundled_clip()->sound;
+  ASSERT_EQ(answer->body.size(), sound.planar().size_bytes());
+  EXPECT_EQ(std::memcmp(answer->body.data(), sound.planar().data(), answer->body.size()), 0);
+  EXPECT_EQ(client_->Get("/api/clips/other/sound")->status, 404);
+}
+
+TEST_F(ClipServerTest, SendsWhatAPagesEngineOpensForAMethod) {
+  const auto bytes_of = [&](const std::string& method) {
+    const auto answer = client_->Get("/api/model?method=" + method);
+    return answer && answer->status == 200 ? answer->body : std::string();
+  };
+  const std::string network = bytes_of("gtf");
+  std::ifstream file(EARPOINT_SOURCE_DIR "/models/gtf.safetensors", std::ios::binary);
+  EXPECT_EQ(network, std::string(std::istreambuf_iterator<char>(file), {}));
+  const std::string head = bytes_of("dsp");
+  const SafetensorsFile parsed = parse_safetensors(std::as_bytes(std::span(head)), "head");
+  ASSERT_TRUE(is_head_file(parsed));
+  EXPECT_EQ(read_head_file(parsed, "head").responses, read_sofa(default_hrtf_path()).responses);
+  // The recording needs nothing, and the engine cannot run the others. Nothing is read by its path.
+  for (const char* method :
+       {"input", "vigas", "magic", "", "..%2fgtf", "%2fetc%2fpasswd", "models%2fgtf.safetensors"}) {
+    EXPECT_EQ(client_->Get(std::string("/api/model?method=") + method)->status, 404) << method;
+  }
+}
+
+TEST_F(ClipServerTest, TellsPagesWhatTheyCanRender) {
+  const json clip = json::parse(client_->Get("/api/clips/clip")->body);
+  EXPECT_EQ(clip["methods"][0]["browser"], "recording");
+  EXPECT_EQ(clip["methods"][1]["browser"], "model");
+  EXPECT_EQ(clip["methods"][2]["browser"], "model");
+  EXPECT_FALSE(clip["methods"][3].contains("browser"));
+  // Only what the user or the data set has told; found speakers are for the eye alone.
+  EXPECT_FALSE(clip.contains("speaker_m"));
+  EXPECT_FALSE(clip.contains("speaker_box"));
+  const json told = json::parse(client_->Get("/api/clips/told")->body);
+  EXPECT_EQ(told["speaker_m"], json({1.89, 0.196, 0.147}));
+  EXPECT_EQ(told["speaker_box"], json({0.383, 0.348, 0.513, 1.0}));
+  EXPECT_EQ(json::parse(client_->Get("/api/clips")->body)["has_engine"], has_engine());
+  EXPECT_EQ(client_->Get("/engine.wasm")->status, has_engine() ? 200 : 404);
+  // WebAssembly may be compiled where there is some to compile; text never.
+  const std::string policy = client_->Get("/")->get_header_value("Content-Security-Policy");
+  EXPECT_EQ(policy.find("'wasm-unsafe-eval'") != std::string::npos, has_engine()) << policy;
+  EXPECT_EQ(policy.find("'unsafe-eval'"), std::string::npos) << policy;
 }
 
 TEST_F(ClipServerTest, RefusesBadRequestsInALineAndGoesOn) {

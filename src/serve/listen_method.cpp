@@ -6,9 +6,11 @@
 
 #include <fmt/format.h>
 
+#include <earpoint/core/file.h>
 #include <earpoint/error.h>
 #include <earpoint/network/model_names.h>
 #include <earpoint/network/network_kind.h>
+#include <earpoint/render/head_file.h>
 #include <earpoint/render/make_synthesizer.h>
 #include <earpoint/spatial/sofa_file.h>
 #include <earpoint/weights/safetensors.h>
@@ -21,9 +23,12 @@ namespace fs = std::filesystem;
 ListenMethod network(std::string name, const std::string& file) {
   ListenMethod method{.name = std::move(name), .model = file};
   if (!fs::exists(file)) throw InputError("methods " + file, "there is no such file");
-  SafetensorsFile weights = read_safetensors(file);
+  // The bytes are kept: a training run may replace the file while it is served.
+  std::vector<std::byte> bytes = read_file(file);
+  SafetensorsFile weights = parse_safetensors(bytes, file);
   if (network_kind(weights, file) == NetworkKind::gtf) {
     method.gtf = std::make_shared<const GtfWeights>(gtf_weights(std::move(weights), file));
+    method.engine_model = std::make_shared<const std::vector<std::byte>>(std::move(bytes));
   } else {
     // A bad file is found before anything is served.
     method.needs_box = make_synthesizer(file, {})->picture_use() == PictureUse::always;
@@ -35,7 +40,10 @@ ListenMethod method_of(const std::string& word) {
   if (word == "input") return {.name = word, .model = word};
   if (word == "dsp") {
     (void)make_synthesizer(word, {});
-    return {.name = word, .model = word, .needs_speaker = true};
+    const fs::path head = default_hrtf_path();
+    const auto file = std::make_shared<const std::vector<std::byte>>(
+        serialize_safetensors(to_head_file(read_sofa(head)), head.string()));
+    return {.name = word, .model = word, .engine_model = file, .needs_speaker = true};
   }
   if (const auto equals = word.find('='); equals != std::string::npos) {
     if (equals == 0 || equals + 1 == word.size() || word.substr(0, equals) == kTruthName) {

@@ -60,6 +60,7 @@ const char* type_of(std::string_view name) {
   if (name.ends_with(".html")) return "text/html; charset=utf-8";
   if (name.ends_with(".js")) return "text/javascript; charset=utf-8";
   if (name.ends_with(".css")) return "text/css; charset=utf-8";
+  if (name.ends_with(".wasm")) return "application/wasm";
   return "application/octet-stream";
 }
 
@@ -105,7 +106,8 @@ struct PageServer::State {
          {"X-Content-Type-Options", "nosniff"},
          {"Referrer-Policy", "no-referrer"},
          {"Content-Security-Policy",
-          "default-src 'self'; img-src 'self' data:; frame-ancestors 'none'"}});
+          fmt::format("default-src 'self'; {}img-src 'self' data:; frame-ancestors 'none'",
+                      options.compiles_wasm ? "script-src 'self' 'wasm-unsafe-eval'; " : "")}});
     server.set_pre_routing_handler([this](const Request& request, Response& response) {
       return admit(request, response) ? httplib::Server::HandlerResponse::Unhandled
                                       : httplib::Server::HandlerResponse::Handled;

@@ -105,6 +105,9 @@ TEST(ServerSafety, AnswersOthersOnlyWithTheToken) {
   httplib::Client client = server.client();
   EXPECT_EQ(client.Get("/api/clips")->status, 401);
   EXPECT_EQ(client.Get("/")->status, 401);
+  EXPECT_EQ(client.Get("/api/clips/clip/sound")->status, 401);
+  EXPECT_EQ(client.Get("/api/model?method=gtf")->status, 401);
+  EXPECT_EQ(client.Get("/engine.wasm")->status, 401);
   EXPECT_EQ(client.Get("/?token=" + std::string(32, 'b'))->status, 401);
   EXPECT_EQ(client.Post("/api/listeners", R"({"clip": "clip"})", "application/json")->status, 401);
   const auto first = client.Get("/?token=" + token);
@@ -212,9 +215,10 @@ TEST(ServerSafety, GoesOnAfterStreamsThatAreBrokenOff) {
 TEST(ServerSafety, ReadsNoFilesByTheirPaths) {
   RunningServer server({});
   httplib::Client client = server.client();
-  for (const char* path : {"/../CMakeLists.txt", "/%2e%2e/%2e%2e/etc/passwd", "/etc/passwd",
-                           "//app.js", "/api/clips/../clip", "/api/clips/%2e%2e%2fclip",
-                           "/api/clips/clip/../../x", "/api/clips/clip%00"}) {
+  for (const char* path :
+       {"/../CMakeLists.txt", "/%2e%2e/%2e%2e/etc/passwd", "/etc/passwd", "//app.js",
+        "/api/clips/../clip", "/api/clips/%2e%2e%2fclip", "/api/clips/clip/../../x",
+        "/api/clips/clip%00", "/api/clips/../sound", "/api/model?method=%2fetc%2fpasswd"}) {
     const auto answer = client.Get(path);
     EXPECT_TRUE(!answer || answer->status >= 400) << path;
   }
@@ -236,6 +240,18 @@ TEST(ServerSafety, RefusesOtherMethodsFormsAndLargeBodies) {
   expect_answers(server);
 }
 
+TEST(ServerSafety, GoesOnAfterDownloadsThatAreBrokenOff) {
+  RunningServer server({});
+  for (int i = 0; i < 20; ++i) {
+    const RawConnection connection(server.port());
+    connection.say(fmt::format("GET {} HTTP/1.1\r\nHost: localhost\r\n\r\n",
+                               i % 2 == 0 ? "/api/clips/clip/sound" : "/api/model?method=gtf"));
+  }
+  const auto answer = server.client().Get("/api/clips/clip/sound");
+  ASSERT_TRUE(answer);
+  EXPECT_EQ(answer->body.size(), bundled_clip()->sound.planar().size_bytes());
+}
+
 TEST(ServerSafety, TakesUploadsAsTheOpenerDoes) {
   ServeOptions options{.most_upload_bytes = 1U << 20U};
   options.open_upload = [](const std::filesystem::path& file, const std::string& name) {
@@ -251,6 +267,7 @@ TEST(ServerSafety, TakesUploadsAsTheOpenerDoes) {
   ASSERT_EQ(taken->status, 200) << taken->body;
   const std::string id = json::parse(taken->body)["clip"];
   EXPECT_EQ(json::parse(client.Get("/api/clips/" + id)->body)["name"], "m\u00fcll.mp4");
+  EXPECT_EQ(client.Get("/api/clips/" + id + "/sound")->body.size(), 8U * 16000U);
   const auto refused = client.Post("/api/clips?name=a.exe", "MZ", "video/mp4");
   EXPECT_EQ(refused->status, 400);
   EXPECT_EQ(json::parse(refused->body)["error"], "a.exe: is not a movie");

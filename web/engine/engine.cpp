@@ -1,8 +1,6 @@
 // What a page's script calls: live streams behind plain functions, for WebAssembly.
 // web/engine/src/engine.ts is the other side. Nothing is thrown across: a function that fails gives
 // null or a status, and earpoint_error() says why.
-#include "head_file.h"
-
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -21,6 +19,7 @@
 #include <earpoint/image.h>
 #include <earpoint/pose.h>
 #include <earpoint/render/dsp_stream.h>
+#include <earpoint/render/head_file.h>
 #include <earpoint/render/render_stream.h>
 #include <earpoint/render/stream_rates.h>
 #include <earpoint/spatial/hrtf.h>

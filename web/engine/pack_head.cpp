@@ -1,13 +1,11 @@
-// Writes the head-related impulse responses of a SOFA file as a head file for the engine
-// (head_file.h).
+// Writes the head-related impulse responses of a SOFA file as a head file for the engine.
 //
 // usage: engine_pack_head OUT.safetensors [HEAD.sofa]      by default the set that `--model dsp`
 // uses
-#include "head_file.h"
-
 #include <cstdio>
 #include <exception>
 
+#include <earpoint/render/head_file.h>
 #include <earpoint/spatial/sofa_file.h>
 #include <earpoint/weights/safetensors.h>
 

@@ -8,10 +8,15 @@ export interface Clip {
   has_picture: boolean;
   has_movie: boolean;
   fov_deg: number;
-  methods: { name: string; missing?: string }[];
+  /** `browser`: what the page's own engine needs for it; without it only the server renders the method. */
+  methods: { name: string; missing?: string; browser?: 'recording' | 'model' }[];
   warnings: string[];
   people: { box: [number, number, number, number]; speaks: boolean }[];
   places: { name: string; position_m: [number, number, number]; yaw_deg: number }[];
+  /** What methods are told: where the speaker is seen in the picture, and where their mouth is. */
+  speaker_box?: [number, number, number, number];
+  speaker_m?: [number, number, number];
+  /** What is shown: told or found. */
   speaker?: { position_m: [number, number, number]; told: boolean; heading_deg: number; spread_deg: number };
   map?: { camera_px: [number, number]; pixels_per_metre: number };
   plan?: { rooms: [number, number][][]; doors: [number, number][][] };
@@ -20,6 +25,7 @@ export interface Clip {
 export interface ClipList {
   clips: { id: string; name: string }[];
   most_upload_bytes: number;
+  has_engine: boolean;
 }
 
 /** Pose of the listener's head: metres in the source camera's frame; a positive yaw turns left. */
@@ -62,6 +68,26 @@ export async function fetchClip(id: string): Promise<Clip> {
 /** Uploads a recording. @returns the id of its clip */
 export async function sendClip(file: File): Promise<string> {
   return (await (await post(`/api/clips?name=${encodeURIComponent(file.name)}`, file)).json()).clip;
+}
+
+/** All of the recording: left and right ear. */
+export async function fetchRecording(clip: string): Promise<Float32Array[]> {
+  const both = new Float32Array(await (await checked(await fetch(`/api/clips/${clip}/sound`))).arrayBuffer());
+  return [both.slice(0, both.length / 2), both.slice(both.length / 2)];
+}
+
+/** What the engine opens for a method. */
+export async function fetchModel(method: string): Promise<Uint8Array> {
+  const response = await checked(await fetch(`/api/model?method=${encodeURIComponent(method)}`));
+  return new Uint8Array(await response.arrayBuffer());
+}
+
+export async function fetchEngine(): Promise<ArrayBuffer> {
+  return (await checked(await fetch('/engine.wasm'))).arrayBuffer();
+}
+
+export async function fetchPicture(clip: string): Promise<Blob> {
+  return (await checked(await fetch(`/api/clips/${clip}/picture`))).blob();
 }
 
 export async function joinAsListener(clip: string): Promise<string> {

@@ -1,5 +1,6 @@
 import { Clip, Pose, fetchClip, fetchClips, renderWalk } from './api';
 import { element, showChoice, showClip, tell } from './clip_view';
+import { EngineChoice, chooseEngine } from './engine_files';
 import { SceneMap } from './map';
 import { Player } from './player';
 import { Scope } from './scope';
@@ -38,7 +39,7 @@ class Page {
   private readonly height = element<HTMLInputElement>('height');
   private readonly match = element<HTMLInputElement>('match');
 
-  constructor(private readonly clip: Clip) {
+  constructor(private readonly clip: Clip, private readonly engine: EngineChoice) {
     this.walk = new Walk(clip.duration_s);
     this.map = new SceneMap(element('map'), clip);
     Object.assign(window, { earpoint: this }); // for tests and for the curious
@@ -101,7 +102,7 @@ class Page {
 
   private async open(): Promise<Player> {
     if (this.player) return this.player;
-    const player = await Player.open(this.clip);
+    const player = await Player.open(this.clip, this.engine);
     player.wish = (time_s) => ({
       pose: this.mode === 'replaying' ? this.follow(time_s) : this.map.pose,
       method: this.method,
@@ -190,7 +191,7 @@ class Page {
   }
 
   private moved(): void {
-    this.player?.moved();
+    this.player?.moved(this.map.pose);
     const { x, y, z, yaw_deg } = this.map.pose;
     const way = (value: number, more: string, less: string) =>
       `${Math.abs(value).toFixed(1)} m ${value < 0 ? less : more}`;
@@ -212,14 +213,17 @@ class Page {
     element('time-text').textContent = `${player.time_s.toFixed(1)} s`;
     const heard = player.latency_s;
     const latency = heard === undefined ? '' : `, ${(1000 * heard).toFixed(0)} ms from move to sound`;
-    element('speed').textContent = `${(100 * player.load).toFixed(0)} % of real time${latency}`;
+    const why = player.whyServer && ` (${player.whyServer})`;
+    const where = player.isInBrowser ? 'in this browser' : `by the server${why}`;
+    element('speed').textContent = `${(100 * player.load).toFixed(0)} % of real time${latency}, ${where}`;
     if (player.playing) this.scope?.draw();
   }
 }
 
 async function start(): Promise<void> {
   const list = await fetchClips();
-  const chosen = new URLSearchParams(location.search).get('clip') ?? list.clips[0]?.id;
+  const query = new URLSearchParams(location.search);
+  const chosen = query.get('clip') ?? list.clips[0]?.id;
   showChoice(list, chosen);
   if (chosen === undefined) {
     element('name').textContent = 'Drop a video or a sound file here, or open one.';
@@ -227,7 +231,7 @@ async function start(): Promise<void> {
   }
   const clip = await fetchClip(chosen);
   showClip(clip);
-  new Page(clip);
+  new Page(clip, chooseEngine(clip, list, query.get('engine')));
 }
 
 start().catch((error: Error) => tell(error.message));

@@ -43,7 +43,12 @@ export function showClip(clip: Clip): void {
   }
 }
 
-const go = (clip: string) => location.assign(`/?clip=${encodeURIComponent(clip)}`);
+/** Opens another clip, rendered as the address has it for this one. */
+function go(clip: string): void {
+  const query = new URLSearchParams(location.search);
+  query.set('clip', clip);
+  location.assign(`/?${query}`);
+}
 
 /** Shows the list of clips and, if the server accepts files, the control that opens one. */
 export function showChoice(list: ClipList, chosen: string | undefined): void {

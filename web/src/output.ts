@@ -1,49 +1,44 @@
-import { SampleQueue } from './queue';
+import { Order, Playback, Report } from './playback';
 
 const SCRIPT_SAMPLES = 1024; // that the page's main thread supplies at once
 
-/** Plays sound, left and right interleaved. */
+/** Plays a clip. */
 export interface Output {
   readonly node: AudioNode;
-  /** Called with the number of samples that were played so far. */
-  onplayed: (samples: number) => void;
-  push(part: Float32Array): void;
-  clear(): void;
+  onreport: (report: Report) => void;
+  /** @param transfer  memory that is handed over and not copied */
+  send(order: Order, transfer?: Transferable[]): void;
 }
 
-async function openWorklet(context: AudioContext): Promise<Output> {
+async function openWorklet(context: AudioContext, samples: number): Promise<Output> {
   await context.audioWorklet.addModule('worklet.js');
-  const node = new AudioWorkletNode(context, 'queue', { numberOfInputs: 0, outputChannelCount: [2] });
+  const node = new AudioWorkletNode(context, 'playback', {
+    numberOfInputs: 0, outputChannelCount: [2], processorOptions: { samples },
+  });
   const output: Output = {
     node,
-    onplayed: () => {},
-    push: (part) => node.port.postMessage(part, [part.buffer]),
-    clear: () => node.port.postMessage('clear'),
+    onreport: () => {},
+    send: (order, transfer = []) => node.port.postMessage(order, transfer),
   };
-  node.port.onmessage = (event) => output.onplayed(event.data as number);
+  node.port.onmessage = ({ data }: MessageEvent<Report>) => output.onreport(data);
   return output;
 }
 
-function openScript(context: AudioContext): Output {
-  const queue = new SampleQueue();
+function openScript(context: AudioContext, samples: number): Output {
+  const playback = new Playback(samples, context.sampleRate, (report) => output.onreport(report));
   const node = context.createScriptProcessor(SCRIPT_SAMPLES, 0, 2);
-  const output: Output = {
-    node, onplayed: () => {}, push: (part) => queue.push(part), clear: () => queue.clear(),
-  };
-  node.onaudioprocess = ({ outputBuffer }) => {
-    const before = queue.played;
-    queue.fill(outputBuffer.getChannelData(0), outputBuffer.getChannelData(1));
-    if (queue.played !== before) output.onplayed(queue.played);
-  };
+  const output: Output = { node, onreport: () => {}, send: (order) => playback.obey(order) };
+  node.onaudioprocess = ({ outputBuffer }) =>
+    playback.fill(outputBuffer.getChannelData(0), outputBuffer.getChannelData(1));
   return output;
 }
 
 /**
- * Connects an output to the context's destination. Browsers have worklets only on pages of this computer or by HTTPS:
- * with `--host`, the page's main thread supplies the sound.
+ * Connects the output of a clip with so many samples to the context's destination. Browsers have worklets only on pages
+ * of this computer or by HTTPS: with `--host`, the page's main thread supplies the sound.
  */
-export async function openOutput(context: AudioContext): Promise<Output> {
-  const output = context.audioWorklet ? await openWorklet(context) : openScript(context);
+export async function openOutput(context: AudioContext, samples: number): Promise<Output> {
+  const output = await (context.audioWorklet ? openWorklet(context, samples) : openScript(context, samples));
   output.node.connect(context.destination);
   return output;
 }

@@ -1,14 +1,10 @@
 import { Pose } from './api';
+import { onTheWay } from './motion';
 
 /** The listener's pose at a time of the clip. */
 export interface Step extends Pose {
   time_s: number;
 }
-
-const between = (a: number, b: number, share: number) => a + share * (b - a);
-
-/** The shorter way round from one heading to another. */
-const turn = (from_deg: number, to_deg: number) => ((to_deg - from_deg + 540) % 360) - 180;
 
 /** A walk through a clip from its beginning to its end. */
 export class Walk {
@@ -32,12 +28,7 @@ export class Walk {
     if (after === 0) return this.steps[0];
     const [a, b] = [this.steps[after - 1], this.steps[after]];
     const share = (time_s - a.time_s) / (b.time_s - a.time_s);
-    return {
-      x: between(a.x, b.x, share),
-      y: between(a.y, b.y, share),
-      z: between(a.z, b.z, share),
-      yaw_deg: a.yaw_deg + share * turn(a.yaw_deg, b.yaw_deg),
-    };
+    return onTheWay(a, b, share);
   }
 
   /** For `earpoint render --path`. Covers the whole clip: the listener stands still before and after the steps. */

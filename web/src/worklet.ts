@@ -1,32 +1,26 @@
-import { SampleQueue } from './queue';
+import { Order, Playback } from './playback';
 
+declare const sampleRate: number;
 declare const registerProcessor: (name: string, processor: unknown) => void;
 declare class AudioWorkletProcessor {
   readonly port: MessagePort;
 }
 
-/** Plays what the page sends, and reports how much was played. */
-class Queue extends AudioWorkletProcessor {
-  private readonly queue = new SampleQueue();
-  private told = 0;
+/** Plays the clip, and reports how far it is. */
+class PlaybackProcessor extends AudioWorkletProcessor {
+  private readonly playback: Playback;
 
-  constructor() {
+  constructor({ processorOptions }: { processorOptions: { samples: number } }) {
     super();
-    this.port.onmessage = (event: MessageEvent) => {
-      if (event.data === 'clear') this.queue.clear();
-      else this.queue.push(event.data as Float32Array);
-    };
+    this.playback = new Playback(processorOptions.samples, sampleRate, (report) => this.port.postMessage(report));
+    this.port.onmessage = ({ data }: MessageEvent<Order>) => this.playback.obey(data);
   }
 
   process(_inputs: Float32Array[][], outputs: Float32Array[][]): boolean {
     const [left, right] = outputs[0];
-    this.queue.fill(left, right);
-    if (this.queue.played !== this.told) {
-      this.told = this.queue.played;
-      this.port.postMessage(this.told);
-    }
+    this.playback.fill(left, right);
     return true;
   }
 }
 
-registerProcessor('queue', Queue);
+registerProcessor('playback', PlaybackProcessor);

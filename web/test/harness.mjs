@@ -68,9 +68,18 @@ export async function runProgram(...args) {
   return output;
 }
 
-/** Opens a page and records the hosts that it contacts and its errors. */
-export async function openPage(browser, address, options = {}) {
+/** Who renders for pages of earpoint serve, unless a test says otherwise: `server` or `browser`, and nobody in their place. */
+export const ENGINE = process.env.EARPOINT_PAGE_ENGINE ?? 'server';
+
+/**
+ * Opens a page and records the hosts that it contacts and its errors. `engine` is whom the page's address asks to render;
+ * null: nobody in particular. `prepare` is called with the page before it is loaded.
+ */
+export async function openPage(browser, address, { engine = ENGINE, prepare = () => {}, ...options } = {}) {
   const page = await browser.newPage({ viewport: { width: 1280, height: 900 }, ...options });
+  await prepare(page);
+  const url = new URL(address);
+  if (engine !== null) url.searchParams.set('engine', engine);
   const hosts = new Set();
   const problems = [];
   page.on('request', (request) => {
@@ -81,7 +90,7 @@ export async function openPage(browser, address, options = {}) {
   page.on('console', (message) => {
     if (message.type() === 'error') problems.push(message.text());
   });
-  await page.goto(address);
+  await page.goto(url.href);
   await page.waitForSelector('#play:not([disabled])');
   return { page, hosts, problems };
 }
@@ -95,8 +104,9 @@ export async function until(page, isSo, argument) {
   }
 }
 
-/** Waits until everything that was rendered before now has been played, including fades. */
+/** Waits until the chosen method sounds, and everything that was rendered before has been played, including fades. */
 export async function settle(page) {
+  await until(page, () => window.earpoint.player.method === window.earpoint.method);
   const end = await page.evaluate(() => window.earpoint.player.sent + 0.2 * window.earpoint.clip.sample_rate_hz);
   await until(page, (sample) => window.earpoint.player.played >= sample, end);
 }

@@ -3,8 +3,6 @@
 // that comes out.
 //
 // usage: engine_reference MODEL EARPOINTS.json WALK.csv RATE_HZ FOLDER
-#include "../head_file.h"
-
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -27,6 +25,7 @@
 #include <earpoint/media/media.h>
 #include <earpoint/pose.h>
 #include <earpoint/render/dsp_stream.h>
+#include <earpoint/render/head_file.h>
 #include <earpoint/renderer.h>
 #include <earpoint/spatial/hrtf.h>
 #include <earpoint/stream.h>

@@ -27,11 +27,18 @@ struct ServeOptions {
 /// Serves the page on which one walks through clips, and the sound of its listeners:
 ///
 ///   GET  /                        the page and its files
-///   GET  /api/clips               {"clips": [{"id", "name"}], "most_upload_bytes"}; 0: no uploads
+///   GET  /engine.wasm             the engine for browsers, if has_engine()
+///   GET  /api/clips               {"clips": [{"id", "name"}], "most_upload_bytes", "has_engine"};
+///                                 0 bytes: no uploads
 ///   POST /api/clips?name=NAME     a movie or a sound file -> {"clip": id}
 ///   GET  /api/clips/ID            what there is to hear, as JSON
 ///   GET  /api/clips/ID/picture    PNG
 ///   GET  /api/clips/ID/map        PNG, from above
+///   GET  /api/clips/ID/sound      all of the recording: float32, first the left ear, then the
+///   right,
+///                                 little-endian
+///   GET  /api/model?method=NAME   what the engine opens for a method that is "browser": "model" in
+///                                 the clip's JSON
 ///   POST /api/clips/ID/walk?method=NAME&format=wav|mp4  CSV of a walk -> the rendered file
 ///   POST /api/listeners           {"clip": id} -> {"listener": name}; 503 if there is no room
 ///   POST /api/listeners/NAME/sound  {"start", "samples", "position_m", "yaw_deg", "pitch_deg",
@@ -62,5 +69,8 @@ class ClipServer {
 
 /// Whether this build holds the page: esbuild was there when it was configured.
 [[nodiscard]] bool has_page();
+
+/// Whether it holds the engine for browsers too: ./dev wasm had built it before.
+[[nodiscard]] bool has_engine();
 
 }  // namespace earpoint

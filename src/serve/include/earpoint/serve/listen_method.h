@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <span>
 #include <string>
@@ -15,6 +16,9 @@ struct ListenMethod {
   std::string model;  ///< what make_synthesizer() takes
   /// Where the model is a gtf network: it then renders hop by hop, as sound that arrives live.
   std::shared_ptr<const GtfWeights> gtf{};
+  /// What a page's own engine (web/engine) opens to render this method: the network's file, or of
+  /// `dsp` the head that the server uses, as a head file. Null: only the server renders it.
+  std::shared_ptr<const std::vector<std::byte>> engine_model{};
   bool needs_box = false;      ///< it must be told where the speaker is seen
   bool needs_speaker = false;  ///< it must be told where the speaker is, seen or known
 };

@@ -40,6 +40,7 @@ struct PageServerOptions {
   PageAddress address{};
   std::size_t most_body = 16384;  ///< of a request, bytes
   StreamLimits limits{};
+  bool compiles_wasm = false;  ///< the page may compile WebAssembly, and still no text
 };
 
 /// An HTTP server for the pages of this program and what they ask for. It answers only who may ask

@@ -1,4 +1,4 @@
-#include "head_file.h"
+#include <earpoint/render/head_file.h>
 
 #include <algorithm>
 #include <array>
