@@ -34,9 +34,8 @@ struct ServeOptions {
 ///   GET  /api/clips/ID            what there is to hear, as JSON
 ///   GET  /api/clips/ID/picture    PNG
 ///   GET  /api/clips/ID/map        PNG, from above
-///   GET  /api/clips/ID/sound      all of the recording: float32, first the left ear, then the
-///   right,
-///                                 little-endian
+///   GET  /api/clips/ID/sound      all of the recording: little-endian float32, the left ear, then
+///                                 the right one
 ///   GET  /api/model?method=NAME   what the engine opens for a method that is "browser": "model" in
 ///                                 the clip's JSON
 ///   POST /api/clips/ID/walk?method=NAME&format=wav|mp4  CSV of a walk -> the rendered file
