@@ -16,13 +16,17 @@ void to_rate(Waveform& wave, int rate_hz, const std::filesystem::path& path,
   wave = resample(wave, rate_hz);
 }
 
+nlohmann::ordered_json json_of(const MetricsReport& report) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::object();
+  for (const MetricsRow& row : report.rows) json[row.key] = row.value;
+  json.update(report.extra);
+  json["notes"] = report.notes;
+  return json;
+}
+
 void print_report(const MetricsReport& report, bool as_json) {
   if (as_json) {
-    nlohmann::ordered_json json = nlohmann::ordered_json::object();
-    for (const MetricsRow& row : report.rows) json[row.key] = row.value;
-    json.update(report.extra);
-    json["notes"] = report.notes;
-    fmt::print("{}\n", json_text(json));
+    fmt::print("{}\n", json_text(json_of(report)));
     return;
   }
   for (const MetricsRow& row : report.rows) {

@@ -27,6 +27,9 @@ struct MetricsReport {
 /// Brings a sound to the rate that its metrics are published at, and notes that.
 void to_rate(Waveform& wave, int rate_hz, const std::filesystem::path& path, MetricsReport& report);
 
+/// What `--json` prints of it: the rows, the extra keys, the notes.
+[[nodiscard]] nlohmann::ordered_json json_of(const MetricsReport& report);
+
 void print_report(const MetricsReport& report, bool as_json);
 
 }  // namespace earpoint

@@ -99,28 +99,36 @@ MetricsReport response_report(MetricConvention convention, const ResponsePair& p
   return report;
 }
 
-MetricsReport response_report(MetricConvention convention, const fs::path& reference,
-                              const fs::path& estimate, std::optional<double> length_s) {
+MetricsReport response_report(MetricConvention convention, Waveform reference,
+                              const std::string& reference_name, Waveform estimate,
+                              const std::string& estimate_name, std::optional<double> length_s) {
   MetricsReport resampled;
-  Waveform truth = read_sound(stored_input(reference));
-  Waveform found = read_sound(stored_input(estimate));
   if (convention == MetricConvention::raf || convention == MetricConvention::naf) {
-    const int rate_hz = convention_rate_hz(convention, truth.sample_rate_hz());
-    to_rate(truth, rate_hz, reference, resampled);
-    to_rate(found, rate_hz, estimate, resampled);
+    const int rate_hz = convention_rate_hz(convention, reference.sample_rate_hz());
+    to_rate(reference, rate_hz, reference_name, resampled);
+    to_rate(estimate, rate_hz, estimate_name, resampled);
   }
-  const std::ptrdiff_t shorter = std::min(truth.samples(), found.samples());
-  const fs::path ended = truth.samples() < found.samples() ? reference : estimate;
+  const std::ptrdiff_t shorter = std::min(reference.samples(), estimate.samples());
+  const std::string& ended =
+      reference.samples() < estimate.samples() ? reference_name : estimate_name;
   const ResponsePair pair =
-      response_pair(std::move(truth), reference.string(), std::move(found), estimate.string(),
+      response_pair(std::move(reference), reference_name, std::move(estimate), estimate_name,
                     length_s ? length_s : compared_length_s(convention));
   MetricsReport report = response_report(convention, pair);
   report.notes.insert(report.notes.begin(), resampled.notes.begin(), resampled.notes.end());
   if (shorter < pair.reference.samples()) {
-    report.notes.push_back(fmt::format("{} ends after {} of {} samples; zeros follow",
-                                       ended.string(), shorter, pair.reference.samples()));
+    report.notes.push_back(fmt::format("{} ends after {} of {} samples; zeros follow", ended,
+                                       shorter, pair.reference.samples()));
   }
   return report;
+}
+
+MetricsReport response_report(MetricConvention convention, const fs::path& reference,
+                              const fs::path& estimate, std::optional<double> length_s) {
+  Waveform truth = read_sound(stored_input(reference));
+  Waveform found = read_sound(stored_input(estimate));
+  return response_report(convention, std::move(truth), reference.string(), std::move(found),
+                         estimate.string(), length_s);
 }
 
 }  // namespace earpoint

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import re
 import warnings as python_warnings
@@ -133,27 +134,50 @@ def trace(scene: Scene | PathLike, source: Triple, listener: Triple, *, source_y
                       duration=duration, rays=rays, seed=seed, threads=threads)
 
 
-def metrics(reference: ArrayLike, estimate: ArrayLike, rate: int, *, variant: str = "vigas", sign_fix: bool = False,
+def metrics(reference: ArrayLike, estimate: ArrayLike, rate: int, *, convention: str = "paper", variant: str = "vigas",
+            length: float | None = None, sign_fix: bool = False,
             rt60_model: PathLike | None = None) -> dict[str, Any]:
-    """How an estimated binaural sound differs from the true one, with the keys of ``earpoint metrics --json``.
+    """How an estimated sound differs from the true one, with the keys and numbers of ``earpoint metrics --json``.
 
-    :param reference: float [2, samples], left ear first
-    :param estimate: of the same shape
-    :param rate: Hz; both are resampled to 16000 Hz, or 22050 Hz for ``rwavs``
-    :param variant: ``vigas``: mag, lre_db (dB; None if a left ear is silent), rte_s (seconds; None without an
-        estimator), stft_distance, l2, delay_samples; ``rwavs``: mag, env. Zero is best
+    :param reference: float [2, samples], left ear first; for conventions of impulse responses [channels, samples] or
+        [samples]
+    :param estimate: of the same shape; an impulse response may have another length
+    :param rate: Hz, of both. ``paper`` resamples to 16000 Hz, ``rwavs`` and ``naf`` to 22050 Hz, ``raf`` to 48000 Hz if
+        it is not 16000 Hz
+    :param convention: whose definitions; docs/metrics.md compares them, zero is best. Of binaural sounds ``paper``: mag,
+        lre_db (dB; None if a left ear is silent), rte_s (seconds; None without an estimator), stft_distance, l2,
+        delay_samples; ``rwavs``: mag, env. Of impulse responses ``raf``, ``naf``, ``avr``, ``iso``
+    :param variant: ``rwavs``: the same as that convention; ``vigas``: the convention decides
+    :param length: seconds of impulse responses to compare, from their first sample; None: 0.32 for ``raf``, 0.1 for
+        ``avr``, else all
     :param sign_fix: first negate one ear of an estimate in opposite phase, as the published evaluation does
     :param rt60_model: weight file of the estimator behind rte_s; None: the shipped one
-    :raises InputError: if one has not two channels, is empty or has NaN, or if lengths differ
+    :return: the metrics, None where one has no value; ``samples``, ``sample_rate_hz`` and ``notes``; more for ``raf``,
+        ``naf`` (t60_invalid) and ``iso`` (reference, estimate: octave by octave)
+    :raises InputError: if there is no such convention; if a sound is empty or has NaN; if binaural sounds have not two
+        channels, or lengths that differ; if the reference is no impulse response
     """
-    if variant == "rwavs":
-        return _earpoint.rwavs_metrics(np.asarray(reference), np.asarray(estimate), int(rate))
-    if variant != "vigas":
+    if variant not in ("vigas", "rwavs"):
         raise ValueError(f"variant: expected 'vigas' or 'rwavs', found {variant!r}")
+    if variant == "rwavs":
+        if convention not in ("paper", "rwavs"):
+            raise ValueError("variant: cannot be chosen with a convention; leave it out")
+        convention = "rwavs"
+    truth, found = np.asarray(reference), np.asarray(estimate)
+    if convention not in ("paper", "rwavs"):
+        if sign_fix or rt60_model is not None:
+            raise ValueError("sign_fix, rt60_model: apply to binaural sounds, not to impulse responses")
+        if length is not None and not 0.0 < length < math.inf:
+            raise ValueError(f"length: expected seconds above 0, found {length!r}")
+        return json.loads(_earpoint.response_metrics(truth, found, int(rate), convention, length))
+    if length is not None:
+        raise ValueError("length: applies only to conventions for impulse responses")
+    if convention == "rwavs":
+        return _earpoint.rwavs_metrics(truth, found, int(rate), bool(sign_fix))
     estimator = model_file("rt60" if rt60_model is None else rt60_model)
     if rt60_model is None and "rt60" not in models():
         estimator = None
-    return _earpoint.vigas_metrics(np.asarray(reference), np.asarray(estimate), int(rate), bool(sign_fix), estimator)
+    return _earpoint.vigas_metrics(truth, found, int(rate), bool(sign_fix), estimator)
 
 
 def locate(clip: PathLike, sound: PathLike | None = None, *, speaker_box: Sequence[float] | None = None,

@@ -54,7 +54,7 @@ Waveform waveform_of(const py::array& sound, int sample_rate_hz, const std::stri
         fmt::format("rate: expected a sample rate in Hz, found {}", sample_rate_hz));
   }
   check_samples(sound, name);
-  const auto samples = py::array_t<float, py::array::c_style | py::array::forcecast>::ensure(sound);
+  const auto samples = PlainSamples::ensure(sound);
   if (!samples) throw py::error_already_set();
   const py::ssize_t channels = sound.ndim() == 2 ? sound.shape(0) : 1;
   const py::ssize_t count = sound.shape(sound.ndim() - 1);

@@ -18,6 +18,11 @@ namespace earpoint::python {
 /// (shape, type) throws pybind11::value_error, which Python sees as ValueError, and says what was
 /// expected and what was found.
 
+/// Float32 in C's order, of any array of numbers: copied if it is anything else, or not aligned.
+using PlainSamples =
+    pybind11::array_t<float, pybind11::array::c_style | pybind11::array::forcecast |
+                                 pybind11::detail::npy_api::NPY_ARRAY_ALIGNED_>;
+
 /// What an array is, for messages: "float32 of shape (2, 480)".
 [[nodiscard]] std::string shape_text(const pybind11::array& array);
 

@@ -1,5 +1,7 @@
 #include "arrays.h"
 #include "bindings.h"
+#include "json_text.h"
+#include "response_report.h"
 
 #include <optional>
 #include <span>
@@ -10,6 +12,7 @@
 #include <pybind11/stl.h>
 
 #include <earpoint/audio/resample.h>
+#include <earpoint/evaluate/metric_convention.h>
 #include <earpoint/evaluate/metrics.h>
 #include <earpoint/evaluate/reverberation_error.h>
 #include <earpoint/rt60/weights.h>
@@ -46,16 +49,24 @@ void add_common(py::dict& result, const Pair& pair) {
   result["notes"] = pair.notes;
 }
 
+/// @return what was done
+const char* fix_sign_of(Pair& pair) {
+  switch (fix_sign(std::span(&pair.estimate, 1), std::span(&pair.reference, 1))) {
+    case SignFix::negated_left:
+      return "the sign fix negated the left ear";
+    case SignFix::negated_right:
+      return "the sign fix negated the right ear";
+    case SignFix::none:
+      break;
+  }
+  return "the sign fix changed nothing";
+}
+
 /// The keys of `earpoint metrics --json`, in its order.
 py::dict vigas_metrics(const py::array& reference, const py::array& estimate, int rate,
                        bool sign_fix, const std::optional<std::string>& rt60_model) {
   Pair pair = pair_of(reference, estimate, rate, kMetricRateHz);
-  if (sign_fix) {
-    const SignFix fix = fix_sign(std::span(&pair.estimate, 1), std::span(&pair.reference, 1));
-    pair.notes.append(fix == SignFix::none           ? "the sign fix changed nothing"
-                      : fix == SignFix::negated_left ? "the sign fix negated the left ear"
-                                                     : "the sign fix negated the right ear");
-  }
+  if (sign_fix) pair.notes.append(fix_sign_of(pair));
   std::optional<double> rte_s;
   const BinauralMetrics metrics = without_lock([&] {
     if (rt60_model) {
@@ -78,8 +89,9 @@ py::dict vigas_metrics(const py::array& reference, const py::array& estimate, in
   return result;
 }
 
-py::dict rwavs(const py::array& reference, const py::array& estimate, int rate) {
-  const Pair pair = pair_of(reference, estimate, rate, kRwavsRateHz);
+py::dict rwavs(const py::array& reference, const py::array& estimate, int rate, bool sign_fix) {
+  Pair pair = pair_of(reference, estimate, rate, kRwavsRateHz);
+  if (sign_fix) pair.notes.append(fix_sign_of(pair));
   const RwavsMetrics metrics =
       without_lock([&] { return rwavs_metrics(pair.reference, pair.estimate); });
   py::dict result;
@@ -89,11 +101,24 @@ py::dict rwavs(const py::array& reference, const py::array& estimate, int rate) 
   return result;
 }
 
+/// @return the JSON of `earpoint metrics --convention NAME --json`
+std::string response_metrics(const py::array& reference, const py::array& estimate, int rate,
+                             const std::string& convention_name, std::optional<double> length_s) {
+  const MetricConvention convention = convention_named(convention_name);
+  Waveform truth = waveform_of(reference, rate, "reference");
+  Waveform found = waveform_of(estimate, rate, "estimate");
+  return without_lock([&] {
+    return json_text(json_of(response_report(convention, std::move(truth), "reference",
+                                             std::move(found), "estimate", length_s)));
+  });
+}
+
 }  // namespace
 
 void bind_metrics(py::module_& module) {
   module.def("vigas_metrics", &vigas_metrics);
   module.def("rwavs_metrics", &rwavs);
+  module.def("response_metrics", &response_metrics);
 }
 
 }  // namespace earpoint::python

@@ -27,6 +27,7 @@ using Samples = py::array_t<float>;
 /// the engine reads or writes it where it is.
 bool is_block(const py::array& block) {
   return py::isinstance<Samples>(block) && block.ndim() == 2 && block.shape(0) == 2 &&
+         (block.flags() & py::detail::npy_api::NPY_ARRAY_ALIGNED_) != 0 &&
          (block.shape(1) <= 1 || block.strides(1) == static_cast<py::ssize_t>(sizeof(float)));
 }
 
@@ -37,7 +38,7 @@ py::array readable(const py::array& block) {
     throw py::value_error("block: expected float32 of shape (2, samples), found " +
                           shape_text(block));
   }
-  auto copy = py::array_t<float, py::array::c_style | py::array::forcecast>::ensure(block);
+  auto copy = PlainSamples::ensure(block);
   if (!copy) throw py::error_already_set();
   return copy;
 }

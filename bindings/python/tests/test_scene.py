@@ -69,6 +69,12 @@ class TraceTest(unittest.TestCase):
         self.assertAlmostEqual(found.edt[0], t60, delta=0.06)
 
 
+def decaying(rate, t60, seed):
+    """Two channels of a second of noise that decays."""
+    noise = np.random.default_rng(seed).standard_normal((2, rate))
+    return (0.1 * noise * 10 ** (-3 * np.arange(rate) / rate / t60)).astype(np.float32)
+
+
 class MetricsTest(ClipCase):
     def test_has_the_keys_and_numbers_of_the_command_line(self):
         estimate = np.ascontiguousarray(0.7 * self.sound[::-1])
@@ -77,12 +83,44 @@ class MetricsTest(ClipCase):
         for variant in ("vigas", "rwavs"):
             theirs = json.loads(run("metrics", self.sound_file, file, "--json", "--variant", variant))
             ours = earpoint.metrics(self.sound, estimate, self.rate, variant=variant)
-            self.assertEqual(list(ours), list(theirs))
-            for name, value in theirs.items():
-                if name != "notes":  # they name files
-                    self.assertEqual(ours[name], value, name)
+            self.assert_same(ours, theirs)
             self.assertGreater(ours["mag"], 0)
-            self.assertEqual(len(ours["notes"]), len(theirs["notes"]))
+
+    def test_conventions_have_the_keys_and_numbers_of_the_command_line(self):
+        estimate = np.ascontiguousarray(0.7 * self.sound[::-1])
+        file = self.folder / "swapped.wav"
+        write_wav(file, estimate, self.rate)
+        for convention, options, flags in (("paper", {}, []), ("rwavs", {}, []),
+                                           ("rwavs", {"sign_fix": True}, ["--sign-fix"])):
+            theirs = json.loads(run("metrics", self.sound_file, file, "--json", "--convention", convention, *flags))
+            self.assert_same(earpoint.metrics(self.sound, estimate, self.rate, convention=convention, **options), theirs)
+
+    def test_conventions_of_responses_have_the_keys_and_numbers_of_the_command_line(self):
+        rate = 32000
+        reference, estimate = decaying(rate, 0.4, 1), decaying(rate, 0.5, 2)[:, :rate // 2]
+        files = self.folder / "reference.wav", self.folder / "short.wav"
+        for file, response in zip(files, (reference, estimate)):
+            write_wav(file, response, rate)
+        compared = {}
+        for convention in ("raf", "naf", "avr", "iso"):
+            for length in (None, 0.25, 0.75):
+                flags = [] if length is None else ["--length", length]
+                theirs = json.loads(run("metrics", *files, "--json", "--convention", convention, *flags))
+                ours = earpoint.metrics(reference, estimate, rate, convention=convention, length=length)
+                self.assert_same(ours, theirs)
+                compared[convention, length] = [value for value in ours.values() if isinstance(value, float)]
+        # Each has numbers, and others than the rest.
+        self.assertEqual(len(set(map(tuple, compared.values()))), len(compared))
+        self.assertTrue(all(compared.values()))
+        one = earpoint.metrics(reference[0], estimate[0], rate, convention="iso")
+        self.assertEqual(len(one["reference"]), 1)
+
+    def assert_same(self, ours, theirs):
+        self.assertEqual(list(ours), list(theirs))
+        for name, value in theirs.items():
+            if name != "notes":  # they name files
+                self.assertEqual(ours[name], value, name)
+        self.assertEqual(len(ours["notes"]), len(theirs["notes"]))
 
     def test_the_same_sound_has_no_error(self):
         ours = earpoint.metrics(self.sound, self.sound, self.rate)
@@ -95,6 +133,20 @@ class MetricsTest(ClipCase):
                 earpoint.metrics(self.sound, estimate, self.rate)
         with self.assertRaisesRegex(ValueError, "variant"):
             earpoint.metrics(self.sound, self.sound, self.rate, variant="other")
+        with self.assertRaisesRegex(earpoint.InputError, "convention"):
+            earpoint.metrics(self.sound, self.sound, self.rate, convention="other")
+        with self.assertRaisesRegex(ValueError, "variant"):
+            earpoint.metrics(self.sound, self.sound, self.rate, convention="iso", variant="rwavs")
+        with self.assertRaisesRegex(ValueError, "length"):
+            earpoint.metrics(self.sound, self.sound, self.rate, length=0.1)
+        response = decaying(16000, 0.4, 3)
+        for length in (0.0, -1.0, float("nan"), float("inf")):
+            with self.assertRaisesRegex(ValueError, "length"):
+                earpoint.metrics(response, response, 16000, convention="iso", length=length)
+        with self.assertRaisesRegex(ValueError, "sign_fix"):
+            earpoint.metrics(response, response, 16000, convention="iso", sign_fix=True)
+        with self.assertRaisesRegex(earpoint.InputError, "reference"):
+            earpoint.metrics(response[:, ::-1], response, 16000, convention="raf")
 
 
 class LocateTest(ClipCase):

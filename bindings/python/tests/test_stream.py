@@ -55,6 +55,16 @@ class StreamTest(ClipCase):
         for other in (np.ascontiguousarray(block.T).T, block.astype(np.float64)):
             self.assertTrue(np.array_equal(self.stream().process(other), expected))
 
+    def test_memory_that_is_not_aligned_is_copied_or_refused(self):
+        block = np.ascontiguousarray(self.sound[:, :4800])
+        memory = bytearray(1 + block.nbytes)
+        odd = np.frombuffer(memory, np.float32, offset=1).reshape(2, 4800)
+        odd[:] = block
+        self.assertFalse(odd.flags.aligned)
+        self.assertTrue(np.array_equal(self.stream().process(odd), self.stream().process(block)))
+        with self.assertRaisesRegex(ValueError, "out: expected float32"):
+            self.stream().process(block, odd)
+
     def test_moves_and_reset(self):
         stream = self.stream()
         block = np.ascontiguousarray(self.sound[:, :9600])
