@@ -170,7 +170,8 @@ void add_serve_command(CLI::App& app) {
       ->allow_extra_args(false);
   add_page_options(*command, arguments->address);
   command
-      ->add_option("--listeners", arguments->listeners, "Maximum number of pages that this program renders for at once")
+      ->add_option("--listeners", arguments->listeners,
+                   "Maximum number of pages that this program renders for at once")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
   command->add_flag("--no-uploads", arguments->no_uploads,

@@ -11,7 +11,7 @@ const FADE_S = 0.02; // from one voice to another
 const REPORT_S = 0.01;
 const LOAD_S = 0.5; // over which the load is measured
 const PATIENCE_S = 1; // how long the old voice may sound before the new one is ready
-const CATCH_UP = 3; // times as fast as it sounds: how a voice warms up beside another
+const CATCH_UP = 4; // times as fast as it sounds: how a voice warms up beside another
 const IN_SILENCE_S = 0.05; // what is warmed up at once while nothing sounds
 
 /** What the engine is told of a clip. */
