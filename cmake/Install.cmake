@@ -63,6 +63,8 @@ earpoint_add_component(lab OUTPUT earpoint_lab REQUIRES renderer
 if(BUILD_SHARED_LIBS)
   # Symbols of lower modules that the renderer's shared library hides.
   target_link_libraries(earpoint_component_lab PRIVATE earpoint::lab_library)
+  # A program that links this library alone finds the renderer's beside it.
+  set_target_properties(earpoint_component_lab PROPERTIES INSTALL_RPATH $ORIGIN)
 endif()
 
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/models/ DESTINATION ${CMAKE_INSTALL_DATADIR}/earpoint/models
