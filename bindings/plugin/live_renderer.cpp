@@ -168,7 +168,7 @@ void LiveRenderer::State::make_streams(const std::vector<StreamingModel>& files,
     auto& streams = made.emplace_back();
     if (!renderer) continue;
     try {
-      streams.emplace(renderer->stream(options), stream_of_mean(file, options));
+      streams = Made{renderer->stream(options), stream_of_mean(file, options)};
     } catch (const InputError& error) {
       return fail(Status::rate_not_supported, error.what());
     }
