@@ -71,7 +71,7 @@ class EARPOINT_API Renderer {
   /// @return two ears, as long as the sound and at its rate
   /// @throws InputError if the sound is too short, of a lower rate, silent, or has NaN; if the
   ///         model needs a picture or a speaker and none is given; if the path does not cover the
-  ///         sound; if a place, turn or gain is not finite or absurdly large
+  ///         sound; if a place, turn or gain is not finite, or beyond 10 km or 100 dB
   /// @throws std::logic_error if the sound has neither one nor two channels
   [[nodiscard]] Waveform render(const Waveform& sound, const RenderRequest& request);
 

@@ -4,7 +4,6 @@
 #include <utility>
 
 #include <earpoint/audio/window_of.h>
-#include <earpoint/error.h>
 
 namespace earpoint {
 namespace {

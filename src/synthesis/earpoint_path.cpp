@@ -99,7 +99,7 @@ void check_pose(const Pose& pose, const std::string& where) {
                    fmt::format("expected an orientation, found the quaternion "
                                "({:g}, {:g}, {:g}, {:g})",
                                q.w, q.x, q.y, q.z),
-                   "turns are unit quaternions");
+                   "give a unit quaternion");
 }
 
 void check_angle_deg(double angle_deg, const std::string& where) {

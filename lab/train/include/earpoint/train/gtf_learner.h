@@ -58,11 +58,8 @@ struct GtfLearnerOptions {
 /// The same network with those parts of another description that it lacks: sight points, a texture,
 /// a dry voice, ear delays, phase rounds. Parts with tensors of their own change nothing until they
 /// are trained.
-/// @param weights      of a network that is told neither more nor less than the description says
-/// apart
-///                     from these parts
-/// @param seed         of the tensors that do not start at zero
-/// @throws InputError  if the parts do not fit the network: sight points without a picture
+/// @param seed  of the tensors that do not start at zero
+/// @throws InputError if a part does not fit the network, e.g. sight points without a picture
 [[nodiscard]] GtfWeights with_new_parts(GtfWeights weights, const GtfDescription& description,
                                         std::uint64_t seed);
 

@@ -49,7 +49,7 @@ struct TrainConfig {
   std::string text;  ///< the whole configuration with what it extends and what was set, as JSON
 };
 
-/// One value of a configuration that is set apart from its file, as by --set KEY=VALUE.
+/// One value that replaces that of the configuration's file.
 struct ConfigSetting {
   std::string key;    ///< names from the outside in, with dots: "network.picture.width_px"
   std::string value;  ///< JSON; what is no JSON is a string

@@ -17,8 +17,8 @@ namespace earpoint {
 [[nodiscard]] bool is_head_file(const SafetensorsFile& file);
 
 /// @param where  stands for the file in messages
-/// @throws InputError if a tensor is missing, has another shape or holds NaN or infinity, or the
-/// rate is none
+/// @throws InputError if a tensor is missing, has another shape, or has NaN or infinite values; if
+///         the rate is not within 8 to 192 kHz
 [[nodiscard]] SofaFile read_head_file(const SafetensorsFile& file, std::string_view where);
 
 }  // namespace earpoint
