@@ -20,6 +20,7 @@
 
 #include <earpoint/audio/sound_file.h>
 #include <earpoint/audio/window_of.h>
+#include <earpoint/core/file.h>
 #include <earpoint/error.h>
 #include <earpoint/evaluate/decay_metrics.h>
 #include <earpoint/evaluate/metric_convention.h>

@@ -13,6 +13,7 @@
 #include <earpoint/audio/resample.h>
 #include <earpoint/audio/sound_file.h>
 #include <earpoint/core/axes.h>
+#include <earpoint/core/file.h>
 #include <earpoint/core/json_field.h>
 #include <earpoint/core/json_file.h>
 #include <earpoint/dataset/sample.h>
