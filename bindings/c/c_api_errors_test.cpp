@@ -189,6 +189,22 @@ TEST_F(CApiErrors, BadOptionsAreNamed) {
                      "phase rounds: "));
 }
 
+TEST_F(CApiErrors, SignalProcessingStreamsAndTheUnchangedSoundDoesNot) {
+  earpoint_renderer* renderer = nullptr;
+  earpoint_stream* stream = nullptr;
+  ASSERT_EQ(earpoint_renderer_open("input", nullptr, &renderer), EARPOINT_OK);
+  EXPECT_TRUE(failed(earpoint_stream_create(renderer, nullptr, &stream), EARPOINT_INPUT_ERROR,
+                     "whole clips only"));
+  earpoint_renderer_close(renderer);
+  ASSERT_EQ(earpoint_renderer_open("dsp", nullptr, &renderer), EARPOINT_OK);
+  ASSERT_EQ(earpoint_stream_create(renderer, nullptr, &stream), EARPOINT_OK);
+  const earpoint_box box{0.4, 0.2, 0.6, 1.0};
+  EXPECT_TRUE(failed(earpoint_stream_see(stream, nullptr, &box), EARPOINT_INPUT_ERROR,
+                     "without a picture"));
+  earpoint_stream_destroy(stream);
+  earpoint_renderer_close(renderer);
+}
+
 TEST_F(CApiErrors, StructsOfOtherVersionsAreReadAsFarAsKnown) {
   earpoint_request request{};
   EXPECT_TRUE(render_fails(request, EARPOINT_USAGE_ERROR, "request.struct_size: expected "));

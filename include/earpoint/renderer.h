@@ -83,7 +83,7 @@ class EARPOINT_API Renderer {
 
   /// Starts rendering live sound. The stream may outlive the renderer.
   /// @throws InputError if the sample rate or the phase rounds are not supported, or the model
-  ///         is not a gtf network
+  ///         is neither a gtf network nor `dsp`
   [[nodiscard]] Stream stream(const StreamOptions& options = {}) const;
 
   /// The weight file in use, or `dsp` or `input`.

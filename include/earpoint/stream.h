@@ -13,7 +13,7 @@ namespace earpoint {
 /// Options of a Stream.
 struct StreamOptions {
   int sample_rate_hz = 48000;  ///< from 16000 to 192000, a multiple of 50
-  /// Sound above the network's band (8 kHz) follows the gain of its top octave.
+  /// Sound above the network's band (8 kHz) follows the gain of its top octave. gtf only.
   bool extend_band = true;
   bool limit = true;  ///< keep the output within full scale
   /// Rounds that make the phases of frames consistent; each adds 20 ms of latency. Nothing: as
@@ -41,11 +41,13 @@ class EARPOINT_API Stream {
 
   /// The same without a picture: the speaker's box for a camera whose picture is unknown, or
   /// nothing at all. Every stream starts like this.
-  /// @throws InputError as see()
+  /// @throws InputError as see(), and for `dsp` if there is a box: its direction depends on the
+  ///         picture's shape
   void see_nothing(const std::optional<Box>& speaker_box = std::nullopt);
 
   /// Position of the speaker's mouth, metres in the source's frame; nothing: located by picture
-  /// and sound.
+  /// and sound. `dsp` takes the speaker to be 1 m away in the box's direction, and passes the sound
+  /// unchanged if it knows neither.
   /// @throws InputError if it is not finite or farther than 10 km
   void place_speaker(const std::optional<Vector3>& mouth_m);
 
@@ -64,7 +66,7 @@ class EARPOINT_API Stream {
   [[nodiscard]] std::ptrdiff_t latency_samples() const;
 
   /// Estimated position of the speaker's mouth, metres in the source's frame; nothing
-  /// before the first sound.
+  /// before the first sound, or if `dsp` was told nothing.
   [[nodiscard]] std::optional<Vector3> speaker_m() const;
 
   /// Restarts from silence; picture, speaker and earpoint are kept.

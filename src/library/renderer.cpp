@@ -15,6 +15,7 @@
 #include <earpoint/render/make_synthesizer.h>
 #include <earpoint/render/render_in_memory.h>
 #include <earpoint/render/source_stream.h>
+#include <earpoint/render/stream_rates.h>
 #include <earpoint/render/voice_placer.h>
 #include <earpoint/spatial/hrtf.h>
 #include <earpoint/synthesis/earpoint_path.h>
@@ -103,6 +104,33 @@ void check_options(const RendererOptions& options) {
                    "give it in radians");
 }
 
+void check_rounds(const std::optional<int>& rounds, int most) {
+  if (!rounds || (*rounds >= 0 && *rounds <= most)) return;
+  throw InputError("phase rounds", fmt::format("expected 0 to {}, found {}", most, *rounds));
+}
+
+RenderStream gtf_stream(const GtfWeights& weights, const RendererOptions& renderer,
+                        const StreamOptions& options) {
+  check_rounds(options.phase_rounds, weights.description.phase_rounds);
+  RenderStream::Options how;
+  how.sample_rate_hz = options.sample_rate_hz;
+  how.horizontal_fov_rad = renderer.horizontal_fov_rad;
+  how.extend_band = options.extend_band;
+  how.limit = options.limit;
+  how.phase_rounds = options.phase_rounds;
+  how.texture = renderer.texture;
+  return RenderStream(weights, how);
+}
+
+DspStream dsp_stream(const RendererOptions& renderer, const StreamOptions& options) {
+  check_stream_rate(options.sample_rate_hz);
+  check_rounds(options.phase_rounds, 0);
+  const HrtfSet head = renderer.hrtf ? HrtfSet::load(*renderer.hrtf, options.sample_rate_hz)
+                                     : HrtfSet::load(options.sample_rate_hz);
+  return DspStream(head,
+                   {.horizontal_fov_rad = renderer.horizontal_fov_rad, .limit = options.limit});
+}
+
 }  // namespace
 
 struct Renderer::State {
@@ -173,23 +201,17 @@ std::vector<std::string> Renderer::warnings(const Waveform& sound,
 }
 
 Stream Renderer::stream(const StreamOptions& options) const {
-  if (state_->opened.gtf == nullptr) {
-    throw InputError(state_->model, "renders whole clips only", "open a gtf network for streams");
+  const State& state = *state_;
+  if (state.model == "dsp") {
+    return Stream(
+        std::make_unique<Stream::State>(Stream::State{dsp_stream(state.options, options)}));
   }
-  const int trained = state_->opened.gtf->description.phase_rounds;
-  if (options.phase_rounds && (*options.phase_rounds < 0 || *options.phase_rounds > trained)) {
-    throw InputError("phase rounds",
-                     fmt::format("expected 0 to {}, found {}", trained, *options.phase_rounds));
+  if (state.opened.gtf == nullptr) {
+    throw InputError(state.model, "renders whole clips only",
+                     "open a gtf network or dsp for streams");
   }
-  RenderStream::Options how;
-  how.sample_rate_hz = options.sample_rate_hz;
-  how.horizontal_fov_rad = state_->options.horizontal_fov_rad;
-  how.extend_band = options.extend_band;
-  how.limit = options.limit;
-  how.phase_rounds = options.phase_rounds;
-  how.texture = state_->options.texture;
-  return Stream(
-      std::make_unique<Stream::State>(Stream::State{RenderStream(*state_->opened.gtf, how)}));
+  return Stream(std::make_unique<Stream::State>(
+      Stream::State{gtf_stream(*state.opened.gtf, state.options, options)}));
 }
 
 const std::string& Renderer::model() const { return state_->model; }

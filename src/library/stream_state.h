@@ -1,12 +1,15 @@
 #pragma once
 
+#include <variant>
+
+#include <earpoint/render/dsp_stream.h>
 #include <earpoint/render/render_stream.h>
 #include <earpoint/stream.h>
 
 namespace earpoint {
 
 struct Stream::State {
-  RenderStream stream;
+  std::variant<RenderStream, DspStream> stream;
 };
 
 }  // namespace earpoint

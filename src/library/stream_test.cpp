@@ -124,6 +124,66 @@ TEST_F(StreamTest, WritesWhereItReadsAlsoWithTheEarsSwapped) {
   EXPECT_TRUE(std::ranges::equal(memory.channel(0), expected.channel(1)));
 }
 
+TEST(DspLiveStream, StandingStillItSoundsLikeTheRenderingOfTheClip) {
+  const Waveform sound = noise(44100, 44100);
+  RenderRequest request;
+  request.speaker_m = Vector3{2.0, 0.5, 0.1};
+  request.target = {{1.0, -1.0, 0.0}, quaternion_from_euler({.yaw_rad = 0.7})};
+  Renderer renderer = Renderer::open("dsp");
+  const Waveform expected = renderer.render(sound, request);
+
+  Stream live = renderer.stream({.sample_rate_hz = 44100});
+  live.place_speaker(request.speaker_m);
+  live.move_to(request.target);
+  Waveform heard(2, sound.samples(), 44100);
+  process(live, sound, heard, 256);
+  const std::ptrdiff_t late = live.latency_samples();
+  float peak = 0.0F;
+  for (int ear = 0; ear < 2; ++ear) {
+    for (std::ptrdiff_t i = 0; i + late < heard.samples(); ++i) {
+      const float sample = expected.channel(ear)[i];
+      // Both convolve in float, by transforms of other lengths.
+      ASSERT_NEAR(heard.channel(ear)[i + late], sample, 1e-5) << "ear " << ear << ", sample " << i;
+      peak = std::max(peak, std::abs(sample));
+    }
+  }
+  EXPECT_GT(peak, 0.05F);
+  EXPECT_EQ(live.speaker_m(), request.speaker_m);
+}
+
+TEST(DspLiveStream, TakesTheSpeakerFromABoxInAPicture) {
+  Stream live = Renderer::open("dsp").stream();
+  EXPECT_FALSE(live.speaker_m().has_value());
+  live.see(Image(40, 30, 3, 128), Box{0.0, 0.2, 0.2, 1.0});
+  ASSERT_TRUE(live.speaker_m().has_value());
+  EXPECT_GT(live.speaker_m()->y, 0.3);  // a box on the left
+  live.see_nothing();
+  EXPECT_FALSE(live.speaker_m().has_value());
+}
+
+TEST(DspLiveStream, AllocatesNothingWhileItRuns) {
+  Stream live = Renderer::open("dsp").stream();
+  live.place_speaker(Vector3{2, 0, 0});
+  const Waveform sound = noise(24000, 48000);
+  Waveform result(2, sound.samples(), 48000);
+  const AllocationCount allocations;
+  for (int i = 0; i < 3; ++i) {
+    live.move_to({{0.1 * i, 0.5, 0}, quaternion_from_euler({0.3 * i, 0, 0})});
+    process(live, sound, result, 256);
+  }
+  EXPECT_EQ(allocations.count(), 0);
+}
+
+TEST(DspLiveStream, BadInputGetsOneLine) {
+  Renderer renderer = Renderer::open("dsp");
+  EXPECT_THROW((void)renderer.stream({.sample_rate_hz = 11025}), InputError);
+  EXPECT_THROW((void)renderer.stream({.phase_rounds = 1}), InputError);
+  EXPECT_THROW((void)Renderer::open("input").stream(), InputError);
+  Stream live = renderer.stream({.phase_rounds = 0});
+  EXPECT_THROW(live.see_nothing(Box{0.4, 0.2, 0.6, 1.0}), InputError);
+  EXPECT_THROW(live.move_to({{1e9, 0, 0}, {}}), InputError);
+}
+
 TEST_F(StreamTest, BadInputGetsOneLine) {
   EXPECT_THROW((void)stream(11025), InputError);
   Stream live = stream(48000);

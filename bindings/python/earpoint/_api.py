@@ -117,11 +117,11 @@ class Renderer:
         """Starts rendering live sound. The stream may outlive the renderer.
 
         :param rate: Hz, from 16000 to 192000, a multiple of 50
-        :param extend_band: sound above the network's band (8 kHz) follows the gain of its top octave
+        :param extend_band: sound above the network's band (8 kHz) follows the gain of its top octave; gtf only
         :param limit: keep the output within full scale
         :param phase_rounds: rounds that make the phases of frames consistent, each adds 20 ms of latency; None: as many
-            as the network was trained with; 0: the lowest latency
-        :raises InputError: if the rate or the rounds are not supported, or the model is not a gtf network
+            as the network was trained with; 0: the lowest latency. "dsp" has none
+        :raises InputError: if the rate or the rounds are not supported, or the model is neither a gtf network nor "dsp"
         """
         return Stream(self._renderer.stream(int(rate), bool(extend_band), bool(limit), phase_rounds))
 
@@ -173,7 +173,8 @@ class Stream:
 
         :param image: uint8 [height, width, 3], RGB, any size; None: no picture
         :param speaker_box: x_min, y_min, x_max, y_max, fractions of the picture; None: unknown
-        :raises InputError: if the box is no box within the picture
+        :raises InputError: if the box is no box within the picture, or the model is "dsp" and there is a box but no
+            picture
         """
         self._stream.see(None if image is None else np.asarray(image), numbers(speaker_box))
 
@@ -188,7 +189,8 @@ class Stream:
 
     @property
     def speaker(self) -> tuple[float, float, float] | None:
-        """Estimated position of the speaker's mouth, metres from the camera; None before the first sound."""
+        """Estimated position of the speaker's mouth, metres from the camera; None before the first
+        sound, or if "dsp" was told nothing."""
         found = self._stream.speaker()
         return None if found is None else (found[0], found[1], found[2])
 

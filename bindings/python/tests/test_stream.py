@@ -35,6 +35,20 @@ class StreamTest(ClipCase):
         self.assertAlmostEqual(heard - onset, stream.latency, delta=0.025 * self.rate)
         self.assertGreater(stream.latency, 0)
 
+    def test_dsp_streams_too(self):
+        renderer = earpoint.Renderer("dsp", threads=1)
+        stream = renderer.stream(self.rate)
+        self.assertIsNone(stream.speaker)
+        stream.place_speaker(SPEAKER)
+        stream.move_to((1.0, 0.5, 0.0), yaw=30)
+        sound = np.ascontiguousarray(self.sound[:, :self.rate])
+        whole = renderer.render(sound, self.rate, speaker=SPEAKER, translate=(1.0, 0.5, 0.0), yaw=30)
+        heard = stream.process(sound)
+        late = stream.latency
+        # Both convolve in float, by transforms of other lengths.
+        self.assertLess(np.abs(heard[:, late:] - whole[:, :self.rate - late]).max(), 1e-5)
+        self.assertGreater(np.abs(whole).max(), 1e-3)
+
     def test_nothing_is_copied(self):
         block = np.ascontiguousarray(self.sound[:, :4800])
         expected = self.stream().process(block)

@@ -194,10 +194,10 @@ EARPOINT_API earpoint_status earpoint_renderer_warnings(const earpoint_renderer*
 typedef struct earpoint_stream_options {
   size_t struct_size;
   int sample_rate_hz;     ///< from 16000 to 192000, a multiple of 50; 0: 48000
-  int no_band_extension;  ///< not 0: sound above the network's band keeps its level
+  int no_band_extension;  ///< not 0: sound above the network's band keeps its level; gtf only
   int no_limiter;         ///< not 0: the output may exceed full scale
   /// Rounds that make the phases of frames consistent; each adds 20 ms of latency. Null: as many
-  /// as the network was trained with, which is the most.
+  /// as the network was trained with, which is the most; "dsp" has none.
   const int* phase_rounds;
 } earpoint_stream_options;
 
@@ -209,7 +209,7 @@ typedef struct earpoint_stream earpoint_stream;
 /// @param options  may be null
 /// @param stream   receives the handle, to be destroyed by the caller
 /// @return EARPOINT_INPUT_ERROR if the sample rate or the phase rounds are not supported, or the
-///         model is not a gtf network
+///         model is neither a gtf network nor "dsp"
 EARPOINT_API earpoint_status earpoint_stream_create(const earpoint_renderer* renderer,
                                                     const earpoint_stream_options* options,
                                                     earpoint_stream** stream);
@@ -218,7 +218,8 @@ EARPOINT_API void earpoint_stream_destroy(earpoint_stream* stream);
 
 /// The source camera's picture from here on. Computes and allocates: not for the audio thread.
 /// @param picture      null: unknown, as at the start
-/// @param speaker_box  box of the speaker in the camera's picture; null: unknown
+/// @param speaker_box  box of the speaker in the camera's picture; null: unknown. "dsp" has no use
+///                     for a box without a picture: EARPOINT_INPUT_ERROR
 EARPOINT_API earpoint_status earpoint_stream_see(earpoint_stream* stream,
                                                  const earpoint_picture* picture,
                                                  const earpoint_box* speaker_box);
