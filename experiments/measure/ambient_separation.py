@@ -3,8 +3,9 @@
 
 usage: ambient_separation.py EARPOINT DATA METHODS [--levels -60,-40,-20] [--limit N] [--context S]
 
-Prints a Markdown table: for room noise of each level and each separation the SI-SDR of the primary sound, and
-the Mag of every method.
+{kind} in METHODS stands for the separation: gtf=runs/{kind}/gtf/best.safetensors measures networks that were each
+trained on one. Prints a Markdown table: for room noise of each level and each separation the SI-SDR of the primary
+sound, and the Mag of every method.
 """
 import argparse
 import json
@@ -14,8 +15,9 @@ KINDS = ("bandpass", "subtract", "mmse")
 
 
 def evaluate(arguments, level, kind):
-    command = [arguments.earpoint, "evaluate", "--data", arguments.data, "--methods", arguments.methods,
-               "--ambient", f"{level},{kind}", "--context", str(arguments.context), "--json", "--quiet"]
+    methods = arguments.methods.replace("{kind}", kind)
+    command = [arguments.earpoint, "evaluate", "--data", arguments.data, "--methods", methods, "--ambient",
+               f"{level},{kind}", "--context", str(arguments.context), "--json", "--quiet"]
     if arguments.limit:
         command += ["--limit", str(arguments.limit)]
     return json.loads(subprocess.run(command, check=True, stdout=subprocess.PIPE).stdout)

@@ -80,6 +80,10 @@ ABLATIONS = Page("ablations", "Ablations", "The networks without one of their pa
             Plot("ablations-novel", RATIOS)),
     Section("Ablations in one home", "ablations-single.json", evaluation_table,
             "`earpoint evaluate --ablations --json`, as above.", Plot("ablations-single", RATIOS)),
+    Section("Ablations in recorded sessions", "ablations-recorded.json", evaluation_table,
+            "`earpoint evaluate --layout replay --ablations --json`: ViGAS without one of its parts, trained and tested on "
+            "*[recorded sessions](people-and-recordings.md#methods-in-recorded-sessions)*.",
+            Plot("ablations-recorded", RATIOS)),
 ])
 
 PEOPLE = Page("people-and-recordings", "People and recordings",
@@ -199,6 +203,9 @@ ROBUSTNESS = Page("robustness", "Robustness", "Inputs that differ from the train
             "`experiments/measure/ambient_separation.py --context 4 --limit 240`: room noise of three levels in every "
             "source, separated by the band-pass, by spectral subtraction and by log-MMSE; the shipped models, which were "
             "trained on sound separated by the band-pass; four seconds of sound before the second that is compared."),
+    Section("Networks trained on each way to separate ambient sound", "separation-trained.md", None,
+            "`experiments/measure/ambient_separation.py --levels=-40`: room noise of -40 dB in every source, in training "
+            "too; a gtf and a small ViGAS trained briefly on each separation, one second of sound as in the paper."),
     Section("Killed at random moments", "kills.json", kill_table,
             "`experiments/stress/kill_anywhere.py`: each command is killed (SIGKILL) at a random moment and restarted "
             "until it finishes by itself. All files must then equal those of an undisturbed run, byte for byte (for weight "

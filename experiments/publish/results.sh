@@ -36,12 +36,19 @@ ablations=(
   "vigas-no-box vigas-small network.box=false"
   "vigas-no-alignment vigas-small data.align=none"
 )
+recorded_ablations=(
+  "vigas vigas-small-replay"
+  "vigas-blind vigas-small-replay network.picture=null network.box=false"
+  "vigas-no-picture vigas-small-replay network.picture=null"
+  "vigas-no-box vigas-small-replay network.box=false"
+  "vigas-no-alignment vigas-small-replay data.align=none"
+)
 
 # Trains one of those. Usage: train_ablation EARPOINT DATA RUN CONFIG [KEY=VALUE...]
 train_ablation() {
   local earpoint=$1 data=$2 run=$3 config=$4 short=training.steps=1500
   shift 4
-  [ "$config" = gtf ] || short="training.steps=1200 network.place_steps=600"
+  [ "$config" != vigas-small ] || short="training.steps=1200 network.place_steps=600"
   # shellcheck disable=SC2086
   train_run "$earpoint" "$config" "$data" "$run" $short "$@"
 }
@@ -80,6 +87,21 @@ train_methods() {
     data.target=near_microphone data.ambient_db=-40
 }
 
+# Networks that are trained on the clips of recorded sessions. There are few of these, so all are seen often.
+train_recorded() {
+  local earpoint=$1 data=out/data/recorded ablation name config settings
+  train_run "$earpoint" vam-replay "$data" out/runs/recorded/vam
+  train_run "$earpoint" vigas-small-replay "$data" out/runs/recorded/vigas-blind training.steps=6000 \
+    network.picture=null network.box=false
+  train_run "$earpoint" vigas-small-replay "$data" out/runs/recorded/vigas training.steps=6000
+  train_run "$earpoint" gtf-replay "$data" out/runs/recorded/gtf training.steps=4000
+  for ablation in "${recorded_ablations[@]}"; do
+    read -r name config settings <<<"$ablation"
+    # shellcheck disable=SC2086
+    train_ablation "$earpoint" "$data" "out/ablations/recorded/$name" "$config" $settings
+  done
+}
+
 # Recordings in the layout of Replay-NVAS: twelve sessions in one flat, split by session, the clips that are
 # cut from them, and the networks trained on these. Hours on two cores.
 record_sessions() {
@@ -89,17 +111,33 @@ record_sessions() {
   for session in out/data/sessions/scenario-*/session.json; do
     "$earpoint" record prepare "$session" --out out/data/recorded
   done
-  for name in vam vigas-small gtf; do
-    train_run "$earpoint" "$name-replay" out/data/recorded "out/runs/recorded/$name"
-  done
-  train_run "$earpoint" vigas-small-replay out/data/recorded out/runs/recorded/vigas-blind \
-    network.picture=null network.box=false
-  for name in vam vigas-blind vigas-small gtf; do
+  train_recorded "$earpoint"
+  for name in vam vigas-blind vigas gtf; do
     methods+=,$name-recorded=out/runs/recorded/$name/best.safetensors
   done
   say "Methods side by side in recorded sessions: $methods"
   "$earpoint" evaluate --data out/data/recorded --layout replay --methods "$methods" --json \
     >out/bench/evaluate-recorded.json
+  say "Ablations in recorded sessions"
+  "$earpoint" evaluate --data out/data/recorded --layout replay --ablations --runs out/ablations/recorded --json \
+    >out/bench/ablations-recorded.json
+}
+
+# Ways to separate ambient sound: with the shipped networks, and with networks that were each trained on one way.
+separate_ambient() {
+  local earpoint=$1 data=out/data/novel kind
+  say "Ways to separate ambient sound"
+  python3 experiments/measure/ambient_separation.py "$earpoint" "$data" input,gtf,vigas --context 4 --limit 240 \
+    >out/bench/separation-novel.md
+  for kind in bandpass subtract mmse; do
+    train_ablation "$earpoint" "$data" "out/separation/$kind/gtf" gtf data.ambient_db=-40 "data.ambient=$kind"
+    train_ablation "$earpoint" "$data" "out/separation/$kind/vigas" vigas-small data.ambient_db=-40 \
+      "data.ambient=$kind"
+  done
+  say "The same with networks trained on each"
+  python3 experiments/measure/ambient_separation.py "$earpoint" "$data" \
+    "input,gtf=out/separation/{kind}/gtf/best.safetensors,vigas=out/separation/{kind}/vigas/best.safetensors" \
+    --levels=-40 >out/bench/separation-trained.md
 }
 
 # Every method side by side on the frozen test pairs, into out/bench; networks that were not trained have no row.
@@ -130,11 +168,6 @@ evaluate_methods() {
       say "Ambient sound in $data"
       "$earpoint" evaluate --data "out/data/$data" --ambient -40 --methods input,dsp \
         --runs "out/ambient/$data" --json >"out/bench/ambient-$data.json"
-    fi
-    if [ "$data" = novel ]; then
-      say "Ways to separate ambient sound"
-      python3 experiments/measure/ambient_separation.py "$earpoint" out/data/novel input,gtf,vigas --context 4 --limit 240 \
-        >out/bench/separation-novel.md
     fi
   done
 }
@@ -237,8 +270,8 @@ measure_detectors() {
   local detector data
   local installed=${EARPOINT_DATA_DIR:-${XDG_DATA_HOME:-$HOME/.local/share}/earpoint}/people-nanodet.onnx
   say "Finding people"
-  build/release/apps/people_pictures/earpoint-people-pictures --seed 1 --train-homes 21 --val-homes 2 \
-    --test-homes 4 --split test --out out/data/people
+  build/release/apps/people_pictures/earpoint-people-pictures --seed 1 --train-homes 96 --val-homes 6 \
+    --test-homes 12 --groups 6 --views 5 --split test --out out/data/people
   gather_photographs out/data/photographs
   : >out/bench/people_detection.jsonl
   for detector in models/people.safetensors "$installed"; do
@@ -268,6 +301,7 @@ results() {
   python3 experiments/measure/gtf_training.py "$earpoint" configs/gtf.json out/data/novel out/bench
   train_methods "$earpoint"
   evaluate_methods "$earpoint" novel single
+  separate_ambient "$earpoint"
   evaluate_beyond "$earpoint"
   record_sessions "$earpoint"
   for data in single novel; do
