@@ -1,11 +1,13 @@
 # shellcheck shell=bash
 # ./dev package: the Debian packages, the Python wheel, the plugin's bundles and the npm package of the engine for
 # browsers, and their check in a bare Debian. Sourced by ./dev. EARPOINT_PYTHON, EARPOINT_PLUGIN and EARPOINT_WASM=OFF
-# in the environment leave out the last three.
+# in the environment leave out the last three, EARPOINT_IMAGE=OFF the Dockerfile.
 
 # What makes packages; what installs a bare Debian.
 package_packages=(dpkg-dev file binutils xz-utils)
 check_packages=(debootstrap ffmpeg)
+# Builds images without a daemon and without root's other rights.
+image_packages=(buildah)
 package_folder=out/packages
 package_version=$(sed -n 's/^project(earpoint VERSION \([0-9.]*\).*/\1/p' CMakeLists.txt)
 # The same sources give the same archives.
@@ -105,7 +107,32 @@ check_packages() {
   say "Installing the packages there and using them"
   chroot "$root" /bin/bash /check/check_installed.sh || fail "the packages do not work in a bare Debian"
   rm -rf "$root"
+  ! makes EARPOINT_IMAGE || check_image
 }
+
+# Builds packaging/Dockerfile on the bare Debian, which stands in for Docker's image of it, and renders in the result.
+check_image() (
+  ensure_packages "${image_packages[@]}"
+  local folder=$PWD/build/package-check/image container entry
+  local tool=(buildah --root "$folder/storage" --runroot "$folder/run" --storage-driver vfs)
+  rm -rf "$folder"
+  mkdir -p "$folder/work"
+  trap '"${tool[@]}" rm --all >/dev/null 2>&1 || true; rm -rf "$folder"' EXIT
+  say "Building an image by packaging/Dockerfile"
+  tar -C build/package-check/bare -cf "$folder/bare.tar" .
+  container=$("${tool[@]}" from scratch)
+  "${tool[@]}" add -q "$container" "$folder/bare.tar" / >/dev/null
+  "${tool[@]}" commit -q "$container" "$(sed -n 's/^FROM /docker.io\/library\//p' packaging/Dockerfile)" >/dev/null
+  "${tool[@]}" bud -q --isolation chroot --pull-never -f packaging/Dockerfile -t earpoint . >"$folder/log" 2>&1 ||
+    { cat "$folder/log" >&2; fail "packaging/Dockerfile does not build"; }
+  say "Rendering in it"
+  cp examples/clip.mp4 "$folder/work"
+  entry=$("${tool[@]}" inspect --type image --format '{{index .OCIv1.Config.Entrypoint 0}}' localhost/earpoint)
+  container=$("${tool[@]}" from --pull-never localhost/earpoint)
+  "${tool[@]}" run --isolation chroot -v "$folder/work:/work" "$container" -- "$entry" render clip.mp4 \
+    --speaker 1.89,0.2,0.15 --translate 1,-0.5,0 --yaw 90 -o there.wav --quiet || fail "the image does not render"
+  [ "$(stat -c %s "$folder/work/there.wav")" -gt 100000 ] || fail "what the image rendered is too short"
+)
 
 # Copies a file, unless VARIABLE is OFF. Usage: copy_part VARIABLE FILE FOLDER
 copy_part() {
