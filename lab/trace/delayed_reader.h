@@ -17,7 +17,7 @@ class DelayedReader {
   [[nodiscard]] float at(std::span<const float> signal, double position) const;
 
  private:
-  std::vector<float> kernel_;  // [phase][tap]
+  std::span<const float> kernel_;  // [phase][tap], the same for all
 };
 
 /// A quantity at evenly spaced times, read in between by a cubic through four neighbours
