@@ -4,7 +4,8 @@ process; and a stream in blocks against the same samples as one block.
 
 Prints one JSON object for each comparison, in processor seconds; `ratio` is the median of the package over that of the
 program, or of many blocks over that of one. Whole clips include start, reading and writing; `ratio`
-leaves out `import_s`, which Python's start and the imports of NumPy and the package take.
+leaves out `import_s`, which Python's start and the imports of NumPy and the package take, and `slices_s`, in which NumPy
+cuts the blocks out of the arrays.
 
 usage: PYTHONPATH=... /usr/bin/python3 experiments/measure/python_overhead.py EARPOINT CLIP [SECONDS] [ROUNDS]
 """
@@ -67,7 +68,7 @@ def blocks(sound, frame, size, rounds):
     stream.see(frame, BOX)
     stream.move_to((1, 0, 0))
     out = np.empty_like(second)
-    times = {"one": [], "many": []}
+    times = {"one": [], "many": [], "slices": []}
     for _ in range(rounds):
         start = time.process_time()
         stream.process(second, out)
@@ -76,9 +77,13 @@ def blocks(sound, frame, size, rounds):
         for at in range(0, RATE, size):
             stream.process(second[:, at:at + size], out[:, at:at + size])
         times["many"].append(time.process_time() - start)
+        start = time.process_time()
+        for at in range(0, RATE, size):
+            _ = second[:, at:at + size], out[:, at:at + size]
+        times["slices"].append(time.process_time() - start)
     middle = {name: statistics.median(values) for name, values in times.items()}
     return {"what": f"stream in blocks of {size}", "one_block_s": middle["one"], "blocks_s": middle["many"],
-            "ratio": middle["many"] / middle["one"]}
+            "slices_s": middle["slices"], "ratio": (middle["many"] - middle["slices"]) / middle["one"]}
 
 
 def main():

@@ -152,6 +152,31 @@ def detection_table(text):
     return "\n".join(rows)
 
 
+def python_table(text):
+    rows = ["| | reference, processor-ms | in Python, processor-ms | ratio | goal |", "|---|---|---|---|---|"]
+    for line in text.splitlines():
+        run = json.loads(line)
+        if "clip_s" in run:
+            name = f"{run['clip_s']} s of sound: `earpoint render`, and `earpoint.render` without imports"
+            reference, ours = run["program_s"], run["package_s"] - run["import_s"]
+        else:
+            name = f"1 s live: one block, and {run['what'].removeprefix('stream in ')} samples"
+            reference, ours = run["one_block_s"], run["blocks_s"] - run["slices_s"]
+        rows.append(f"| {name} | {1000 * reference:.1f} | {1000 * ours:.1f} | {run['ratio']:.3f} | 1.05 |")
+    return "\n".join(rows)
+
+
+def session_people_table(text):
+    rows = ["| detector | sessions | pictures | people | recall | precision | switches | moments | the speaker is right | "
+            "outside the picture, wrongly |", "|" + "---|" * 10]
+    for line in text.splitlines():
+        run = json.loads(line)
+        rows.append(f"| {run['detector']} | {run['sessions']} | {run['pictures']} | {run['people']} | "
+                    f"{run['recall']:.3f} | {run['precision']:.3f} | {run['switches']} | {run['moments']} | "
+                    f"{100 * run['speaker_right']:.1f} % | {100 * run['nobody'] / max(1, run['moments']):.1f} % |")
+    return "\n".join(rows)
+
+
 def demo_table(text):
     rows = ["| earpoint | true level, left-right (dB) | method | level error (dB) | LRE (dB) | Mag | RTE (s) |",
             "|---|---|---|---|---|---|---|"]

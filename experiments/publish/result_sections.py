@@ -4,10 +4,11 @@ from typing import Callable, NamedTuple, Optional
 
 from evaluation_tables import enhancement_table, evaluation_table
 from measurement_tables import (camera_table, demo_table, detection_table, generalisation_table,
-                                gtf_training_table, kill_table, load_table, memory_table, network_table, page_table,
-                                reverberation_table, rt60_table, session_table, simulation_table,
-                                speaker_table, speed_table, sync_table, trace_table, tracer_comparison,
-                                training_table)
+                                gtf_training_table, kill_table, load_table, memory_table,
+                                network_table, page_table, python_table, reverberation_table, rt60_table,
+                                session_people_table, session_table, simulation_table,
+                                speaker_table, speed_table, sync_table, trace_table,
+                                tracer_comparison, training_table)
 
 
 class Plot(NamedTuple):
@@ -99,11 +100,16 @@ PEOPLE = Page("people-and-recordings", "People and recordings",
             "`active_speaker DATA test shipped`: people are detected in the picture, and the speaker among them is "
             "identified by the interaural time difference, in single seconds of the test split; four for every speaker "
             "and viewpoint."),
+    Section("People and who speaks, in recorded sessions", "session_people.jsonl", session_people_table,
+            "`experiments/measure/session_people.py`: `earpoint locate` on every camera's movie of the two test sessions of "
+            "*Methods in recorded sessions*. People count if at most a tenth of them is hidden. A switch is a person who "
+            "gets another track's number. Who speaks is asked five times a second where one person alone does, for half or "
+            "more of the second around it, and is in the picture."),
     Section("Methods in recorded sessions", "evaluate-recorded.json", evaluation_table,
-            "`earpoint evaluate --layout replay` on the test sessions of twelve that `earpoint record simulate` made in "
-            "one flat and `earpoint record prepare` cut into clips; no session is in two splits. gtf and vigas are "
-            "the shipped networks, which were not trained on them; networks called -recorded were trained on the "
-            "training sessions alone.", Plot("methods-recorded", RATIOS)),
+            "`earpoint evaluate --layout replay` on the two test sessions of nine, a minute each, that `earpoint record "
+            "simulate` made in one flat and `earpoint record prepare` cut into clips; no session is in two splits. gtf and "
+            "vigas are the shipped networks, which were not trained on them; networks called -recorded were trained on the "
+            "six training sessions alone.", Plot("methods-recorded", RATIOS)),
     Section("Cost of simulated sessions", "session_cost.jsonl", session_table,
             "`experiments/measure/session_cost.py`: processor time of `earpoint record simulate`, half a minute with three "
             "people and eight cameras of 480 x 270 pixels at 5 pictures a second, including the flat, which is drawn once "
@@ -157,6 +163,9 @@ SPEED = Page("speed-and-memory", "Speed, memory and exactness", "Timings on anot
     Section("Exactness: our engine against the authors' code", "oracle_errors.md", None,
             "The same weights and inputs through `earpoint model run` and through the released code. "
             "Tests hold every output to 1e-4, on every instruction set that the machine has."),
+    Section("Speed: the Python package", "python_overhead.jsonl", python_table,
+            "`experiments/measure/python_overhead.py`: the same rendering by the command line and by the package, in turns; "
+            "and live sound in small blocks against one block. Medians; NumPy's slices of blocks are left out."),
     Section("The page of earpoint serve: from a move to its sound", "page_latency.jsonl", page_table,
             "`web/measure.mjs`: moves on the map in a headless Chromium while the bundled clip plays; from the last "
             "movement to the first part of the sound that was rendered for it, including the 90 ms that the page keeps "

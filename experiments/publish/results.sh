@@ -2,6 +2,9 @@
 # speech_folder are from there.
 # shellcheck shell=bash disable=SC2154
 
+# A network that ./dev assets --people installs.
+installed_detector=${EARPOINT_DATA_DIR:-${XDG_DATA_HOME:-$HOME/.local/share}/earpoint}/people-nanodet.onnx
+
 # The data of the paper's two set-ups, one home and unseen homes: half an hour on two cores, once.
 simulate_data() {
   local earpoint=$1
@@ -91,10 +94,10 @@ train_methods() {
 train_recorded() {
   local earpoint=$1 data=out/data/recorded ablation name config settings
   train_run "$earpoint" vam-replay "$data" out/runs/recorded/vam
-  train_run "$earpoint" vigas-small-replay "$data" out/runs/recorded/vigas-blind training.steps=6000 \
+  train_run "$earpoint" vigas-small-replay "$data" out/runs/recorded/vigas-blind training.steps=3000 \
     network.picture=null network.box=false
-  train_run "$earpoint" vigas-small-replay "$data" out/runs/recorded/vigas training.steps=6000
-  train_run "$earpoint" gtf-replay "$data" out/runs/recorded/gtf training.steps=4000
+  train_run "$earpoint" vigas-small-replay "$data" out/runs/recorded/vigas training.steps=3000
+  train_run "$earpoint" gtf-replay "$data" out/runs/recorded/gtf training.steps=2000
   for ablation in "${recorded_ablations[@]}"; do
     read -r name config settings <<<"$ablation"
     # shellcheck disable=SC2086
@@ -102,14 +105,19 @@ train_recorded() {
   done
 }
 
-# Recordings in the layout of Replay-NVAS: twelve sessions in one flat, split by session, the clips that are
+# Recordings in the layout of Replay-NVAS: nine sessions of a minute in one flat, split by session, the clips that are
 # cut from them, and the networks trained on these. Hours on two cores.
 record_sessions() {
-  local earpoint=$1 session name methods=input,tf,dsp,gtf,vigas
+  local earpoint=$1 session name detector methods=input,tf,dsp,gtf,vigas
   say "Recording simulated sessions into out/data/sessions, and their clips into out/data/recorded"
-  "$earpoint" record simulate --scenarios 12 --minutes 1.5 --size 384x216 --seed 21 --out out/data/sessions
+  "$earpoint" record simulate --scenarios 9 --minutes 1 --size 320x180 --samples 1 --seed 21 --out out/data/sessions
   for session in out/data/sessions/scenario-*/session.json; do
     "$earpoint" record prepare "$session" --out out/data/recorded
+  done
+  : >out/bench/session_people.jsonl
+  for detector in models/people.safetensors "$installed_detector"; do
+    [ ! -f "$detector" ] || python3 experiments/measure/session_people.py "$earpoint" \
+      out/data/sessions/scenario-000[78] --detector "$detector" >>out/bench/session_people.jsonl
   done
   train_recorded "$earpoint"
   for name in vam vigas-blind vigas gtf; do
@@ -268,13 +276,12 @@ gather_photographs() (
 # and NanoDet if ./dev assets --people has installed it.
 measure_detectors() {
   local detector data
-  local installed=${EARPOINT_DATA_DIR:-${XDG_DATA_HOME:-$HOME/.local/share}/earpoint}/people-nanodet.onnx
   say "Finding people"
   build/release/apps/people_pictures/earpoint-people-pictures --seed 1 --train-homes 96 --val-homes 6 \
     --test-homes 12 --groups 6 --views 5 --split test --out out/data/people
   gather_photographs out/data/photographs
   : >out/bench/people_detection.jsonl
-  for detector in models/people.safetensors "$installed"; do
+  for detector in models/people.safetensors "$installed_detector"; do
     [ -f "$detector" ] || continue
     for data in people novel photographs; do
       build/release/experiments/measure/people_detection "out/data/$data" test "$detector" | python3 -c \
