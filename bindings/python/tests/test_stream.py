@@ -114,7 +114,7 @@ class StreamTest(ClipCase):
         with self.assertRaises(earpoint.InputError):
             earpoint.Renderer("gtf").stream(44101)
         with self.assertRaises(earpoint.InputError):
-            earpoint.Renderer("dsp").stream(48000)
+            earpoint.Renderer("input").stream(48000)
 
 
 if __name__ == "__main__":
