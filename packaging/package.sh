@@ -6,7 +6,7 @@
 # What makes packages; what installs a bare Debian.
 package_packages=(dpkg-dev file binutils xz-utils)
 check_packages=(debootstrap ffmpeg)
-# Builds images without a daemon and without root's other rights.
+# Builds images without a daemon.
 image_packages=(buildah)
 package_folder=out/packages
 package_version=$(sed -n 's/^project(earpoint VERSION \([0-9.]*\).*/\1/p' CMakeLists.txt)
@@ -116,7 +116,7 @@ check_image() (
   local folder=$PWD/build/package-check/image container entry
   local tool=(buildah --root "$folder/storage" --runroot "$folder/run" --storage-driver vfs)
   rm -rf "$folder"
-  mkdir -p "$folder/work"
+  mkdir -p "$folder/shared"
   trap '"${tool[@]}" rm --all >/dev/null 2>&1 || true; rm -rf "$folder"' EXIT
   say "Building an image by packaging/Dockerfile"
   tar -C build/package-check/bare -cf "$folder/bare.tar" .
@@ -126,12 +126,12 @@ check_image() (
   "${tool[@]}" bud -q --isolation chroot --pull-never -f packaging/Dockerfile -t earpoint . >"$folder/log" 2>&1 ||
     { cat "$folder/log" >&2; fail "packaging/Dockerfile does not build"; }
   say "Rendering in it"
-  cp examples/clip.mp4 "$folder/work"
+  cp examples/clip.mp4 "$folder/shared"
   entry=$("${tool[@]}" inspect --type image --format '{{index .OCIv1.Config.Entrypoint 0}}' localhost/earpoint)
   container=$("${tool[@]}" from --pull-never localhost/earpoint)
-  "${tool[@]}" run --isolation chroot -v "$folder/work:/work" "$container" -- "$entry" render clip.mp4 \
+  "${tool[@]}" run --isolation chroot -v "$folder/shared:/work" "$container" -- "$entry" render clip.mp4 \
     --speaker 1.89,0.2,0.15 --translate 1,-0.5,0 --yaw 90 -o there.wav --quiet || fail "the image does not render"
-  [ "$(stat -c %s "$folder/work/there.wav")" -gt 100000 ] || fail "what the image rendered is too short"
+  [ "$(stat -c %s "$folder/shared/there.wav")" -gt 100000 ] || fail "what the image rendered is too short"
 )
 
 # Copies a file, unless VARIABLE is OFF. Usage: copy_part VARIABLE FILE FOLDER

@@ -17,7 +17,9 @@ import os
 import subprocess
 
 LEAST_OVERLAP = 0.5
+SAME_PERSON = 0.25  # overlap of a box that shows a person, though not exactly
 LEAST_VISIBLE = 0.9
+PICTURE_S = 0.2  # between pictures
 WINDOW_S = 1.0  # of sound around a moment
 LEAST_SPOKEN_S = 0.5  # of it
 
@@ -70,12 +72,9 @@ def count_camera(session, camera, located, truth, counts):
     clock = truth["cameras"][camera]
     last_track = {}
     for moment in located["frames"]:
-        if not times:
-            break
-        frame = min(times, key=lambda number: abs(times[number] - moment["time_s"]))
-        if abs(times[frame] - moment["time_s"]) > 0.11:
-            continue
-        people = frames[frame]
+        # A picture without people has no row.
+        near = [number for number in times if abs(times[number] - moment["time_s"]) <= PICTURE_S / 2]
+        people = frames[near[0]] if near else {}
         seen = [(person["track"], person["box"]) for person in moment["people"] if person["seen"]]
         pairs = pairs_of(seen, people)
         counts["pictures"] += 1
@@ -95,7 +94,7 @@ def count_camera(session, camera, located, truth, counts):
         best = max(moment["people"], key=lambda person: person["speaking"], default=None)
         if best is None or best["speaking"] < moment["outside"]:
             counts["nobody"] += 1
-        elif overlap(best["box"], people[speaker]["box"]) >= LEAST_OVERLAP / 2:
+        elif overlap(best["box"], people[speaker]["box"]) >= SAME_PERSON:
             counts["right"] += 1
 
 

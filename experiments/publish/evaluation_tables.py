@@ -32,11 +32,12 @@ def table(rows, metrics, cell):
     return "\n".join(lines)
 
 
+def counted(count, noun):
+    return f"{count} {noun}" + ("" if count == 1 else "s")
+
+
 def extent(run):
     """What was measured: clips, conversations, homes and voices."""
-    def counted(count, noun):
-        return f"{count} {noun}" + ("" if count == 1 else "s")
-
     text = f"{counted(run['clips'], 'clip')} of {counted(run['conversations'], 'conversation')}"
     if run.get("homes"):
         text += f" in {counted(run['homes'], 'home')}"
@@ -45,11 +46,16 @@ def extent(run):
     return text + f", split {run['split']}"
 
 
-def intervals(run):
+def session_extent(run):
+    """The same of recorded sessions, each of which `evaluate` counts as a home."""
+    return f"{counted(run['clips'], 'clip')} of {counted(run['homes'], 'session')}, split {run['split']}"
+
+
+def intervals(run, drawn_by=None):
     """What is resampled for the intervals, and which means are over fewer clips."""
     fewer = {heading: min(row[key]["clips"] for row in run["rows"] if row.get(key))
              for key, heading, _ in METRICS if any(row.get(key) for row in run["rows"])}
-    text = f"Intervals are drawn by {run.get('intervals_by', 'conversation')}."
+    text = f"Intervals are drawn by {drawn_by or run.get('intervals_by', 'conversation')}."
     few = [f"{heading} {count}" for heading, count in fewer.items() if count < run["clips"]]
     return text + (f" Means over fewer clips, those that have a value: {', '.join(few)}." if few else "")
 
@@ -72,8 +78,19 @@ def enhancement_table(text):
 def evaluation_table(text):
     """Means, ratios to `input` and the released evaluation's numbers, one table each."""
     run = json.loads(text)
+    return tables_of(run, f"{extent(run)}. Mean error with its 95 % interval; 0 is best. {intervals(run)}")
+
+
+def recorded_table(text):
+    """The same of recorded sessions."""
+    run = json.loads(text)
+    return tables_of(run, f"{session_extent(run)}. Mean error with its 95 % interval; 0 is best. "
+                     f"{intervals(run, 'session')}")
+
+
+def tables_of(run, heading):
     rows = run["rows"]
-    parts = [f"{extent(run)}. Mean error with its 95 % interval; 0 is best. {intervals(run)}", "",
+    parts = [heading, "",
              table(rows, METRICS, lambda row, key, d: with_range(row.get(key), "mean", d)), "",
              "As ratio to `input`:", "",
              table(rows, METRICS,
