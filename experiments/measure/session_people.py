@@ -19,7 +19,6 @@ import subprocess
 LEAST_OVERLAP = 0.5
 SAME_PERSON = 0.25  # overlap of a box that shows a person, though not exactly
 LEAST_VISIBLE = 0.9
-PICTURE_S = 0.2  # between pictures
 WINDOW_S = 1.0  # of sound around a moment
 LEAST_SPOKEN_S = 0.5  # of it
 
@@ -45,16 +44,17 @@ def pairs_of(found, people):
 
 
 def true_boxes(session, camera):
-    """By frame: {person: {"box", "visible"}}; and the times of frames."""
-    frames, times = {}, {}
+    """By frame, without those in which nobody is: {person: {"box", "visible"}}; and seconds between frames."""
+    frames, period_s = {}, math.inf
     with open(os.path.join(session, "boxes.csv"), newline="") as file:
         for row in csv.DictReader(file):
             if int(row["camera"]) != camera:
                 continue
             box = [float(row[key]) for key in ("x_min", "y_min", "x_max", "y_max")]
             frames.setdefault(int(row["frame"]), {})[int(row["person"])] = {"box": box, "visible": float(row["visible"])}
-            times[int(row["frame"])] = float(row["time_s"])
-    return frames, times
+            if int(row["frame"]) > 0:
+                period_s = float(row["time_s"]) / int(row["frame"])
+    return frames, period_s
 
 
 def only_speaker(truth, time_s):
@@ -68,13 +68,12 @@ def only_speaker(truth, time_s):
 
 
 def count_camera(session, camera, located, truth, counts):
-    frames, times = true_boxes(session, camera)
+    frames, period_s = true_boxes(session, camera)
     clock = truth["cameras"][camera]
     last_track = {}
     for moment in located["frames"]:
-        # A picture without people has no row.
-        near = [number for number in times if abs(times[number] - moment["time_s"]) <= PICTURE_S / 2]
-        people = frames[near[0]] if near else {}
+        # As locate takes them: the nearest, and the earlier of two that are as near.
+        people = frames.get(math.ceil(moment["time_s"] / period_s - 0.5 - 1e-4), {})
         seen = [(person["track"], person["box"]) for person in moment["people"] if person["seen"]]
         pairs = pairs_of(seen, people)
         counts["pictures"] += 1
