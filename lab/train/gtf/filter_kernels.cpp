@@ -18,7 +18,7 @@
 // clang-format on
 
 HWY_BEFORE_NAMESPACE();
-namespace earpoint::train::HWY_NAMESPACE {
+namespace earpoint::training::HWY_NAMESPACE {
 namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 
@@ -208,11 +208,11 @@ void mix_row_back(const BinRows& rows, const BinTurns& turns, std::ptrdiff_t row
 }
 
 }  // namespace
-}  // namespace earpoint::train::HWY_NAMESPACE
+}  // namespace earpoint::training::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace earpoint::train {
+namespace earpoint::training {
 
 HWY_EXPORT(weigh);
 HWY_EXPORT(weigh_back);
@@ -320,5 +320,5 @@ BinSlopes mix_bin_back(const BinRows& rows, const BinTurns& turns, std::ptrdiff_
   return slopes;
 }
 
-}  // namespace earpoint::train
+}  // namespace earpoint::training
 #endif  // HWY_ONCE

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace earpoint::train {
+namespace earpoint::training {
 
 /// Sizes of the kernels over frames and ears.
 struct KernelShape {
@@ -86,4 +86,4 @@ BinSlopes mix_bin_back(const BinRows& rows, const BinTurns& turns, std::ptrdiff_
                        const float* const* by_spectrum, float* const* by_filtered,
                        float* const* by_gain);
 
-}  // namespace earpoint::train
+}  // namespace earpoint::training

@@ -25,14 +25,14 @@ namespace {
 
 using torch::autograd::AutogradContext;
 using torch::autograd::variable_list;
-using train::BinRows;
-using train::BinSlopes;
-using train::BinTurns;
-using train::FrameExtent;
-using train::kBins;
-using train::KernelInputs;
-using train::KernelShape;
-using train::Product;
+using training::BinRows;
+using training::BinSlopes;
+using training::BinTurns;
+using training::FrameExtent;
+using training::kBins;
+using training::KernelInputs;
+using training::KernelShape;
+using training::Product;
 
 /// Sizes of one call.
 struct Extent {
@@ -85,7 +85,7 @@ void per_frame(const at::Tensor& weight, const float* still, const float* state,
   const std::int64_t channels = weight.size(1);
   for (std::int64_t i = 0; i < outputs; ++i) std::fill_n(to + i * row, row, still[i]);
   const Product product{weight.data_ptr<float>(), channels, channels, state, row};
-  train::add_products({&product, 1}, to, row, outputs, row);
+  training::add_products({&product, 1}, to, row, outputs, row);
 }
 
 /// Its gradient. @param turned  the state, [row][channels]
@@ -94,9 +94,9 @@ void per_frame_back(const at::Tensor& weight, const float* by_outputs, const flo
   const std::int64_t outputs = weight.size(0);
   const std::int64_t channels = weight.size(1);
   const Product product{by_outputs, row, row, turned, channels};
-  train::add_products({&product, 1}, by_weight, channels, outputs, channels);
-  train::add_row_sums({outputs, row}, by_outputs, row, by_still);
-  train::add_outer_products(
+  training::add_products({&product, 1}, by_weight, channels, outputs, channels);
+  training::add_row_sums({outputs, row}, by_outputs, row, by_still);
+  training::add_outer_products(
       {weight.data_ptr<float>(), channels, by_outputs, row, outputs, channels, row, by_state});
 }
 
@@ -132,12 +132,12 @@ class FilterPass : public torch::autograd::Function<FilterPass> {
       per_frame(gain_weight, of_clip(gain_still, clip), of_clip(state, clip), row,
                 of_clip(gains, clip));
       const KernelInputs inputs(e.kernels, e.frames, of_clip(magnitudes, clip));
-      train::apply_kernels(e.kernels, inputs, row, kernels.data_ptr<float>(),
-                           of_clip(filtered, clip));
+      training::apply_kernels(e.kernels, inputs, row, kernels.data_ptr<float>(),
+                              of_clip(filtered, clip));
       for (std::int64_t bin = 0; bin < kBins; ++bin) {
         float* to = of_clip(mixed, clip) + bin * row;
         float* const planes[] = {to, to + plane, to + 2 * plane, to + 3 * plane};
-        train::mix_bin(
+        training::mix_bin(
             rows_of(e, bin, of_clip(spectrum, clip), of_clip(filtered, clip), of_clip(gains, clip)),
             turns_of(e, bin, of_clip(share, clip), of_clip(source_s, clip),
                      of_clip(target_s, clip)),
@@ -186,9 +186,9 @@ class FilterPass : public torch::autograd::Function<FilterPass> {
                    of_clip(by_share, clip), of_clip(by_source_s, clip), of_clip(by_target_s, clip));
       }
       const KernelInputs inputs(e.kernels, e.frames, of_clip(saved[7], clip));
-      train::apply_kernels_back(e.kernels, inputs, row, by_filtered.data_ptr<float>(),
-                                by_kernels.data_ptr<float>());
-      train::transpose(of_clip(state, clip), row, channels, row, turned.data(), channels);
+      training::apply_kernels_back(e.kernels, inputs, row, by_filtered.data_ptr<float>(),
+                                   by_kernels.data_ptr<float>());
+      training::transpose(of_clip(state, clip), row, channels, row, turned.data(), channels);
       per_frame_back(kernel_weight, by_kernels.data_ptr<float>(), turned.data(), row,
                      by_kernel_weight.data_ptr<float>(), of_clip(by_kernel_still, clip),
                      of_clip(by_state, clip));
@@ -230,7 +230,7 @@ class FilterPass : public torch::autograd::Function<FilterPass> {
                                    by_spectrum + 2 * plane + at, by_spectrum + 3 * plane + at};
     float* const filtered[] = {by_filtered + at, by_filtered + plane + at};
     float* const gains[] = {by_gains + at, by_gains + plane + at};
-    return train::mix_bin_back(
+    return training::mix_bin_back(
         rows_of(e, bin, of_clip(saved[6], clip), of_clip(saved[8], clip), of_clip(saved[9], clip)),
         turns_of(e, bin, of_clip(saved[3], clip), of_clip(saved[4], clip), of_clip(saved[5], clip)),
         e.frames.row(), slopes, filtered, gains);
@@ -250,7 +250,7 @@ class FilterPass : public torch::autograd::Function<FilterPass> {
 at::Tensor filled_up(const at::Tensor& x, std::int64_t axis) {
   const std::int64_t size = x.size(axis);
   const std::int64_t missing =
-      (train::kChannelStep - size % train::kChannelStep) % train::kChannelStep;
+      (training::kChannelStep - size % training::kChannelStep) % training::kChannelStep;
   if (missing == 0) return x.contiguous();
   return axis == 1 && x.dim() == 3 ? at::constant_pad_nd(x, {0, 0, 0, missing})
                                    : at::constant_pad_nd(x, {0, missing});

@@ -17,7 +17,7 @@
 // clang-format on
 
 HWY_BEFORE_NAMESPACE();
-namespace earpoint::train::HWY_NAMESPACE {
+namespace earpoint::training::HWY_NAMESPACE {
 namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 
@@ -122,11 +122,11 @@ void join_bin(const float* const* planes, std::ptrdiff_t at, std::ptrdiff_t bin,
 }
 
 }  // namespace
-}  // namespace earpoint::train::HWY_NAMESPACE
+}  // namespace earpoint::training::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace earpoint::train {
+namespace earpoint::training {
 namespace {
 
 using D = GtfDescription;
@@ -326,5 +326,5 @@ void synthesise_back(const FrameExtent& extent, const float* by_sound, float* by
   to_spectrum(extent, scaled.data(), 2.0F / kSize, 0.5F, by_spectrum);
 }
 
-}  // namespace earpoint::train
+}  // namespace earpoint::training
 #endif  // HWY_ONCE

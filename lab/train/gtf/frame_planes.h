@@ -5,7 +5,7 @@
 #include <earpoint/core/ears.h>
 #include <earpoint/gtf/description.h>
 
-namespace earpoint::train {
+namespace earpoint::training {
 
 /// Frames lie side by side and their number is filled up to a multiple of this: whole vectors of
 /// every instruction set.
@@ -44,4 +44,4 @@ void analyse_back(const FrameExtent& extent, const float* by_spectrum, float* by
 /// The gradient by the spectrum of what depends on synthesise()'s sound.
 void synthesise_back(const FrameExtent& extent, const float* by_sound, float* by_spectrum);
 
-}  // namespace earpoint::train
+}  // namespace earpoint::training

@@ -17,7 +17,7 @@
 // clang-format on
 
 HWY_BEFORE_NAMESPACE();
-namespace earpoint::train::HWY_NAMESPACE {
+namespace earpoint::training::HWY_NAMESPACE {
 namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 
@@ -222,11 +222,11 @@ void bin_sums(const float* const* planes, std::ptrdiff_t frames, std::ptrdiff_t 
 }
 
 }  // namespace
-}  // namespace earpoint::train::HWY_NAMESPACE
+}  // namespace earpoint::training::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace earpoint::train {
+namespace earpoint::training {
 
 HWY_EXPORT(bin_loss);
 HWY_EXPORT(bin_sums);
@@ -252,5 +252,5 @@ double magnitude_of_bin(const float* const* planes, std::ptrdiff_t frames, std::
   return magnitudes;
 }
 
-}  // namespace earpoint::train
+}  // namespace earpoint::training
 #endif  // HWY_ONCE

@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-namespace earpoint::train {
+namespace earpoint::training {
 
 /// Weights of the terms of the loss over one row of a spectrum, divided by what their means are
 /// over.
@@ -30,4 +30,4 @@ double loudness_of_bin(const float* const* planes, std::ptrdiff_t frames, std::p
 /// Sum of the magnitudes of both ears.
 double magnitude_of_bin(const float* const* planes, std::ptrdiff_t frames, std::ptrdiff_t row);
 
-}  // namespace earpoint::train
+}  // namespace earpoint::training

@@ -121,17 +121,17 @@ TEST_P(FramePlanes, BecomeTheSoundAgain) {
   const at::Tensor sound = noise({1, 2, kSamples}, 0.1, 1);
   const at::Tensor planes = spectrum_planes(sound);
   at::Tensor again = at::zeros_like(sound);
-  train::synthesise({kSamples}, planes.data_ptr<float>(), again.data_ptr<float>());
+  training::synthesise({kSamples}, planes.data_ptr<float>(), again.data_ptr<float>());
   expect_same(again, sound, "sound");
 }
 
 TEST_P(FramePlanes, GradientsAreThoseOfTheTransforms) {
-  const train::FrameExtent extent{kSamples};
+  const training::FrameExtent extent{kSamples};
   const at::Tensor sound = learned(noise({1, 2, kSamples}, 0.1, 1));
   const at::Tensor weights = noise({1, 2, 2, D::kBins, extent.row()}, 1.0, 2);
   (planes_of(torch_spectrum(sound)) * frames_of(weights)).sum().backward();
   at::Tensor by_sound = at::zeros_like(sound);
-  train::analyse_back(extent, weights.data_ptr<float>(), by_sound.data_ptr<float>());
+  training::analyse_back(extent, weights.data_ptr<float>(), by_sound.data_ptr<float>());
   expect_same(by_sound, sound.grad(), "by sound");
 
   const at::Tensor planes = learned(frames_of(weights));
@@ -139,7 +139,7 @@ TEST_P(FramePlanes, GradientsAreThoseOfTheTransforms) {
   const at::Tensor spectrum = at::view_as_complex(planes.permute({0, 1, 3, 4, 2}).contiguous());
   (torch_sound(spectrum) * of_samples).sum().backward();
   at::Tensor by_planes = at::zeros_like(weights);
-  train::synthesise_back(extent, of_samples.data_ptr<float>(), by_planes.data_ptr<float>());
+  training::synthesise_back(extent, of_samples.data_ptr<float>(), by_planes.data_ptr<float>());
   expect_same(frames_of(by_planes), planes.grad(), "by spectrum");
 }
 
@@ -160,7 +160,7 @@ TrunkTensors trunk_tensors(std::int64_t features, std::int64_t channels) {
 
 TEST_P(TrunkPass, ValueAndGradientAreThoseOfItsConvolutions) {
   constexpr std::int64_t kAhead = 2;
-  const train::FrameExtent extent{kSamples};
+  const training::FrameExtent extent{kSamples};
   const at::Tensor features = noise({kClips, 10, extent.row()}, 1.0, 3);
   TrunkTensors ours = trunk_tensors(10, 12);
   const at::Tensor found = frames_of(trunk_pass(ours, features, kFrames, kAhead));
@@ -274,7 +274,7 @@ void expect_the_formula(bool ear_delays) {
   d.past_frames = 2;
   d.future_frames = 1;
   const at::Tensor source = noise({kClips, 2, kSamples}, 0.05, 30);
-  const train::FrameExtent extent{kSamples};
+  const training::FrameExtent extent{kSamples};
   FilterTensors ours(d, extent.row());
   FilterTensors theirs(d, extent.row());
   const SoundFeatures heard = sound_features(d, source);
@@ -317,7 +317,7 @@ at::Tensor torch_rounds(const at::Tensor& start, int rounds) {
 TEST_P(PhasePass, ValueAndGradientAreThoseOfGriffinLim) {
   for (const int rounds : {0, 1, 3}) {
     const at::Tensor start = noise({kClips, 2, 2, D::kBins, kFrames}, 0.5, 50);
-    const train::FrameExtent extent{kSamples};
+    const training::FrameExtent extent{kSamples};
     const at::Tensor ours = learned(at::constant_pad_nd(start, {0, extent.row() - kFrames}));
     const at::Tensor found = phase_pass(ours, rounds, kSamples);
     const at::Tensor theirs = learned(start);

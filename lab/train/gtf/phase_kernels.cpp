@@ -16,7 +16,7 @@
 // clang-format on
 
 HWY_BEFORE_NAMESPACE();
-namespace earpoint::train::HWY_NAMESPACE {
+namespace earpoint::training::HWY_NAMESPACE {
 namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 
@@ -93,11 +93,11 @@ void turn_back(const PhaseRound& round, std::ptrdiff_t count, std::ptrdiff_t ima
 }
 
 }  // namespace
-}  // namespace earpoint::train::HWY_NAMESPACE
+}  // namespace earpoint::training::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace earpoint::train {
+namespace earpoint::training {
 
 HWY_EXPORT(turn);
 HWY_EXPORT(turn_back);
@@ -121,5 +121,5 @@ void turn_to_back(const FrameExtent& extent, const PhaseRound& round, const floa
   }
 }
 
-}  // namespace earpoint::train
+}  // namespace earpoint::training
 #endif  // HWY_ONCE

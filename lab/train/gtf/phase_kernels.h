@@ -2,7 +2,7 @@
 
 #include "frame_planes.h"
 
-namespace earpoint::train {
+namespace earpoint::training {
 
 /// The spectra of a round of phases, rows as FrameExtent has them.
 struct PhaseRound {
@@ -25,4 +25,4 @@ void turn_to(const FrameExtent& extent, const PhaseRound& round, float* turned);
 void turn_to_back(const FrameExtent& extent, const PhaseRound& round, const float* by_turned,
                   const PhaseSlopes& slopes);
 
-}  // namespace earpoint::train
+}  // namespace earpoint::training

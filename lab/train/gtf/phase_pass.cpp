@@ -18,8 +18,8 @@ namespace {
 
 using torch::autograd::AutogradContext;
 using torch::autograd::variable_list;
-using train::FrameExtent;
-using train::PhaseRound;
+using training::FrameExtent;
+using training::PhaseRound;
 
 class PhasePass : public torch::autograd::Function<PhasePass> {
  public:
@@ -35,11 +35,11 @@ class PhasePass : public torch::autograd::Function<PhasePass> {
       const float* start = spectrum.data_ptr<float>() + clip * spectrum.stride(0);
       float* to = sound.data_ptr<float>() + clip * sound.stride(0);
       float* transform = heard.data_ptr<float>() + clip * heard.stride(0);
-      train::synthesise(e, start, to);
+      training::synthesise(e, start, to);
       for (std::int64_t round = 0; round < rounds; ++round, transform += e.spectrum()) {
-        train::analyse(e, to, transform);
-        train::turn_to(e, {start, transform, before(e, start, transform, round)}, turned.data());
-        train::synthesise(e, turned.data(), to);
+        training::analyse(e, to, transform);
+        training::turn_to(e, {start, transform, before(e, start, transform, round)}, turned.data());
+        training::synthesise(e, turned.data(), to);
       }
     }
     context->saved_data["samples"] = samples;
@@ -61,17 +61,17 @@ class PhasePass : public torch::autograd::Function<PhasePass> {
     for (std::int64_t clip = 0; clip < by_sound.size(0); ++clip) {
       const float* start = saved[0].data_ptr<float>() + clip * saved[0].stride(0);
       float* to = by_spectrum.data_ptr<float>() + clip * by_spectrum.stride(0);
-      train::synthesise_back(e, by_sound.data_ptr<float>() + clip * by_sound.stride(0),
-                             by_turned.data());
+      training::synthesise_back(e, by_sound.data_ptr<float>() + clip * by_sound.stride(0),
+                                by_turned.data());
       std::fill_n(to, e.spectrum(), 0.0F);
       std::ranges::fill(by_heard, 0.0F);
       for (std::int64_t round = rounds - 1; round >= 0; --round) {
         const float* transform =
             saved[1].data_ptr<float>() + clip * saved[1].stride(0) + round * e.spectrum();
-        train::turn_to_back(e, {start, transform, before(e, start, transform, round)},
-                            by_turned.data(), {to, by_heard.data(), by_before.data()});
-        train::analyse_back(e, by_heard.data(), by_samples.data());
-        train::synthesise_back(e, by_samples.data(), by_turned.data());
+        training::turn_to_back(e, {start, transform, before(e, start, transform, round)},
+                               by_turned.data(), {to, by_heard.data(), by_before.data()});
+        training::analyse_back(e, by_heard.data(), by_samples.data());
+        training::synthesise_back(e, by_samples.data(), by_turned.data());
         by_heard.swap(by_before);
       }
       // The start is both the spectrum before the first round and the input of that round.

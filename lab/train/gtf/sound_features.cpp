@@ -21,8 +21,8 @@ namespace earpoint {
 namespace {
 
 using D = GtfDescription;
-using train::FrameExtent;
-using train::kBins;
+using training::FrameExtent;
+using training::kBins;
 
 /// Correlation of the ears over lags from their mean cross-spectrum: [real, imaginary][bins][lags].
 struct LagTables {
@@ -113,7 +113,7 @@ SoundFeatures sound_features(const GtfDescription& description, const at::Tensor
     return tensor.data_ptr<float>() + clip * tensor.stride(0);
   };
   for (std::int64_t clip = 0; clip < clips; ++clip) {
-    train::analyse(extent, of(sounds, clip), of(heard.spectrum, clip));
+    training::analyse(extent, of(sounds, clip), of(heard.spectrum, clip));
     listen(extent, edges, of(heard.spectrum, clip),
            {of(heard.magnitude, clip), of(power, clip), of(common, clip), of(mean_cross, clip)});
   }

@@ -21,9 +21,9 @@ namespace {
 
 using torch::autograd::AutogradContext;
 using torch::autograd::variable_list;
-using train::FrameExtent;
-using train::kBins;
-using train::RowWeights;
+using training::FrameExtent;
+using training::kBins;
+using training::RowWeights;
 
 /// Share of a clip's mean magnitude below which the depth of modulation counts it as silence.
 constexpr double kDepth = 1e-2;
@@ -45,8 +45,8 @@ double clip_loss(const FrameExtent& extent, const float* found, const float* rig
   if (weights.modulation > 0.0F) {
     double sum = 0.0;
     for (std::ptrdiff_t bin = 0; bin < kBins; ++bin) {
-      sum += train::magnitude_of_bin(planes_at(extent, right, bin).data(), extent.frames(),
-                                     extent.row());
+      sum += training::magnitude_of_bin(planes_at(extent, right, bin).data(), extent.frames(),
+                                        extent.row());
     }
     const double mean = sum / static_cast<double>(kEars * kBins * extent.frames());
     weights.modulation_floor = static_cast<float>(mean * kDepth + 1e-6);
@@ -56,8 +56,8 @@ double clip_loss(const FrameExtent& extent, const float* found, const float* rig
     const auto f = planes_at(extent, found, bin);
     const auto r = planes_at(extent, right, bin);
     loss +=
-        train::loss_of_bin({{f[0], f[1], f[2], f[3]}, {r[0], r[1], r[2], r[3]}}, weights,
-                           extent.frames(), extent.row(), planes_at(extent, slopes, bin).data());
+        training::loss_of_bin({{f[0], f[1], f[2], f[3]}, {r[0], r[1], r[2], r[3]}}, weights,
+                              extent.frames(), extent.row(), planes_at(extent, slopes, bin).data());
   }
   return loss;
 }
@@ -72,10 +72,10 @@ class SpectralLoss : public torch::autograd::Function<SpectralLoss> {
     std::vector<float> slopes(found.size());
     double loss = 0.0;
     for (std::int64_t clip = 0; clip < sound.size(0); ++clip) {
-      train::analyse(extent, of_clip(sound, clip), found.data());
+      training::analyse(extent, of_clip(sound, clip), found.data());
       loss += clip_loss(extent, found.data(), of_clip(wanted, clip), *weights, slopes.data());
-      train::analyse_back(extent, slopes.data(),
-                          by_sound.data_ptr<float>() + clip * by_sound.stride(0));
+      training::analyse_back(extent, slopes.data(),
+                             by_sound.data_ptr<float>() + clip * by_sound.stride(0));
     }
     context->save_for_backward({by_sound});
     return at::full({}, loss, at::TensorOptions().dtype(at::kFloat));
@@ -94,8 +94,8 @@ at::Tensor spectrum_planes(const at::Tensor& sound) {
   const at::Tensor sounds = sound.contiguous();
   at::Tensor spectrum = at::empty({sound.size(0), kEars, 2, kBins, extent.row()});
   for (std::int64_t clip = 0; clip < sound.size(0); ++clip) {
-    train::analyse(extent, of_clip(sounds, clip),
-                   spectrum.data_ptr<float>() + clip * spectrum.stride(0));
+    training::analyse(extent, of_clip(sounds, clip),
+                      spectrum.data_ptr<float>() + clip * spectrum.stride(0));
   }
   return spectrum;
 }
@@ -105,8 +105,8 @@ double loudness_of(const at::Tensor& spectrum, std::int64_t samples) {
   double loudness = 0.0;
   for (std::int64_t clip = 0; clip < spectrum.size(0); ++clip) {
     for (std::ptrdiff_t bin = 0; bin < kBins; ++bin) {
-      loudness += train::loudness_of_bin(planes_at(extent, of_clip(spectrum, clip), bin).data(),
-                                         extent.frames(), extent.row());
+      loudness += training::loudness_of_bin(planes_at(extent, of_clip(spectrum, clip), bin).data(),
+                                            extent.frames(), extent.row());
     }
   }
   return loudness;

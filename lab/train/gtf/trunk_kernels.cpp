@@ -14,7 +14,7 @@
 // clang-format on
 
 HWY_BEFORE_NAMESPACE();
-namespace earpoint::train::HWY_NAMESPACE {
+namespace earpoint::training::HWY_NAMESPACE {
 namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 
@@ -108,11 +108,11 @@ void row_sums(const Rows& rows, const float* x, std::ptrdiff_t x_row, float* sum
 }
 
 }  // namespace
-}  // namespace earpoint::train::HWY_NAMESPACE
+}  // namespace earpoint::training::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace earpoint::train {
+namespace earpoint::training {
 
 HWY_EXPORT(silu_rows);
 HWY_EXPORT(silu_rows_back);
@@ -158,5 +158,5 @@ void transpose(const float* from, std::ptrdiff_t from_row, std::ptrdiff_t rows,
   }
 }
 
-}  // namespace earpoint::train
+}  // namespace earpoint::training
 #endif  // HWY_ONCE

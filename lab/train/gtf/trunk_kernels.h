@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-namespace earpoint::train {
+namespace earpoint::training {
 
 /// Channels of one clip, [channels][row], one after the other. Rows are multiples of 16.
 struct Rows {
@@ -35,4 +35,4 @@ void add_row_sums(const Rows& rows, const float* x, std::ptrdiff_t x_row, float*
 void transpose(const float* from, std::ptrdiff_t from_row, std::ptrdiff_t rows,
                std::ptrdiff_t columns, float* to, std::ptrdiff_t to_row);
 
-}  // namespace earpoint::train
+}  // namespace earpoint::training

@@ -22,14 +22,14 @@ namespace {
 
 using torch::autograd::AutogradContext;
 using torch::autograd::variable_list;
-using train::Outer;
-using train::Product;
-using train::Rows;
+using training::Outer;
+using training::Product;
+using training::Rows;
 
 constexpr std::int64_t kTaps = gtf::kTrunkTaps;
 
 std::int64_t whole_steps(std::int64_t count) {
-  return (count + train::kChannelStep - 1) / train::kChannelStep * train::kChannelStep;
+  return (count + training::kChannelStep - 1) / training::kChannelStep * training::kChannelStep;
 }
 
 /// Sizes of one call. All channels and features are whole steps.
@@ -80,9 +80,9 @@ class TrunkPass : public torch::autograd::Function<TrunkPass> {
       fill(e, input_bias.data_ptr<float>(), input);
       const Product dense{input_weight.data_ptr<float>(), e.features, e.features,
                           features.data_ptr<float>() + clip * features.stride(0), e.row};
-      train::add_products({&dense, 1}, input, e.row, e.channels, e.row);
+      training::add_products({&dense, 1}, input, e.row, e.channels, e.row);
       float* state = kept.states.data_ptr<float>() + clip * kept.states.stride(0);
-      train::silu(e.rows(), input, state + e.before(), e.long_row());
+      training::silu(e.rows(), input, state + e.before(), e.long_row());
       for (std::int64_t layer = 0; layer < e.layers; ++layer) {
         float* y =
             kept.sums.data_ptr<float>() + clip * kept.sums.stride(0) + layer * kept.sums.stride(1);
@@ -93,12 +93,12 @@ class TrunkPass : public torch::autograd::Function<TrunkPass> {
                           kTaps * e.channels, e.channels, state + e.before() - e.offset(layer, tap),
                           e.long_row()});
         }
-        train::add_products(taps, y, e.row, e.channels, e.row);
+        training::add_products(taps, y, e.row, e.channels, e.row);
         const float* film =
             films.data_ptr<float>() + clip * films.stride(0) + layer * films.stride(1);
         float* next = layer + 1 < e.layers ? state + kept.states.stride(1) : last.data_ptr<float>();
-        train::modulate(e.rows(), y, film, film + e.channels, state + e.before(), next + e.before(),
-                        e.long_row());
+        training::modulate(e.rows(), y, film, film + e.channels, state + e.before(),
+                           next + e.before(), e.long_row());
         state = next;
       }
       float* to = output.data_ptr<float>() + clip * output.stride(0);
@@ -141,31 +141,31 @@ class TrunkPass : public torch::autograd::Function<TrunkPass> {
         };
         const float* film = of_layer(films);
         float* by_film = of_layer(by_films);
-        train::modulate_back(e.rows(), of_layer(saved[6]), film, film + e.channels, slope, by_y,
-                             e.long_row(), by_film, by_film + e.channels);
-        train::add_row_sums(e.rows(), by_y, e.long_row(),
-                            by_biases.data_ptr<float>() + layer * e.channels);
-        train::transpose(of_layer(saved[5]), e.long_row(), e.channels, e.long_row(), turned,
-                         e.channels);
+        training::modulate_back(e.rows(), of_layer(saved[6]), film, film + e.channels, slope, by_y,
+                                e.long_row(), by_film, by_film + e.channels);
+        training::add_row_sums(e.rows(), by_y, e.long_row(),
+                               by_biases.data_ptr<float>() + layer * e.channels);
+        training::transpose(of_layer(saved[5]), e.long_row(), e.channels, e.long_row(), turned,
+                            e.channels);
         for (std::int64_t tap = 0; tap < kTaps; ++tap) {
           const std::int64_t at = layer * weights.stride(0) + tap * e.channels;
           const std::int64_t offset = e.offset(layer, tap);
           const Product by_tap{by_y, e.long_row(), e.row,
                                turned + (e.before() - offset) * e.channels, e.channels};
-          train::add_products({&by_tap, 1}, by_weights.data_ptr<float>() + at, kTaps * e.channels,
-                              e.channels, e.channels);
-          train::add_outer_products({weights.data_ptr<float>() + at, kTaps * e.channels,
-                                     by_y + offset, e.long_row(), e.channels, e.channels, e.row,
-                                     slope});
+          training::add_products({&by_tap, 1}, by_weights.data_ptr<float>() + at,
+                                 kTaps * e.channels, e.channels, e.channels);
+          training::add_outer_products({weights.data_ptr<float>() + at, kTaps * e.channels,
+                                        by_y + offset, e.long_row(), e.channels, e.channels, e.row,
+                                        slope});
         }
       }
-      train::silu_back(e.rows(), saved[4].data_ptr<float>() + clip * saved[4].stride(0), slope);
-      train::add_row_sums(e.rows(), slope, e.row, by_input_bias.data_ptr<float>());
-      train::transpose(features.data_ptr<float>() + clip * features.stride(0), e.row, e.features,
-                       e.row, turned, e.features);
+      training::silu_back(e.rows(), saved[4].data_ptr<float>() + clip * saved[4].stride(0), slope);
+      training::add_row_sums(e.rows(), slope, e.row, by_input_bias.data_ptr<float>());
+      training::transpose(features.data_ptr<float>() + clip * features.stride(0), e.row, e.features,
+                          e.row, turned, e.features);
       const Product by_dense{slope, e.row, e.row, turned, e.features};
-      train::add_products({&by_dense, 1}, by_input_weight.data_ptr<float>(), e.features, e.channels,
-                          e.features);
+      training::add_products({&by_dense, 1}, by_input_weight.data_ptr<float>(), e.features,
+                             e.channels, e.features);
     }
     return {{}, by_input_weight, by_input_bias, by_weights, by_biases, by_films, {}};
   }

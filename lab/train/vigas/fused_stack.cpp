@@ -10,7 +10,7 @@
 #include <earpoint/error.h>
 #include <earpoint/kernels/aligned_floats.h>
 
-namespace earpoint::train {
+namespace earpoint::training {
 namespace {
 
 /// Samples that are computed together: a multiple of the kernels' blocks of rows.
@@ -404,4 +404,4 @@ void FusedStack::backward(const StackParameters<const float>& weights,
   state.kept = false;
 }
 
-}  // namespace earpoint::train
+}  // namespace earpoint::training

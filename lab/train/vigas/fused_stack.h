@@ -6,7 +6,7 @@
 #include <functional>
 #include <memory>
 
-namespace earpoint::train {
+namespace earpoint::training {
 
 /// The gated stack of ViGAS, from the source's sound to the target's, and its gradient. Samples are
 /// computed some hundred at a time, through all of a layer, while they are in the cache; channels
@@ -44,4 +44,4 @@ class FusedStack {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace earpoint::train
+}  // namespace earpoint::training

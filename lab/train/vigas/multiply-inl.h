@@ -16,7 +16,7 @@
 #include <hwy/highway.h>
 
 HWY_BEFORE_NAMESPACE();
-namespace earpoint::train::HWY_NAMESPACE {
+namespace earpoint::training::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 using Lanes = hn::ScalableTag<float>;
@@ -138,7 +138,7 @@ HWY_NOINLINE void outer_columns(const Outer& outer, std::ptrdiff_t column) {
   }
 }
 
-}  // namespace earpoint::train::HWY_NAMESPACE
+}  // namespace earpoint::training::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #endif

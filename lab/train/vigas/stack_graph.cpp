@@ -31,15 +31,15 @@
 namespace earpoint {
 namespace {
 
-using train::FusedStack;
-using train::StackShape;
-using train::StackSizes;
+using training::FusedStack;
+using training::StackShape;
+using training::StackSizes;
 
 StackShape shape_of(const ViGasDescription& d) {
   StackShape shape;
   shape.audio_channels = d.audio_channels;
   shape.channels =
-      (d.channels + train::kChannelStep - 1) / train::kChannelStep * train::kChannelStep;
+      (d.channels + training::kChannelStep - 1) / training::kChannelStep * training::kChannelStep;
   shape.taps = d.kernel_size;
   shape.centre = d.acausal ? (d.kernel_size - 1) / 2 : d.kernel_size - 1;
   for (int layer = 0; layer < d.layers(); ++layer) shape.dilations.push_back(d.dilation(layer));
@@ -71,7 +71,7 @@ class Packing {
     const std::string head = fmt::format("output_net.{}.", layers - 1);
     const at::Tensor skip_bias = of_layers("skip.bias", layers).mean(0);
     const std::vector<at::Tensor> parts = {
-        matrix("input", train::kChannelStep, c),
+        matrix("input", training::kChannelStep, c),
         bias(tensors_.parameter("input.bias"), c),
         at::cat({gates("f"), gates("g")}, 3),
         residual(layers - 1),
@@ -80,8 +80,8 @@ class Packing {
         bias(skip_bias, c),
         matrix(head + "first", c, c),
         bias(tensors_.parameter(head + "first.bias"), c),
-        matrix(head + "second", c, train::kChannelStep),
-        bias(tensors_.parameter(head + "second.bias"), train::kChannelStep),
+        matrix(head + "second", c, training::kChannelStep),
+        bias(tensors_.parameter(head + "second.bias"), training::kChannelStep),
         constants(fused)};
     std::vector<at::Tensor> flat;
     for (const at::Tensor& part : parts) flat.push_back(part.reshape({-1}));
@@ -150,8 +150,9 @@ class Packing {
   const GraphTensors& tensors_;
 };
 
-train::StackParameters<const float> parameters_in(const StackSizes& sizes, const at::Tensor& all) {
-  const train::StackParameters<float> p = train::consecutive(sizes, all.data_ptr<float>());
+training::StackParameters<const float> parameters_in(const StackSizes& sizes,
+                                                     const at::Tensor& all) {
+  const training::StackParameters<float> p = training::consecutive(sizes, all.data_ptr<float>());
   return {p.input,     p.input_bias, p.gate,       p.residual, p.residual_bias, p.skip,
           p.skip_bias, p.first,      p.first_bias, p.second,   p.second_bias,   p.constants};
 }
@@ -170,10 +171,10 @@ struct Transposed {
     if (shape.layers() > 1) residual = turned(3, {-1, c, c});
     skip = turned(5, {-1, c, c});
     first = turned(7, {c, c});
-    second = turned(9, {c, train::kChannelStep});
+    second = turned(9, {c, training::kChannelStep});
   }
 
-  [[nodiscard]] train::TransposedParameters pointers() const {
+  [[nodiscard]] training::TransposedParameters pointers() const {
     return {gate.data_ptr<float>(), residual.defined() ? residual.data_ptr<float>() : nullptr,
             skip.data_ptr<float>(), first.data_ptr<float>(), second.data_ptr<float>()};
   }
@@ -206,7 +207,7 @@ struct StackFunction : torch::autograd::Function<StackFunction> {
                             const c10::intrusive_ptr<StackMemory>& memory, bool keep,
                             const at::Tensor& source, const at::Tensor& all) {
     const std::int64_t clips = source.size(0);
-    const StackSizes sizes = train::stack_sizes(memory->shape, clips);
+    const StackSizes sizes = training::stack_sizes(memory->shape, clips);
     at::Tensor output = at::empty_like(source);
     memory->stack().forward(parameters_in(sizes, all), source.data_ptr<float>(), clips,
                             source.size(2), keep, output.data_ptr<float>());
@@ -226,7 +227,7 @@ struct StackFunction : torch::autograd::Function<StackFunction> {
     const auto saved = context->get_saved_variables();
     const at::Tensor& source = saved[0];
     const at::Tensor& all = saved[1];
-    const StackSizes sizes = train::stack_sizes(memory->shape, source.size(0));
+    const StackSizes sizes = training::stack_sizes(memory->shape, source.size(0));
     const Transposed transposed(memory->shape, sizes, all);
     const at::Tensor gradients = at::zeros({memory->threads, all.size(0)}, all.options());
     const at::Tensor by_sound = by_output[0].contiguous();

@@ -17,7 +17,7 @@
 // clang-format on
 
 HWY_BEFORE_NAMESPACE();
-namespace earpoint::train::HWY_NAMESPACE {
+namespace earpoint::training::HWY_NAMESPACE {
 namespace {
 
 using kernels::HWY_NAMESPACE::power_of_two;
@@ -141,11 +141,11 @@ void sines_backward(float* x, float* gradient, std::ptrdiff_t count) {
 }
 
 }  // namespace
-}  // namespace earpoint::train::HWY_NAMESPACE
+}  // namespace earpoint::training::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace earpoint::train {
+namespace earpoint::training {
 
 HWY_EXPORT(products);
 HWY_EXPORT(outer_products);
@@ -188,5 +188,5 @@ void sines_back(float* x, float* gradient, std::ptrdiff_t count) {
   HWY_DYNAMIC_DISPATCH(sines_backward)(x, gradient, count);
 }
 
-}  // namespace earpoint::train
+}  // namespace earpoint::training
 #endif  // HWY_ONCE

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <span>
 
-namespace earpoint::train {
+namespace earpoint::training {
 
 /// Channels lie side by side, sample after sample, and their number is a multiple of this: whole
 /// vectors of every instruction set.
@@ -68,4 +68,4 @@ void sines(float* x, std::ptrdiff_t count);
 /// gradient *= cos(x), then x = sin(x). @param count  a multiple of kChannelStep
 void sines_back(float* x, float* gradient, std::ptrdiff_t count);
 
-}  // namespace earpoint::train
+}  // namespace earpoint::training

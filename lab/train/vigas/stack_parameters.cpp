@@ -5,7 +5,7 @@
 #include <iterator>
 #include <tuple>
 
-namespace earpoint::train {
+namespace earpoint::training {
 
 StackSizes stack_sizes(const StackShape& shape, std::ptrdiff_t clips) {
   const std::ptrdiff_t c = shape.channels;
@@ -38,4 +38,4 @@ StackParameters<float> consecutive(const StackSizes& sizes, float* all) {
   return found;
 }
 
-}  // namespace earpoint::train
+}  // namespace earpoint::training

@@ -5,7 +5,7 @@
 #include <iterator>
 #include <vector>
 
-namespace earpoint::train {
+namespace earpoint::training {
 
 /// What the gated stack looks like. `channels` is a multiple of kChannelStep.
 struct StackShape {
@@ -52,4 +52,4 @@ struct TransposedParameters {
   const float* second = nullptr;    ///< [audio][channels]
 };
 
-}  // namespace earpoint::train
+}  // namespace earpoint::training
