@@ -33,7 +33,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-struct ImportOptions {
+struct ImportArguments {
   fs::path checkpoint;
   fs::path output;
   bool keep_all = false;
@@ -61,7 +61,7 @@ std::int64_t value_count(const std::map<std::string, Tensor>& tensors) {
   return count;
 }
 
-void import_model(const ImportOptions& options) {
+void import_model(const ImportArguments& options) {
   const std::string where = options.checkpoint.string();
   Checkpoint checkpoint = import_checkpoint(options.checkpoint);
   const std::size_t found = checkpoint.state_dict.size();
@@ -185,7 +185,7 @@ void print_info(const InfoOptions& options) {
 }
 
 void add_import(CLI::App& model) {
-  auto options = std::make_shared<ImportOptions>();
+  auto options = std::make_shared<ImportArguments>();
   CLI::App* command = model.add_subcommand(
       "import", "Convert a PyTorch checkpoint of the released code into a weight file.");
   command->add_option("checkpoint", options->checkpoint, "Checkpoint, e.g. best_val.ckpt")

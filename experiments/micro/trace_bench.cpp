@@ -46,19 +46,19 @@ double median(std::vector<double> values) {
 }
 
 /// A home and places to stand in it.
-struct Stage {
+struct BenchStage {
   Home home;
   std::vector<Source> sources;
   std::vector<Vector3> listeners;
 };
 
-Stage make_stage(std::uint64_t seed, std::size_t most_triangles, const FurnitureLibrary& library,
-                 int sources, int listeners) {
+BenchStage make_stage(std::uint64_t seed, std::size_t most_triangles,
+                      const FurnitureLibrary& library, int sources, int listeners) {
   HomeOptions options;
   options.furnishing = 1.0;
   options.softness = 0.5;
   options.most_triangles = most_triangles;
-  Stage stage{.home = make_home(seed, options, library), .sources = {}, .listeners = {}};
+  BenchStage stage{.home = make_home(seed, options, library), .sources = {}, .listeners = {}};
   const Bounds box = bounds(stage.home.scene.mesh);
   RandomStream random(seed, {99});
   // A conversation stands in one room, with some of its listeners around a corner.
@@ -87,7 +87,7 @@ struct Cost {
   std::size_t triangles = 0;
 };
 
-Cost measure(const Stage& stage, const TraceOptions& options,
+Cost measure(const BenchStage& stage, const TraceOptions& options,
              const ResponseSynthesizer& synthesizer, const HrtfSet& hrtf, int runs) {
   ThreadPool pool(1);
   Cost cost;
@@ -130,12 +130,12 @@ nlohmann::json to_json(const Cost& cost, int rays, int pairs) {
           {"rays_cast", cost.rays}};
 }
 
-void measure_growth(const Stage& stage, std::uint64_t seed, const FurnitureLibrary& library,
+void measure_growth(const BenchStage& stage, std::uint64_t seed, const FurnitureLibrary& library,
                     const TraceOptions& options, const ResponseSynthesizer& synthesizer,
                     const HrtfSet& hrtf, nlohmann::json& report) {
   constexpr int kPairs = kSources * kListeners;
   for (const std::size_t most : {5000, 10000, 20000, 40000}) {
-    const Stage other = make_stage(seed, most, library, kSources, kListeners);
+    const BenchStage other = make_stage(seed, most, library, kSources, kListeners);
     report["over_triangles"].push_back(
         to_json(measure(other, options, synthesizer, hrtf, 3), options.rays, kPairs));
   }
@@ -146,7 +146,7 @@ void measure_growth(const Stage& stage, std::uint64_t seed, const FurnitureLibra
         to_json(measure(stage, more, synthesizer, hrtf, 3), rays, kPairs));
   }
   for (const int listeners : {1, 2, 4, 8, 16}) {
-    const Stage other = make_stage(seed, 60000, library, kSources, listeners);
+    const BenchStage other = make_stage(seed, 60000, library, kSources, listeners);
     report["over_pairs"].push_back(
         to_json(measure(other, options, synthesizer, hrtf, 3), options.rays, kSources * listeners));
   }
@@ -165,7 +165,7 @@ int main(int argc, char** argv) {
   // The home of the claim: the first one with enough triangles.
   constexpr std::size_t kLeastTriangles = 20000;
   std::uint64_t seed = 1;
-  Stage stage = make_stage(seed, 60000, library, kSources, kListeners);
+  BenchStage stage = make_stage(seed, 60000, library, kSources, kListeners);
   while (stage.home.scene.mesh.triangles.size() < kLeastTriangles) {
     stage = make_stage(++seed, 60000, library, kSources, kListeners);
   }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <earpoint/error.h>
+#include <earpoint/pose.h>
 
 namespace earpoint {
 namespace {
@@ -13,7 +14,6 @@ constexpr double kHighest_hz = 7000.0;
 constexpr float kLeastShare = 0.01F;  ///< of the mean power in the band, for a bin to count
 constexpr double kLeastHeight = 0.3;  ///< of a candidate, re the highest
 constexpr std::size_t kMostCandidates = 6;
-constexpr double kPi = 3.14159265358979323846;
 
 }  // namespace
 

@@ -66,7 +66,7 @@ struct StudyServer::State {
     routes.Post(participant + "/finish", [this](const Request& request, Response& response) {
       send(desk.finish(request.matches[1], request.body), response);
     });
-    server.route_page(study_page::page_bytes());
+    server.route_page(study_page_files::page_bytes());
   }
 
   static std::size_t step_of(const httplib::Request& request) {
@@ -87,6 +87,6 @@ void StudyServer::run() { state_->server.run(); }
 
 void StudyServer::stop() { state_->server.stop(); }
 
-bool has_study_page() { return !study_page::page_bytes().empty(); }
+bool has_study_page() { return !study_page_files::page_bytes().empty(); }
 
 }  // namespace earpoint

@@ -5,12 +5,12 @@
 #include <complex>
 
 #include <earpoint/error.h>
+#include <earpoint/pose.h>
 
 namespace earpoint {
 namespace {
 
 using Complex = std::complex<double>;
-constexpr double kPi = 3.14159265358979323846;
 
 /// Poles in z, one for each pair of complex conjugates; real ones singly.
 struct Poles {

@@ -5,11 +5,11 @@
 
 #include <earpoint/audio/resample.h>
 #include <earpoint/error.h>
+#include <earpoint/pose.h>
 
 namespace earpoint {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr int kZeroCrossings = 24;
 constexpr double kRolloff = 0.945;
 

@@ -11,14 +11,14 @@
 namespace earpoint {
 namespace {
 
-AudioReader open(const SoundInput& source) {
+AudioReader reader_of(const SoundInput& source) {
   return AudioReader(source.path, source.binaural_channels, source.audio_stream);
 }
 
 }  // namespace
 
 SoundSurvey survey_sound(const SoundInput& source) {
-  AudioReader reader = open(source);
+  AudioReader reader = reader_of(source);
   SoundSurvey survey =
       survey_blocks([&reader](std::ptrdiff_t samples) { return reader.read(samples); },
                     reader.sample_rate_hz(), source.path.string());
@@ -37,7 +37,7 @@ BlockReader read_blocks(const SoundInput& source) {
     std::optional<VoicePlacer> placer;
     bool ended = false;
   };
-  auto reading = std::make_shared<Reading>(Reading{open(source), {}});
+  auto reading = std::make_shared<Reading>(Reading{reader_of(source), {}});
   if (source.placement) {
     reading->placer.emplace(*source.placement, HrtfSet::load(reading->reader.sample_rate_hz()));
   }

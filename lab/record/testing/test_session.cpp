@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kRate = kSyncRateHz;
-constexpr double kSoundMetresPerSecond = 343.0;
+constexpr double kSpeedOfSound_m_per_s = 343.0;
 constexpr double kRoom_m = 3.0;  // half of its length and width
 constexpr double kHeight_m = 2.7;
 constexpr double kReflection = 0.75;
@@ -175,7 +175,7 @@ Path path_to_ear(const Vector3& source, const Pose& head, int ear) {
   const double distance = norm(to);
   const double left = dot(to, rotate(head.orientation, {0, 1, 0})) / distance;
   const double side = ear == 0 ? left : -left;
-  return {distance / kSoundMetresPerSecond + rigid_sphere_delays_s(distance, left)[ear],
+  return {distance / kSpeedOfSound_m_per_s + rigid_sphere_delays_s(distance, left)[ear],
           (1.0 + 0.4 * side) / std::max(distance, 0.1)};
 }
 
@@ -228,7 +228,7 @@ class Renderer {
           sound, clock, spoken_[p], 0.0,
           [&](double t, std::size_t) {
             const double distance = p == wearer ? kNear_m : norm(place(p, t) - place(wearer, t));
-            return Path{distance / kSoundMetresPerSecond, 0.3 / distance};
+            return Path{distance / kSpeedOfSound_m_per_s, 0.3 / distance};
           },
           1);
     }
@@ -237,7 +237,7 @@ class Renderer {
           sound, clock, clap_, kTestClap_s - 16 / kRate,
           [&](double t, std::size_t) {
             const double distance = norm(kTestClapPlace_m - place(wearer, t));
-            return Path{distance / kSoundMetresPerSecond, 0.3 / distance};
+            return Path{distance / kSpeedOfSound_m_per_s, 0.3 / distance};
           },
           1);
     }
