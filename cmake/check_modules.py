@@ -35,7 +35,7 @@ class Module:
 
 
 def keyword(call, name):
-    keys = "DEPENDS|LIBRARIES|SOURCES|TESTS|TEST_DEPENDS|TEST_LIBRARIES"
+    keys = "DEPENDS|LIBRARIES|SOURCES|TESTS|TEST_DEPENDS|TEST_LIBRARIES|SUITES"
     found = re.search(rf"\b{name}\b(.*?)(?=\b(?:{keys})\b|$)", call, re.S)
     return set(re.findall(r"[\w]+", found.group(1))) if found else set()
 
