@@ -33,13 +33,14 @@ endif()
 
 # earpoint_join_sources(<target>)
 #
-# Compiles several sources of a target at a time: that takes a third of the time, as their headers are read once. For
-# tests; what ships is compiled one by one, so that each source is known to include what it needs.
+# Compiles several tests of a target at a time: that takes a third of the time, as their headers are read once. Other
+# sources are compiled one by one, so that each is known to include what it needs.
 function(earpoint_join_sources target)
   if(NOT EARPOINT_JOIN_TESTS)
     return()
   endif()
   get_target_property(sources ${target} SOURCES)
+  list(FILTER sources INCLUDE REGEX "_test\\.cpp$")
   # A name that comes to be defined in two sources of a unit parts them.
   set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${sources})
   execute_process(COMMAND ${EARPOINT_PYTHON3} ${PROJECT_SOURCE_DIR}/cmake/units.py 6 ${sources}

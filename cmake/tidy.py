@@ -26,7 +26,7 @@ OURS = (rf"^{re.escape(str(ROOT))}/((apps|bindings/(python|plugin)|cmake|example
         r"|bindings/c/[^/]*$)")
 # These change neither what a source means nor what clang-tidy finds in it.
 WITHOUT_MEANING = re.compile(r"-(O\d?|g\d?|fPIC|fPIE|fvisibility.*)$")
-SUMMARIES = re.compile(r"warnings? generated|warnings? treated as|Suppressed|Use -header-filter|^$")
+SUMMARIES = re.compile(r"(warnings?|errors?) generated|^Error while processing|warnings? treated as|Suppressed|Use -header-filter|^$")
 
 
 class Source:
@@ -68,7 +68,8 @@ class Unit(units.Unit):
         """Writes the unit as a source of its own; returns its compile command."""
         path.write_text("".join(f'#include "{source.path}"  // NOLINT\n' for source in self.sources))
         includes = dict.fromkeys(flag for source in self.sources for flag in source.includes)
-        command = ["clang++", *self.sources[0].others]
+        # A local name may be one that another source has at its outermost level; GCC sees what it hides in its own.
+        command = ["clang++", *self.sources[0].others, "-Wno-shadow"]
         command += [f"-D{name}={value}" if value else f"-D{name}" for name, value in self.defines.items()]
         command += [part for flag in includes for part in flag]
         return {"directory": self.sources[0].folder, "file": str(path),
