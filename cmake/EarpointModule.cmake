@@ -33,7 +33,7 @@ endif()
 
 # earpoint_join_sources(<target>)
 #
-# Compiles several tests of a target at a time: that takes a third of the time, as their headers are read once. Other
+# Compiles several tests of a target at a time: that takes less than half the time, as their headers are read once. Other
 # sources are compiled one by one, so that each is known to include what it needs.
 function(earpoint_join_sources target)
   if(NOT EARPOINT_JOIN_TESTS)
