@@ -31,23 +31,22 @@ if(EARPOINT_SANITIZE)
   target_link_options(earpoint_flags INTERFACE -fsanitize=${EARPOINT_SANITIZE})
 endif()
 
-# earpoint_join_sources(<target>)
+# earpoint_join_tests(<target>)
 #
-# Compiles several tests of a target at a time: that takes less than half the time, as their headers are read once. Other
-# sources are compiled one by one, so that each is known to include what it needs.
-function(earpoint_join_sources target)
-  if(NOT EARPOINT_JOIN_TESTS)
+# Compiles several tests of a target at a time: that takes less than half the time, as their headers are read once.
+# Other sources are compiled one by one, so that each is known to include what it needs.
+function(earpoint_join_tests target)
+  if(NOT EARPOINT_JOIN_TESTS OR NOT EARPOINT_PYTHON3)
     return()
   endif()
   get_target_property(sources ${target} SOURCES)
   list(FILTER sources INCLUDE REGEX "_test\\.cpp$")
-  # A name that comes to be defined in two sources of a unit parts them.
+  # An edit may give two tests of a unit the same name: they are parted when CMake runs again.
   set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${sources})
   execute_process(COMMAND ${EARPOINT_PYTHON3} ${PROJECT_SOURCE_DIR}/cmake/units.py 6 ${sources}
                   WORKING_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR} OUTPUT_VARIABLE units OUTPUT_STRIP_TRAILING_WHITESPACE
                   COMMAND_ERROR_IS_FATAL ANY)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
-  string(REPLACE ";" " " units "${units}")
   string(REPLACE "\n" ";" units "${units}")
   set(number 0)
   foreach(unit IN LISTS units)
@@ -112,7 +111,7 @@ function(earpoint_add_module name)
       GTest::gtest_main)
     target_compile_definitions(${name}_test PRIVATE
       EARPOINT_SOURCE_DIR="${PROJECT_SOURCE_DIR}" EARPOINT_BINARY_DIR="${PROJECT_BINARY_DIR}")
-    earpoint_join_sources(${name}_test)
+    earpoint_join_tests(${name}_test)
     earpoint_discover_tests(${name}_test LABEL ${name} SUITES ${arg_SUITES})
   endif()
 endfunction()

@@ -4,7 +4,7 @@
 Sources that define the same name at the outermost level, or in an anonymous namespace, go into different units. The
 sources are formatted: what is outermost starts its line.
 
-usage: units.py MOST SOURCE...      prints a line for each unit of at most MOST sources: their names, joined by ;
+usage: units.py MOST SOURCE...      prints a line for each unit of at most MOST sources: their names, spaces between
 """
 
 import re
@@ -79,4 +79,4 @@ class Source:
 
 if __name__ == "__main__":
     for unit in units_of([Source(path) for path in sys.argv[2:]], int(sys.argv[1])):
-        print(";".join(source.path for source in unit.sources))
+        print(" ".join(source.path for source in unit.sources))
