@@ -25,12 +25,12 @@
 #include <earpoint/core/parallel.h>
 #include <earpoint/core/progress.h>
 #include <earpoint/dataset/dataset_folder.h>
+#include <earpoint/dataset/speaker_boxes.h>
 #include <earpoint/error.h>
 #include <earpoint/evaluate/evaluation.h>
 #include <earpoint/evaluate/evaluation_table.h>
 #include <earpoint/evaluate/metrics.h>
 #include <earpoint/evaluate/report.h>
-#include <earpoint/evaluate/speaker_boxes.h>
 #include <earpoint/rt60/engine.h>
 #include <earpoint/rt60/weights.h>
 
@@ -89,8 +89,9 @@ dsp and networks are run as `earpoint render` runs them, on the window of one se
 or with --context 4 on the four seconds before it too (silence before the speech): windows overlap and are
 cross-faded, and the last second is compared. The target and the input of other methods are the same.
 Enhancement (--enhance): the target is the dry speech of a microphone close to the mouth, at its level 1 m
-away in free field; the source has room noise of -40 dB unless --ambient is given. Methods do not get the
-position of that microphone; tf and dsp, which render for a position, have no row.
+away in free field; the source has room noise of -40 dB unless --ambient is given. Of recorded clips it is
+near.wav, whose gain is not known: it is made as loud as the source and moved to it by GCC-PHAT. Methods do
+not get the position of that microphone; tf and dsp, which render for a position, have no row.
 A clip of your own (--earpoints) needs no data set: a JSON file names the clip, and earpoints with the true
 sound there (docs/formats.md). It is rendered as `earpoint render` does, by input, dsp, shipped models and
 weight files; gtf does not get the speaker's position. Without --json one table is printed.

@@ -23,10 +23,6 @@ std::ptrdiff_t context_of(const EvaluateOptions& options) {
 }
 
 std::unique_ptr<EvaluationSet> recorded_set(const EvaluateOptions& options) {
-  if (options.enhance) {
-    throw InputError("--enhance", "needs simulated data, whose dry speech is known",
-                     "make some with `earpoint simulate`");
-  }
   if (options.context_s > 0.0) {
     throw InputError("--context", "clips of Replay-NVAS are used whole", "leave it out");
   }
@@ -44,7 +40,7 @@ std::unique_ptr<EvaluationSet> recorded_set(const EvaluateOptions& options) {
     throw InputError("--draw every-target", "Replay-NVAS is drawn as the released test draws it",
                      "leave it out");
   }
-  return replay_evaluation_set(options.data, options.split, options.limit);
+  return replay_evaluation_set(options.data, options.split, options.limit, target_of(options));
 }
 
 std::unique_ptr<EvaluationSet> rwavs_set(const EvaluateOptions& options) {
@@ -72,7 +68,11 @@ PairTarget target_of(const EvaluateOptions& options) {
 
 EvaluateAmbient ambient_of(const EvaluateOptions& options) {
   EvaluateAmbient ambient;
-  if (options.enhance || !options.ambient.empty()) ambient.level_db = kUsualAmbientDb;
+  // Recordings have their own.
+  const bool is_simulated = layout_of(options) == DatasetLayout::soundspaces;
+  if (is_simulated && (options.enhance || !options.ambient.empty())) {
+    ambient.level_db = kUsualAmbientDb;
+  }
   for (const std::string& word : options.ambient) {
     if (const auto separation = ambient_separation_named(word)) {
       ambient.separation = *separation;

@@ -63,12 +63,22 @@ def intervals(run, drawn_by=None):
 def enhancement_table(text):
     """Means and ratios to `input` of what enhancement is measured by."""
     run = json.loads(text)
-    metrics = [("mag", "Mag", 4), ("rte_s", "RTE (s)", 4), ("level_db", "level (dB)", 2)]
+    return enhancement_tables(run, f"{extent(run)}, room noise of {run['ambient_db']:g} dB.", intervals(run))
+
+
+def recorded_enhancement_table(text):
+    """The same of recorded sessions."""
+    run = json.loads(text)
+    # The level of the target is that of the source.
+    return enhancement_tables(run, f"{session_extent(run)}.", intervals(run, "session"), without=("level_db",))
+
+
+def enhancement_tables(run, data, drawn, without=()):
+    metrics = [column for column in (("mag", "Mag", 4), ("rte_s", "RTE (s)", 4), ("level_db", "level (dB)", 2))
+               if column[0] not in without]
     speech = [("si_sdr_db", "SI-SDR (dB)", 1), ("estoi", "ESTOI", 3)]
     return "\n".join([
-        f"{extent(run)}, room noise of {run['ambient_db']:g} dB. Mean error with its 95 % interval; 0 is best, and more of "
-        f"SI-SDR and ESTOI. "
-        f"{intervals(run)}", "",
+        f"{data} Mean error with its 95 % interval; 0 is best, and more of SI-SDR and ESTOI. {drawn}", "",
         table(run["rows"], metrics + speech, lambda row, key, d: with_range(row.get(key), "mean", d)), "",
         "As ratio to `input` (the paper's on Replay-NVAS: Mag 0.84, RTE 0.32):", "",
         table(run["rows"], metrics,
@@ -86,6 +96,32 @@ def recorded_table(text):
     run = json.loads(text)
     return tables_of(run, f"{session_extent(run)}. Mean error with its 95 % interval; 0 is best. "
                      f"{intervals(run, 'session')}")
+
+
+def documents(text):
+    """The JSON documents that a file holds one behind the other."""
+    found, decoder, at = [], json.JSONDecoder(), 0
+    while text[at:].strip():
+        at += len(text[at:]) - len(text[at:].lstrip())
+        document, at = decoder.raw_decode(text, at)
+        found.append(document)
+    return found
+
+
+def boxes_table(text):
+    """Ratios to `input` of the same methods, told different boxes."""
+    runs = documents(text)
+    rows = [f"{session_extent(runs[0])}. Mean error as ratio to `input`, with its 95 % interval. "
+            f"{intervals(runs[0], 'session')}", ""]
+    columns = [column for column in METRICS if any(row.get(column[0]) for row in runs[0]["rows"])]
+    rows += ["| boxes | method | " + " | ".join(heading for _, heading, _ in columns) + " |",
+             "|---" * (2 + len(columns)) + "|"]
+    for run in runs:
+        for row in run["rows"]:
+            if row["method"] != "input":
+                cells = [with_range(row.get(key, {}).get("ratio"), "value", 2) for key, _, _ in columns]
+                rows.append(f"| {run['boxes']} | {row['method']} | " + " | ".join(cells) + " |")
+    return "\n".join(rows)
 
 
 def tables_of(run, heading):

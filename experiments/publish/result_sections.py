@@ -2,7 +2,8 @@
 from dataclasses import dataclass
 from typing import Callable, NamedTuple, Optional
 
-from evaluation_tables import enhancement_table, evaluation_table, recorded_table
+from evaluation_tables import (boxes_table, enhancement_table, evaluation_table, recorded_enhancement_table,
+                               recorded_table)
 from measurement_tables import (camera_table, demo_table, detection_table, generalisation_table,
                                 gtf_training_table, kill_table, load_table, memory_table,
                                 network_table, page_table, python_table, reverberation_table, rt60_table,
@@ -82,8 +83,9 @@ ABLATIONS = Page("ablations", "Ablations", "The networks without one of their pa
     Section("Ablations in one home", "ablations-single.json", evaluation_table,
             "`earpoint evaluate --ablations --json`, as above.", Plot("ablations-single", RATIOS)),
     Section("Ablations in recorded sessions", "ablations-recorded.json", recorded_table,
-            "`earpoint evaluate --layout replay --ablations --json`: ViGAS without one of its parts, trained and tested on "
-            "*[recorded sessions](people-and-recordings.md#methods-in-recorded-sessions)*.",
+            "`earpoint evaluate --layout replay --ablations --json`: ViGAS without one of its parts, half as wide as the other "
+            "small ViGAS, trained on 4,800 clips of *[recorded sessions](people-and-recordings.md#methods-in-recorded-sessions)* "
+            "and tested on others.",
             Plot("ablations-recorded", RATIOS)),
 ])
 
@@ -109,7 +111,17 @@ PEOPLE = Page("people-and-recordings", "People and recordings",
             "`earpoint evaluate --layout replay` on the two test sessions of nine, a minute each, that `earpoint record "
             "simulate` made in one flat and `earpoint record prepare` cut into clips; no session is in two splits. Methods are told the true box. "
             "gtf and vigas are the shipped networks, which were not trained on them; networks called -recorded were trained on the "
-            "six training sessions alone.", Plot("methods-recorded", RATIOS)),
+            "six training sessions alone, those called -adapted on the same sessions, starting from the shipped weights.",
+            Plot("methods-recorded", RATIOS)),
+    Section("Networks trained with detected people, in recorded sessions", "boxes-recorded.jsonl", boxes_table,
+            "`earpoint evaluate --layout replay --boxes detected` and `--boxes true` on the same clips. gtf-adapted was trained "
+            "on the six training sessions with the true boxes, gtf-detected with those of the person who was detected as the "
+            "speaker (`data.boxes`); both start from the shipped weights and learn from the true position."),
+    Section("Speech enhancement in recorded sessions", "enhance-recorded.json", recorded_enhancement_table,
+            "`earpoint evaluate --layout replay --enhance --json` on the same clips: the target is what the speaker's near "
+            "microphone recorded, moved to the source by GCC-PHAT and made as loud, since its gain is not known. "
+            "enhance is the shipped network, which was not trained on them; gtf and vigas were trained on the six training "
+            "sessions, gtf starting from enhance.", Plot("enhance-recorded", RATIOS[::2])),
     Section("Cost of simulated sessions", "session_cost.jsonl", session_table,
             "`experiments/measure/session_cost.py`: processor time of `earpoint record simulate`, half a minute with three "
             "people and eight cameras of 480 x 270 pixels at 5 pictures a second, including the flat, which is drawn once "

@@ -39,6 +39,7 @@ ablations=(
   "vigas-no-box vigas-small network.box=false"
   "vigas-no-alignment vigas-small data.align=none"
 )
+# Smaller ones, as there are few recorded clips.
 recorded_ablations=(
   "vigas vigas-small-replay"
   "vigas-blind vigas-small-replay network.picture=null network.box=false"
@@ -90,25 +91,42 @@ train_methods() {
     data.target=near_microphone data.ambient_db=-40
 }
 
-# Networks that are trained on the clips of recorded sessions. There are few of these, so all are seen often.
+# Networks that are trained on the clips of recorded sessions: few clips, so few steps.
 train_recorded() {
-  local earpoint=$1 data=out/data/recorded ablation name config settings
-  train_run "$earpoint" vam-replay "$data" out/runs/recorded/vam
-  train_run "$earpoint" vigas-small-replay "$data" out/runs/recorded/vigas-blind training.steps=3000 \
-    network.picture=null network.box=false
-  train_run "$earpoint" vigas-small-replay "$data" out/runs/recorded/vigas training.steps=3000
-  train_run "$earpoint" gtf-replay "$data" out/runs/recorded/gtf training.steps=2000
+  local earpoint=$1 data=out/data/recorded runs=out/runs/recorded ablation name config settings
+  local often="training.validate_every=200 training.warmup_steps=30"
+  local near="data.target=near_microphone data.align=responses"
+  # What starts from the shipped weights learns at lower rates.
+  local from_vigas="network.init=models/vigas.safetensors training.learning_rate=0.0003 $often"
+  local from_gtf="network.channels=96 training.learning_rate=0.0005 training.validate_every=250"
+  # shellcheck disable=SC2086
+  {
+    train_run "$earpoint" vigas-small-replay "$data" "$runs/vigas-adapted" training.steps=800 $from_vigas
+    train_run "$earpoint" vigas-small-replay "$data" "$runs/vigas" training.steps=800 $often
+    train_run "$earpoint" vigas-small-replay "$data" "$runs/vigas-blind" training.steps=800 $often \
+      network.picture=null network.box=false
+    train_run "$earpoint" gtf-replay "$data" "$runs/gtf-adapted" training.steps=1000 $from_gtf \
+      network.init=models/gtf.safetensors
+    train_run "$earpoint" gtf-replay "$data" "$runs/gtf-detected" training.steps=1000 $from_gtf \
+      network.init=models/gtf.safetensors data.boxes=detected
+    train_run "$earpoint" vam-replay "$data" "$runs/vam" training.steps=400 training.validate_every=100
+    train_run "$earpoint" vigas-small-replay "$data" out/enhance-recorded/vigas training.steps=500 $from_vigas $near
+    train_run "$earpoint" gtf-replay "$data" out/enhance-recorded/gtf training.steps=500 $from_gtf $near \
+      network.init=models/enhance.safetensors network.loss.phase_difference=0 \
+      network.loss.natural.phase_difference=0
+  }
   for ablation in "${recorded_ablations[@]}"; do
     read -r name config settings <<<"$ablation"
     # shellcheck disable=SC2086
-    train_ablation "$earpoint" "$data" "out/ablations/recorded/$name" "$config" $settings
+    train_ablation "$earpoint" "$data" "out/ablations/recorded/$name" "$config" network.channels=16 \
+      training.steps=600 training.validate_every=200 $settings
   done
 }
 
 # Recordings in the layout of Replay-NVAS: nine sessions of a minute in one flat, split by session, the clips that are
 # cut from them, and the networks trained on these. Hours on two cores.
 record_sessions() {
-  local earpoint=$1 session name detector methods=input,tf,dsp,gtf,vigas
+  local earpoint=$1 session name detector boxes methods=input,tf,dsp,gtf,vigas
   say "Recording simulated sessions into out/data/sessions, and their clips into out/data/recorded"
   "$earpoint" record simulate --scenarios 9 --minutes 1 --size 320x180 --samples 1 --seed 21 --out out/data/sessions
   for session in out/data/sessions/scenario-*/session.json; do
@@ -120,12 +138,25 @@ record_sessions() {
       out/data/sessions/scenario-000[78] --detector "$detector" >>out/bench/session_people.jsonl
   done
   train_recorded "$earpoint"
-  for name in vam vigas-blind vigas gtf; do
+  for name in vam vigas-blind vigas; do
     methods+=,$name-recorded=out/runs/recorded/$name/best.safetensors
   done
+  for name in vigas gtf; do
+    methods+=,$name-adapted=out/runs/recorded/$name-adapted/best.safetensors
+  done
+  methods+=,gtf-adapted=out/runs/recorded/gtf-adapted/best.safetensors:mean
   say "Methods side by side in recorded sessions: $methods"
   "$earpoint" evaluate --data out/data/recorded --layout replay --methods "$methods" --json \
     >out/bench/evaluate-recorded.json
+  methods=input,gtf
+  for name in adapted detected; do methods+=,gtf-$name=out/runs/recorded/gtf-$name/best.safetensors; done
+  for boxes in detected true; do
+    say "Networks that were trained with true and with detected boxes, told boxes: $boxes"
+    "$earpoint" evaluate --data out/data/recorded --layout replay --boxes "$boxes" --methods "$methods" --json
+  done >out/bench/boxes-recorded.jsonl
+  say "Speech enhancement in recorded sessions"
+  "$earpoint" evaluate --data out/data/recorded --layout replay --enhance --methods input,enhance \
+    --runs out/enhance-recorded --json >out/bench/enhance-recorded.json
   say "Ablations in recorded sessions"
   "$earpoint" evaluate --data out/data/recorded --layout replay --ablations --runs out/ablations/recorded --json \
     >out/bench/ablations-recorded.json

@@ -208,7 +208,12 @@ ReplayCamera ReplayDataset::camera(const std::string& scene, const std::string& 
   return found->second.at(name);
 }
 
-ReplayDataset::View ReplayDataset::read_view(const fs::path& image) const {
+fs::path ReplayDataset::path_of(const ReplayClip& clip, int view) const {
+  return options_.root / clip.folder / clip.images.at(static_cast<std::size_t>(view));
+}
+
+ReplayView ReplayDataset::view(const ReplayClip& clip, int view) const {
+  const fs::path image = path_of(clip, view);
   try {
     return {read_rgb(image), read_recording(beside(image, ".wav"))};
   } catch (const InputError&) {
@@ -246,26 +251,21 @@ std::optional<Waveform> ReplayDataset::near_sound(const ReplayClip& clip) const 
   return window_of(highpass(resample_sinc(first, kRate_hz), kReplayCutoffHz), 0, kSamples);
 }
 
+std::vector<double> ReplayDataset::box(const ReplayClip& clip, int view) const {
+  return read_box(beside(path_of(clip, view), ".npy"));
+}
+
 NvasSample ReplayDataset::sample(const ReplayClip& clip, const ReplayChoice& choice,
                                  bool align) const {
-  const fs::path folder = options_.root / clip.folder;
-  const fs::path source = folder / clip.images.at(choice.source);
-  const fs::path target = folder / clip.images.at(choice.target);
-
   NvasSample sample;
-  auto [source_rgb, source_sound] = read_view(source);
-  auto [target_rgb, target_sound] = read_view(target);
-  if (align) {
-    const double delay =
-        gcc_phat_delay_samples(mean_of_channels(target_sound), mean_of_channels(source_sound));
-    source_sound =
-        shifted(source_sound, std::clamp(static_cast<int>(delay), -kGreatestShift, kGreatestShift));
-  }
-  sample.source = window_of(source_sound, 0, kSamples);
-  sample.target = window_of(target_sound, 0, kSamples);
-  sample.source_rgb = std::move(source_rgb);
-  sample.target_rgb = std::move(target_rgb);
-  sample.bboxes = read_box(beside(source, ".npy"));
+  ReplayView source = view(clip, choice.source);
+  ReplayView target = view(clip, choice.target);
+  if (align) source.sound = aligned_source(source.sound, target.sound);
+  sample.source = window_of(source.sound, 0, kSamples);
+  sample.target = window_of(target.sound, 0, kSamples);
+  sample.source_rgb = std::move(source.rgb);
+  sample.target_rgb = std::move(target.rgb);
+  sample.bboxes = box(clip, choice.source);
 
   const ReplayCamera from = camera(clip.scene, clip.images[choice.source]);
   const ReplayCamera to = camera(clip.scene, clip.images[choice.target]);
@@ -274,6 +274,11 @@ NvasSample ReplayDataset::sample(const ReplayClip& clip, const ReplayChoice& cho
   sample.tgt_pose.assign(pose.begin(), pose.end());
   sample.tgt_rotation.assign(rotation.begin(), rotation.end());
   return sample;
+}
+
+Waveform aligned_source(const Waveform& source, const Waveform& target) {
+  const double delay = gcc_phat_delay_samples(mean_of_channels(target), mean_of_channels(source));
+  return shifted(source, std::clamp(static_cast<int>(delay), -kGreatestShift, kGreatestShift));
 }
 
 std::array<double, 3> replay_pose(const ReplayCamera& source, const ReplayCamera& target) {

@@ -1,10 +1,11 @@
 #include <earpoint/dataset/replay_pair.h>
 
+#include "byte_cache.h"
+
 #include <algorithm>
 #include <cmath>
-#include <span>
+#include <string>
 #include <utility>
-#include <vector>
 
 #include <earpoint/audio/energy.h>
 #include <earpoint/audio/gcc_phat.h>
@@ -32,24 +33,36 @@ Image image_of(const ImagePlanes& planes) {
   return image;
 }
 
+std::string key_of(const char* what, const ReplayClip& clip, int view) {
+  return what + clip.folder + "/" + clip.images.at(static_cast<std::size_t>(view));
+}
+
 }  // namespace
+
+/// What it keeps of a camera's view.
+struct ReplaySampler::View {
+  std::shared_ptr<const Image> picture;
+  Waveform sound;
+};
+
+ReplaySampler::ReplaySampler(const ReplayDataset& dataset, std::size_t cache_bytes)
+    : dataset_(&dataset), cache_(std::make_unique<ByteCache>(cache_bytes)) {}
+ReplaySampler::~ReplaySampler() = default;
+ReplaySampler::ReplaySampler(ReplaySampler&&) noexcept = default;
+ReplaySampler& ReplaySampler::operator=(ReplaySampler&&) noexcept = default;
 
 Pose world_from_camera(const ReplayCamera& camera) {
   const Vector3 centre_m = camera.centre * kMetresPerCentimetre;
   return look_at(centre_m, centre_m + camera.direction);
 }
 
-PairSample replay_pair(const ReplayDataset& dataset, const ReplayClip& clip,
-                       const ReplayChoice& choice, bool align) {
-  NvasSample loaded = dataset.sample(clip, choice, align);
+PairSample ReplaySampler::source_sample(const ReplayClip& clip, int index) const {
+  const std::shared_ptr<const View> source = view(clip, index);
   PairSample sample;
-  sample.world_from_source =
-      world_from_camera(dataset.camera(clip.scene, clip.images[choice.source]));
-  const Pose world_from_target =
-      world_from_camera(dataset.camera(clip.scene, clip.images[choice.target]));
-  sample.source_from_target = inverse(sample.world_from_source) * world_from_target;
-  sample.picture = std::make_shared<const Image>(image_of(loaded.source_rgb));
-  const std::vector<double>& box = loaded.bboxes;
+  sample.world_from_source = world_from_camera(
+      dataset_->camera(clip.scene, clip.images.at(static_cast<std::size_t>(index))));
+  sample.picture = source->picture;
+  const std::vector<double> box = speaker_box(clip, index);
   // Four zeros say that the speaker is out of sight.
   if (std::ranges::any_of(box, [](double x) { return x != 0.0; })) {
     sample.speaker_box = Box{.x_min = box[0], .y_min = box[1], .x_max = box[2], .y_max = box[3]};
@@ -57,17 +70,66 @@ PairSample replay_pair(const ReplayDataset& dataset, const ReplayClip& clip,
   if (clip.mouth_m) {
     sample.speaker_m = transform_point(inverse(sample.world_from_source), *clip.mouth_m);
   }
-  sample.source = std::move(loaded.source);
-  sample.target = std::move(loaded.target);
+  sample.source = window_of(source->sound, 0, kPairSamples);
   return sample;
 }
 
-Waveform near_voice(const ReplayDataset& dataset, const ReplayClip& clip, const Waveform& source) {
-  const std::optional<Waveform> near = dataset.near_sound(clip);
-  if (!near) {
-    throw InputError(clip.folder, "has no near.wav, which is the dry speech",
-                     "prepare it from a session with near microphones");
+PairSample ReplaySampler::sample(const ReplayClip& clip, const ReplayChoice& choice,
+                                 bool align) const {
+  PairSample sample = source_sample(clip, choice.source);
+  const std::shared_ptr<const View> target = view(clip, choice.target);
+  const Pose world_from_target = world_from_camera(
+      dataset_->camera(clip.scene, clip.images.at(static_cast<std::size_t>(choice.target))));
+  sample.source_from_target = inverse(sample.world_from_source) * world_from_target;
+  sample.target = window_of(target->sound, 0, kPairSamples);
+  if (align) {
+    const Waveform moved = aligned_source(view(clip, choice.source)->sound, target->sound);
+    sample.source = window_of(moved, 0, kPairSamples);
   }
+  return sample;
+}
+
+PairSample ReplaySampler::enhancement_sample(const ReplayClip& clip, int view) const {
+  PairSample sample = source_sample(clip, view);
+  sample.dry = near_voice(clip, sample.source);
+  sample.target =
+      Waveform(sample.source.channels(), sample.dry.samples(), sample.dry.sample_rate_hz());
+  for (int ear = 0; ear < sample.target.channels(); ++ear) {
+    std::ranges::copy(sample.dry.channel(0), sample.target.channel(ear).begin());
+  }
+  return sample;
+}
+
+std::shared_ptr<const ReplaySampler::View> ReplaySampler::view(const ReplayClip& clip,
+                                                               int index) const {
+  return cache_->get<View>(
+      key_of("view ", clip, index),
+      [&] {
+        ReplayView read = dataset_->view(clip, index);
+        return View{std::make_shared<const Image>(image_of(read.rgb)), std::move(read.sound)};
+      },
+      [](const View& view) {
+        return view.picture->pixels().size_bytes() + view.sound.planar().size_bytes();
+      });
+}
+
+std::vector<double> ReplaySampler::speaker_box(const ReplayClip& clip, int index) const {
+  using Numbers = std::vector<double>;
+  return *cache_->get<Numbers>(
+      key_of("box ", clip, index), [&] { return dataset_->box(clip, index); },
+      [](const Numbers& box) { return box.size() * sizeof(double); });
+}
+
+Waveform ReplaySampler::near_voice(const ReplayClip& clip, const Waveform& source) const {
+  const auto near = cache_->get<Waveform>(
+      "near " + clip.folder,
+      [&] {
+        std::optional<Waveform> recorded = dataset_->near_sound(clip);
+        if (recorded) return std::move(*recorded);
+        throw InputError(clip.folder, "has no near.wav, which is the dry speech",
+                         "prepare it from a session with near microphones");
+      },
+      [](const Waveform& sound) { return sound.planar().size_bytes(); });
   const double near_energy = energy(near->channel(0));
   const double source_energy = 0.5 * energy(source.planar());
   if (near_energy <= 0.0 || source_energy <= 0.0) {
@@ -79,6 +141,11 @@ Waveform near_voice(const ReplayDataset& dataset, const ReplayClip& clip, const 
   Waveform voice = shifted(window_of(*near, 0, source.samples()), later);
   for (float& sample : voice.planar()) sample *= gain;
   return voice;
+}
+
+PairSample replay_pair(const ReplayDataset& dataset, const ReplayClip& clip,
+                       const ReplayChoice& choice, bool align) {
+  return ReplaySampler(dataset, 0).sample(clip, choice, align);
 }
 
 }  // namespace earpoint

@@ -14,8 +14,8 @@ namespace {
 class ReplayEvaluationSet : public EvaluationSet {
  public:
   ReplayEvaluationSet(const std::filesystem::path& folder, const std::string& split,
-                      std::optional<std::size_t> limit)
-      : dataset_(replay_options(folder, split)) {
+                      std::optional<std::size_t> limit, PairTarget target)
+      : dataset_(replay_options(folder, split)), sampler_(dataset_, 0), target_(target) {
     const std::vector<ReplayChoice> choices = dataset_.released_choices();
     std::map<std::string, int> sessions;
     std::vector<Entry> all;
@@ -32,8 +32,10 @@ class ReplayEvaluationSet : public EvaluationSet {
   [[nodiscard]] std::size_t size() const override { return pairs_.size(); }
   [[nodiscard]] std::string name(std::size_t pair) const override {
     const Entry& entry = pairs_.at(pair);
-    return fmt::format("{}: {} -> {}", entry.clip->folder, entry.clip->images[entry.choice.source],
-                       entry.clip->images[entry.choice.target]);
+    const std::string source =
+        fmt::format("{}: {}", entry.clip->folder, entry.clip->images[entry.choice.source]);
+    if (target_ == PairTarget::near_microphone) return source;
+    return fmt::format("{} -> {}", source, entry.clip->images[entry.choice.target]);
   }
   [[nodiscard]] std::string scene(std::size_t pair) const override {
     return pairs_.at(pair).clip->scene;
@@ -49,6 +51,7 @@ class ReplayEvaluationSet : public EvaluationSet {
     return std::nullopt;
   }
   [[nodiscard]] std::optional<PairSample> released_sample(std::size_t pair) const override {
+    if (target_ == PairTarget::near_microphone) return std::nullopt;
     return sample(pair, true);
   }
 
@@ -61,10 +64,15 @@ class ReplayEvaluationSet : public EvaluationSet {
 
   [[nodiscard]] PairSample sample(std::size_t pair, bool align) const {
     const Entry& entry = pairs_.at(pair);
-    return replay_pair(dataset_, *entry.clip, entry.choice, align);
+    if (target_ == PairTarget::near_microphone) {
+      return sampler_.enhancement_sample(*entry.clip, entry.choice.source);
+    }
+    return sampler_.sample(*entry.clip, entry.choice, align);
   }
 
   ReplayDataset dataset_;
+  ReplaySampler sampler_;
+  PairTarget target_;
   std::vector<Entry> pairs_;
 };
 
@@ -72,8 +80,9 @@ class ReplayEvaluationSet : public EvaluationSet {
 
 std::unique_ptr<EvaluationSet> replay_evaluation_set(const std::filesystem::path& folder,
                                                      const std::string& split,
-                                                     std::optional<std::size_t> limit) {
-  return std::make_unique<ReplayEvaluationSet>(folder, split, limit);
+                                                     std::optional<std::size_t> limit,
+                                                     PairTarget target) {
+  return std::make_unique<ReplayEvaluationSet>(folder, split, limit, target);
 }
 
 }  // namespace earpoint

@@ -1,4 +1,5 @@
 #include "spoil_view.h"
+#include "told_boxes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -82,6 +83,7 @@ struct PairExamples::State {
   State(PairOptions pair_options, PairEncoder encoder)
       : options(std::move(pair_options)),
         encode(std::move(encoder)),
+        boxes(options.boxes),
         val(soundspaces_options(options.data, "val")),
         // Validation does not depend on the options of training, so that runs can be compared.
         val_sampler(val, options.cache_bytes / 4, ResponseDelays::dropped, options.target) {
@@ -189,6 +191,7 @@ struct PairExamples::State {
                                            : from.sampler.sample(clip, choice, options.samples);
     if (!is_wanted(sample)) return std::nullopt;
     add_room(sample, RandomStream(options.seed, {kNoise, number}).next());
+    boxes.tell(sample);
     if (options.alignment == Alignment::gcc_phat) align_target(sample);
     // Always drawn, so that other draws do not depend on the option.
     const bool is_mirrored = random.index(2) == 1;
@@ -215,6 +218,7 @@ struct PairExamples::State {
 
   PairOptions options;
   PairEncoder encode;
+  ToldBoxes boxes;
   std::vector<std::unique_ptr<TrainingClips>> train;
   std::size_t train_clips = 0;
   SoundSpacesDataset val;
@@ -251,6 +255,7 @@ std::optional<TrainingExample> PairExamples::validation(std::size_t index) const
   try {
     PairSample sample = state_->val_sampler.sample(*clip, choice);
     state_->add_room(sample, RandomStream(1, {kValidationNoise, index}).next());
+    state_->boxes.tell(sample);
     return state_->encode(sample);
   } catch (const InputError& error) {
     if (!state_->options.on_bad) throw;

@@ -146,6 +146,29 @@ TEST_F(PairExamplesTest, SpoilsPicturesAndHidesBoxesAsOftenAsAskedAndChangesNoth
   EXPECT_GT(boxes, 0);
 }
 
+TEST_F(PairExamplesTest, TellsTheBoxThatIsAskedForAndLeavesTheTruthToLearnFrom) {
+  PairOptions unseen = options();
+  unseen.boxes = SpeakerBoxes::none;
+  // The pictures are noise, in which nobody is to be found.
+  PairOptions looked_for = options();
+  looked_for.boxes = SpeakerBoxes::detected;
+  const PairExamples plain = examples(options());
+  int seen = 0;
+  for (const PairOptions& told : {unseen, looked_for}) {
+    const PairExamples others = examples(told);
+    for (std::uint64_t n = 0; n < 8; ++n) {
+      const PairSample one = plain.training_sample(n);
+      const PairSample two = others.training_sample(n);
+      seen += one.speaker_box ? 1 : 0;
+      EXPECT_FALSE(two.speaker_box);
+      EXPECT_EQ(one.speaker_m, two.speaker_m);
+      EXPECT_EQ(one.source_from_target, two.source_from_target);
+      EXPECT_TRUE(std::ranges::equal(one.source.planar(), two.source.planar()));
+    }
+  }
+  EXPECT_GT(seen, 0);
+}
+
 TEST_F(PairExamplesTest, ShowsPicturesAsACameraOfAnotherShapeTakesThem) {
   PairOptions wide = options();
   wide.wide_pictures = 1.0;

@@ -1,10 +1,11 @@
+#include "told_boxes.h"
+
 #include <utility>
 
 #include <fmt/format.h>
 
 #include <earpoint/core/random.h>
 #include <earpoint/dataset/numpy_random.h>
-#include <earpoint/dataset/replay_pair.h>
 #include <earpoint/error.h>
 #include <earpoint/train/example_loader.h>
 
@@ -24,8 +25,10 @@ PairOptions checked(PairOptions options) {
     throw InputError(fmt::format("'data': '{}'", key),
                      fmt::format("expected {} for recordings of Replay-NVAS", expected));
   };
-  if (options.alignment == Alignment::responses) refuse("align", "\"gcc_phat\" or \"none\"");
-  if (options.target != PairTarget::viewpoint) refuse("target", "\"viewpoint\"");
+  const bool is_moved = options.target == PairTarget::viewpoint;
+  if (is_moved && options.alignment == Alignment::responses) {
+    refuse("align", "\"gcc_phat\" or \"none\"");
+  }
   if (options.ambient_db) refuse("ambient_db", "null");
   if (options.any_speech) refuse("any_speech", "false");
   if (options.spoilt_pictures > 0.0) refuse("spoilt_pictures", "0");
@@ -42,8 +45,11 @@ PairOptions checked(PairOptions options) {
 ReplayExamples::ReplayExamples(PairOptions options, PairEncoder encode)
     : options_(checked(std::move(options))),
       encode_(std::move(encode)),
+      boxes_(std::make_unique<ToldBoxes>(options_.boxes)),
       train_(replay_options(options_.data, "train")),
-      val_(replay_options(options_.data, "val")) {
+      val_(replay_options(options_.data, "val")),
+      train_sampler_(train_, options_.cache_bytes),
+      val_sampler_(val_, options_.cache_bytes / 4) {
   NumpyRandom random(kValidationSeed);
   std::vector<std::pair<const ReplayClip*, ReplayChoice>> all;
   for (const ReplayClip& clip : val_.clips()) all.emplace_back(&clip, val_.draw(clip, random));
@@ -52,10 +58,18 @@ ReplayExamples::ReplayExamples(PairOptions options, PairEncoder encode)
   }
 }
 
-PairSample ReplayExamples::sample(const ReplayDataset& dataset, const ReplayClip& clip,
+ReplayExamples::~ReplayExamples() = default;
+
+PairSample ReplayExamples::sample(const ReplaySampler& sampler, const ReplayClip& clip,
                                   const ReplayChoice& choice) const {
-  PairSample sample = replay_pair(dataset, clip, choice, options_.alignment == Alignment::gcc_phat);
-  if (options_.near_voice) sample.dry = near_voice(dataset, clip, sample.source);
+  PairSample sample;
+  if (options_.target == PairTarget::near_microphone) {
+    sample = sampler.enhancement_sample(clip, choice.source);
+  } else {
+    sample = sampler.sample(clip, choice, options_.alignment == Alignment::gcc_phat);
+    if (options_.near_voice) sample.dry = sampler.near_voice(clip, sample.source);
+  }
+  boxes_->tell(sample);
   return sample;
 }
 
@@ -67,7 +81,7 @@ PairSample ReplayExamples::training_sample(std::uint64_t number, std::uint64_t a
   choice.target = static_cast<int>(random.index(clip.images.size() - 1));
   if (choice.target >= choice.source) ++choice.target;
   const bool is_mirrored = random.index(2) == 1;
-  PairSample drawn = sample(train_, clip, choice);
+  PairSample drawn = sample(train_sampler_, clip, choice);
   return options_.mirror && is_mirrored ? mirrored(drawn) : drawn;
 }
 
@@ -85,7 +99,7 @@ TrainingExample ReplayExamples::training(std::uint64_t number) const {
 std::optional<TrainingExample> ReplayExamples::validation(std::size_t index) const {
   const auto& [clip, choice] = validation_.at(index);
   try {
-    return encode_(sample(val_, *clip, choice));
+    return encode_(sample(val_sampler_, *clip, choice));
   } catch (const InputError& error) {
     if (!options_.on_bad) throw;
     options_.on_bad(error.what());

@@ -149,8 +149,9 @@ TEST_F(ReplayExamplesTest, TheNearMicrophoneStandsForDrySpeechOnTimeAndAsLoudAsT
   const ReplayDataset dataset(replay_options(folder_, "train"));
   const ReplayClip& clip = dataset.clips()[0];
   // The ears of camera 1 have independent noise; the left one is that of the near microphone.
-  const PairSample sample = replay_pair(dataset, clip, {0, 1}, false);
-  const Waveform voice = near_voice(dataset, clip, sample.source);
+  const ReplaySampler sampler(dataset, 0);
+  const PairSample sample = sampler.sample(clip, {0, 1}, false);
+  const Waveform voice = sampler.near_voice(clip, sample.source);
   double difference = 0.0;
   double level = 0.0;
   for (std::size_t i = 1000; i < 15000; ++i) {
@@ -161,6 +162,51 @@ TEST_F(ReplayExamplesTest, TheNearMicrophoneStandsForDrySpeechOnTimeAndAsLoudAsT
   // The level match differs by chance between ears, by a hundredth or so in amplitude. One sample
   // of delay would be a different noise.
   EXPECT_LT(difference, 1e-3 * level);
+}
+
+TEST_F(ReplayExamplesTest, SpeechIsEnhancedTowardsTheNearMicrophone) {
+  write_near_sounds(folder_, {"SC-1022/0", "SC-1023/4", "SC-1026/2"});
+  PairOptions enhance = options(Alignment::responses);
+  enhance.target = PairTarget::near_microphone;
+  const ReplayExamples examples(enhance, pose_of);
+  const ReplayDataset dataset(replay_options(folder_, "train"));
+  for (std::uint64_t number = 0; number < 4; ++number) {
+    const TrainingExample example = examples.training(number);
+    const std::size_t samples = example.target.size() / 2;
+    ASSERT_EQ(samples, example.source.size() / 2);
+    EXPECT_TRUE(std::equal(example.target.begin(), example.target.begin() + samples,
+                           example.target.begin() + samples));
+    // It is one of the views' near sound, not another view's sound.
+    int matches = 0;
+    for (const ReplayClip& clip : dataset.clips()) {
+      for (int view = 0; view < 2; ++view) {
+        const PairSample sample = ReplaySampler(dataset, 0).enhancement_sample(clip, view);
+        EXPECT_EQ(norm(sample.source_from_target.position_m), 0.0);
+        if (std::ranges::equal(sample.target.planar(), example.target)) ++matches;
+      }
+    }
+    EXPECT_EQ(matches, 1) << number;
+  }
+  EXPECT_TRUE(examples.validation(0).has_value());
+}
+
+TEST_F(ReplayExamplesTest, FilesAreReadOnceWhereThereIsRoom) {
+  write_near_sounds(folder_, {"SC-1022/0"});
+  const ReplayDataset dataset(replay_options(folder_, "train"));
+  const ReplayClip& clip = dataset.clips()[0];
+  const ReplaySampler sampler(dataset, 10'000'000);
+  const ReplaySampler forgetful(dataset, 0);
+  const PairSample there = sampler.sample(clip, {0, 1}, true);
+  const Waveform voice = sampler.near_voice(clip, there.source);
+  fs::remove_all(folder_ / "data/appen_dataset/v3" / "SC-1022");
+  const PairSample back = sampler.sample(clip, {0, 1}, true);
+  EXPECT_TRUE(std::ranges::equal(back.source.planar(), there.source.planar()));
+  EXPECT_TRUE(std::ranges::equal(back.target.planar(), there.target.planar()));
+  EXPECT_EQ(back.picture, there.picture);
+  EXPECT_TRUE(std::ranges::equal(sampler.near_voice(clip, back.source).planar(), voice.planar()));
+  // The other way round takes the same two views.
+  EXPECT_EQ(sampler.sample(clip, {1, 0}, false).source.samples(), kPairSamples);
+  EXPECT_THROW(static_cast<void>(forgetful.sample(clip, {0, 1}, true)), InputError);
 }
 
 TEST_F(ReplayExamplesTest, NetworksOfRecordingsStartByTheirConfigurations) {
@@ -183,6 +229,25 @@ TEST_F(ReplayExamplesTest, NetworksOfRecordingsStartByTheirConfigurations) {
     task.learner->apply_gradients(1e-3);
     EXPECT_NE(task.learner->compute_gradients(batch), before) << name;
     EXPECT_TRUE(task.examples->validation(0).has_value()) << name;
+  }
+}
+
+TEST_F(ReplayExamplesTest, ShippedNetworksCanBeTrainedOnRecordings) {
+  write_near_sounds(folder_, {"SC-1022/0", "SC-1023/4", "SC-1026/2"});
+  const fs::path source = EARPOINT_SOURCE_DIR;
+  for (const std::string name : {"gtf", "vigas"}) {
+    std::vector<ConfigSetting> settings{
+        {"network.init", '"' + (source / "models" / (name + ".safetensors")).string() + '"'}};
+    if (name == "gtf") settings.push_back({"network.channels", "96"});
+    const TrainConfig config = read_train_config(
+        source / "configs" / (name == "gtf" ? "gtf-replay.json" : "vigas-small-replay.json"),
+        settings);
+    TaskOptions task_options;
+    task_options.data = folder_;
+    task_options.layout = DatasetLayout::replay;
+    const TrainingTask task = make_training_task(config, name, task_options);
+    const TrainingBatch batch = join(std::vector{task.examples->training(0)});
+    EXPECT_TRUE(std::isfinite(task.learner->compute_gradients(batch))) << name;
   }
 }
 

@@ -302,6 +302,10 @@ PairOptions pair_options_from_json(std::string_view text, std::string_view where
        {Alignment::none, "none"}}};
   constexpr std::array<std::pair<PairTarget, std::string_view>, 2> kTargets{
       {{PairTarget::viewpoint, "viewpoint"}, {PairTarget::near_microphone, "near_microphone"}}};
+  constexpr std::array<std::pair<SpeakerBoxes, std::string_view>, 3> kBoxes{
+      {{SpeakerBoxes::truth, "true"},
+       {SpeakerBoxes::detected, "detected"},
+       {SpeakerBoxes::none, "none"}}};
   constexpr std::array<std::pair<AmbientSeparation, std::string_view>, 3> kSeparations{
       {{AmbientSeparation::bandpass, "bandpass"},
        {AmbientSeparation::subtract, "subtract"},
@@ -317,6 +321,7 @@ PairOptions pair_options_from_json(std::string_view text, std::string_view where
   section.take("spoilt_pictures", options.spoilt_pictures, 0.0, 1.0);
   section.take("wide_pictures", options.wide_pictures, 0.0, 1.0);
   section.take("hidden_boxes", options.hidden_boxes, 0.0, 1.0);
+  section.take("boxes", options.boxes, kBoxes);
   section.take("farthest_move_m", options.farthest_move_m, 0.1, 100.0);
   section.take("most_gain_db", options.most_gain_db, 0.0, 100.0);
   section.take("align", options.alignment, kAlignments);

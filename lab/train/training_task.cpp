@@ -34,6 +34,8 @@ ViGasWeights starting_weights(const ViGasConfig& config, std::uint64_t seed,
       break;
     case ViGasStart::file:
       weights = read_vigas_weights(config.start_file);
+      // The cut-off describes the sounds that a network was trained on, and these may be others.
+      weights.description.highpass_cutoff_hz = config.description.highpass_cutoff_hz;
       if (to_json(weights.description) != to_json(config.description)) {
         throw InputError(where, fmt::format("'init': {} belongs to a different network",
                                             config.start_file.string()));

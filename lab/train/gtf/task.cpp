@@ -115,6 +115,8 @@ GtfLearner make_learner(const GtfDescription& description, const GtfLearnerOptio
   }
   if (init) {
     GtfWeights weights = gtf_weights(read_safetensors(*init), *init);
+    // The cut-off describes the sounds that a network was trained on, and these may be others.
+    weights.description.highpass_cutoff_hz = description.highpass_cutoff_hz;
     return GtfLearner(with_new_parts(std::move(weights), description, seed), learner);
   }
   const HrtfSet head = HrtfSet::load(GtfDescription::kSampleRateHz);

@@ -10,6 +10,7 @@
 #include <earpoint/dataset/numpy_random.h>
 #include <earpoint/dataset/sample.h>
 #include <earpoint/vector3.h>
+#include <earpoint/waveform.h>
 
 namespace earpoint {
 
@@ -53,6 +54,12 @@ struct ReplayChoice {
 /// The camera of one of a clip's views: "3.png" is that of camera 3.
 [[nodiscard]] std::string camera_of(const ReplayClip& clip, int view);
 
+/// What one camera of a clip recorded.
+struct ReplayView {
+  ImagePlanes rgb;  ///< resized as the released loader does, 0 to 1
+  Waveform sound;   ///< 2 ears, 16 kHz, high-passed, as long as the file
+};
+
 /// A split of the Replay-NVAS data set (v3 layout).
 class ReplayDataset {
  public:
@@ -89,6 +96,14 @@ class ReplayDataset {
   [[nodiscard]] NvasSample sample(const ReplayClip& clip, const ReplayChoice& choice,
                                   bool align) const;
 
+  /// One of the clip's views. @throws InputError naming the file if it is missing or malformed
+  [[nodiscard]] ReplayView view(const ReplayClip& clip, int view) const;
+
+  /// The speaker's box in that view: x_min, y_min, x_max, y_max as shares of the picture; four
+  /// zeros if the speaker is not in it. @throws InputError naming the file if it is missing or
+  /// malformed
+  [[nodiscard]] std::vector<double> box(const ReplayClip& clip, int view) const;
+
   /// What the speaker's near microphone recorded in that second, `near.wav` beside the views: one
   /// channel at 16 kHz, high-passed like the views; nothing where the clip has none.
   /// @throws InputError naming the file if it is malformed
@@ -98,18 +113,18 @@ class ReplayDataset {
   [[nodiscard]] ReplayCamera camera(const std::string& scene, const std::string& image) const;
 
  private:
-  struct View {
-    ImagePlanes rgb;
-    Waveform sound;
-  };
   void read_clips();
   void read_mouths();
-  [[nodiscard]] View read_view(const std::filesystem::path& image) const;
+  [[nodiscard]] std::filesystem::path path_of(const ReplayClip& clip, int view) const;
 
   Options options_;
   std::vector<ReplayClip> clips_;
   ReplayCameras cameras_;
 };
+
+/// The source, moved by the delay that GCC-PHAT finds against the target, at most 200 samples, as
+/// the released loader does.
+[[nodiscard]] Waveform aligned_source(const Waveform& source, const Waveform& target);
 
 /// The loader's `rotate-rel-pose` form: horizontal distance turned by 90 (taken as radians) minus
 /// the angle between view and target, and the height difference; centimetres.

@@ -8,10 +8,10 @@
 #include <vector>
 
 #include <earpoint/core/progress.h>
+#include <earpoint/dataset/speaker_boxes.h>
 #include <earpoint/evaluate/clip_metrics.h>
 #include <earpoint/evaluate/evaluation_set.h>
 #include <earpoint/evaluate/method.h>
-#include <earpoint/evaluate/speaker_boxes.h>
 
 namespace earpoint {
 

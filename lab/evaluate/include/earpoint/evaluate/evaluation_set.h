@@ -78,10 +78,11 @@ struct PairChoice {
 /// cluster. Where the speaker stands is not known. The released samples have their source moved by
 /// a delay that was found against the target.
 /// @param folder  as replay_options() knows it
+/// @param target  near_microphone: the source of every pair is to be enhanced
 /// @throws InputError as ReplayDataset
 [[nodiscard]] std::unique_ptr<EvaluationSet> replay_evaluation_set(
-    const std::filesystem::path& folder, const std::string& split,
-    std::optional<std::size_t> limit);
+    const std::filesystem::path& folder, const std::string& split, std::optional<std::size_t> limit,
+    PairTarget target = PairTarget::viewpoint);
 
 /// The poses of a split of RWAVS, each with the second of sound around it; a scene is a cluster.
 /// Methods get the dry sound as RwavsDataset::sample() has it, and the loudspeaker's position, but

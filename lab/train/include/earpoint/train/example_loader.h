@@ -14,9 +14,13 @@
 #include <earpoint/dataset/dataset_folder.h>
 #include <earpoint/dataset/pair_sample.h>
 #include <earpoint/dataset/replay.h>
+#include <earpoint/dataset/replay_pair.h>
+#include <earpoint/dataset/speaker_boxes.h>
 #include <earpoint/train/training_batch.h>
 
 namespace earpoint {
+
+class ToldBoxes;
 
 /// Where a Trainer's examples come from. Any thread may call it.
 class ExampleLoader {
@@ -54,6 +58,9 @@ struct PairOptions {
   double spoilt_pictures = 0.0;  ///< share of training examples whose picture tells nothing
   double wide_pictures = 0.0;    ///< share of training examples whose picture is cut to 16:9
   double hidden_boxes = 0.0;     ///< share of training examples without the speaker's box
+  /// Which box of the speaker examples have, in validation too. The people detector is the shipped
+  /// one.
+  SpeakerBoxes boxes = SpeakerBoxes::truth;
   /// Training pairs whose target is farther from the source are not drawn.
   std::optional<double> farthest_move_m;
   /// Training pairs whose target is by more louder than the source are not drawn: from behind a
@@ -65,7 +72,7 @@ struct PairOptions {
   std::optional<double> ambient_db;
   bool separate = true;                                        ///< take the ambient sound out again
   AmbientSeparation separation = AmbientSeparation::bandpass;  ///< and how
-  /// Give recordings the near microphone's sound for dry speech (near_voice()).
+  /// Give recordings the near microphone's sound for dry speech (ReplaySampler::near_voice()).
   bool near_voice = false;
   std::size_t validation_pairs = 256;  ///< of the frozen list, evenly spread; 0 takes all
   std::size_t cache_bytes = 0;
@@ -105,23 +112,27 @@ class PairExamples : public ExampleLoader {
 class ReplayExamples : public ExampleLoader {
  public:
   /// @throws InputError if the data set is missing or malformed, or an option asks for what
-  ///         recordings do not tell (responses, near microphones, room noise, other speech), for
-  ///         another window, or for spoilt views
+  ///         recordings do not tell (responses, room noise, other speech), for another window, or
+  ///         for spoilt views
   ReplayExamples(PairOptions options, PairEncoder encode);
+  ~ReplayExamples() override;
 
   [[nodiscard]] TrainingExample training(std::uint64_t number) const override;
   [[nodiscard]] std::size_t validations() const override { return validation_.size(); }
   [[nodiscard]] std::optional<TrainingExample> validation(std::size_t index) const override;
 
  private:
-  [[nodiscard]] PairSample sample(const ReplayDataset& dataset, const ReplayClip& clip,
+  [[nodiscard]] PairSample sample(const ReplaySampler& sampler, const ReplayClip& clip,
                                   const ReplayChoice& choice) const;
   [[nodiscard]] PairSample training_sample(std::uint64_t number, std::uint64_t attempt) const;
 
   PairOptions options_;
   PairEncoder encode_;
+  std::unique_ptr<ToldBoxes> boxes_;
   ReplayDataset train_;
   ReplayDataset val_;
+  ReplaySampler train_sampler_;
+  ReplaySampler val_sampler_;
   std::vector<std::pair<const ReplayClip*, ReplayChoice>> validation_;
 };
 

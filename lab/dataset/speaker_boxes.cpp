@@ -1,4 +1,4 @@
-#include <earpoint/evaluate/speaker_boxes.h>
+#include <earpoint/dataset/speaker_boxes.h>
 
 #include <cmath>
 #include <memory>
