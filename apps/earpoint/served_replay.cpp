@@ -22,6 +22,7 @@ namespace {
 /// Sound, picture and speaker of the source.
 void describe_source(const ReplayClip& clip, PairSample sample, ServedClip& served) {
   served.sound = std::move(sample.source);
+  served.horizontal_fov_rad = sample.horizontal_fov_rad;
   served.picture = sample.picture;
   served.speaker_box = sample.speaker_box;
   if (!clip.mouth_m) return;
@@ -36,8 +37,6 @@ void describe_source(const ReplayClip& clip, PairSample sample, ServedClip& serv
 ServedClip open_clip(const ReplayDataset& data, const ReplayClip& clip, int source) {
   ServedClip served;
   served.name = fmt::format("{}: camera {}", name_of(clip), camera_of(clip, source));
-  // As in evaluate: the layout does not contain the field of view.
-  served.horizontal_fov_rad = SynthesizerOptions{}.horizontal_fov_rad;
   for (int target = 0; target < std::ssize(clip.images); ++target) {
     if (target == source) continue;
     PairSample sample = replay_pair(data, clip, {source, target}, false);
@@ -47,8 +46,10 @@ ServedClip open_clip(const ReplayDataset& data, const ReplayClip& clip, int sour
   }
   if (served.speaker_box) served.people = {{*served.speaker_box, true}};
   if (served.picture) served.picture_png = encode_png(*served.picture);
-  served.warnings.push_back(fmt::format("field of view: {:.0f} degrees assumed",
-                                        degrees_from_radians(served.horizontal_fov_rad)));
+  if (clip.fov_rad.empty() || !clip.fov_rad.at(static_cast<std::size_t>(source))) {
+    served.warnings.push_back(fmt::format("field of view: {:.0f} degrees assumed",
+                                          degrees_from_radians(served.horizontal_fov_rad)));
+  }
   return served;
 }
 

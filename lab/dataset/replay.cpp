@@ -20,6 +20,7 @@
 #include <earpoint/error.h>
 #include <earpoint/media/image_file.h>
 #include <earpoint/media/media.h>
+#include <earpoint/pose.h>
 
 namespace earpoint {
 namespace {
@@ -59,6 +60,27 @@ Vector3 loose_vector3(const JsonField& json) {
   const std::vector<JsonField> values = json.items();
   if (values.size() != 3) throw InputError(json.where(), "expected three numbers");
   return {loose_number(values[0]), loose_number(values[1]), loose_number(values[2])};
+}
+
+/// Radians, by image of the clip; null where they are not known.
+std::vector<std::optional<double>> fields_of_view(const JsonField& json, const ReplayClip& clip) {
+  std::vector<std::optional<double>> fov_rad;
+  for (const JsonField& item : json.items()) {
+    if (item.is_null()) {
+      fov_rad.emplace_back();
+      continue;
+    }
+    const double fov_deg = item.number();
+    if (!(fov_deg > 0.0 && fov_deg < 180.0)) {
+      throw InputError(item.where(), fmt::format("expected 0 to 180 degrees, found {:g}", fov_deg));
+    }
+    fov_rad.emplace_back(radians_from_degrees(fov_deg));
+  }
+  if (fov_rad.size() != clip.images.size()) {
+    throw InputError(json.where(), fmt::format("expected {} numbers, one for each image, found {}",
+                                               clip.images.size(), fov_rad.size()));
+  }
+  return fov_rad;
 }
 
 bool has_null(const JsonField& json) {
@@ -152,7 +174,7 @@ ReplayCameras read_replay_cameras(const fs::path& path) {
 
 ReplayDataset::ReplayDataset(Options options) : options_(std::move(options)) {
   read_clips();
-  read_mouths();
+  read_known();
   cameras_ =
       read_replay_cameras((options_.root / options_.folder).parent_path() / options_.camera_file);
 }
@@ -168,7 +190,7 @@ void ReplayDataset::read_clips() {
   for (const auto& [key, value] : ordered.items()) {
     const std::string scene = fs::path(key).parent_path().filename().string();
     if (!scenes.contains(scene)) continue;
-    ReplayClip clip{.folder = key, .scene = scene, .images = {}, .mouth_m = {}};
+    ReplayClip clip{.folder = key, .scene = scene, .images = {}, .mouth_m = {}, .fov_rad = {}};
     const nlohmann::json plain = value;
     for (const JsonField& item : JsonField(plain, metadata.string(), key).items()) {
       clip.images.push_back(item.text());
@@ -182,7 +204,7 @@ void ReplayDataset::read_clips() {
     throw InputError(metadata.string(), "holds no clip of the split " + options_.split);
 }
 
-void ReplayDataset::read_mouths() {
+void ReplayDataset::read_known() {
   const fs::path path = options_.root / options_.folder / options_.clips_file;
   if (!fs::exists(path)) return;
   const nlohmann::json document = read_with_nan(path);
@@ -191,6 +213,7 @@ void ReplayDataset::read_mouths() {
     if (!known.has(clip.folder)) continue;
     const JsonField fields = known.field(clip.folder);
     if (fields.has("mouth_m")) clip.mouth_m = fields.field("mouth_m").vector3();
+    if (fields.has("fov_deg")) clip.fov_rad = fields_of_view(fields.field("fov_deg"), clip);
   }
 }
 

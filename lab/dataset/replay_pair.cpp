@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -37,6 +38,11 @@ std::string key_of(const char* what, const ReplayClip& clip, int view) {
   return what + clip.folder + "/" + clip.images.at(static_cast<std::size_t>(view));
 }
 
+std::optional<double> field_of_view(const ReplayClip& clip, int view) {
+  if (clip.fov_rad.empty()) return std::nullopt;
+  return clip.fov_rad.at(static_cast<std::size_t>(view));
+}
+
 }  // namespace
 
 /// What it keeps of a camera's view.
@@ -62,6 +68,7 @@ PairSample ReplaySampler::source_sample(const ReplayClip& clip, int index) const
   sample.world_from_source = world_from_camera(
       dataset_->camera(clip.scene, clip.images.at(static_cast<std::size_t>(index))));
   sample.picture = source->picture;
+  if (const auto fov_rad = field_of_view(clip, index)) sample.horizontal_fov_rad = *fov_rad;
   const std::vector<double> box = speaker_box(clip, index);
   // Four zeros say that the speaker is out of sight.
   if (std::ranges::any_of(box, [](double x) { return x != 0.0; })) {

@@ -1,6 +1,7 @@
 #include <earpoint/dataset/speaker_boxes.h>
 
 #include <cmath>
+#include <map>
 #include <memory>
 #include <string>
 #include <utility>
@@ -14,24 +15,23 @@ namespace earpoint {
 namespace {
 
 constexpr double kUnseenDistance_m = 1.5;
-// Of the pictures of simulated data sets.
-constexpr double kHorizontalFov_rad = kPi / 2;
 
 /// Finds the speaker of pairs.
 class Finder {
  public:
   Finder(const std::optional<std::filesystem::path>& detector, const HrtfSet& head)
-      : detector_(make_people_detector(detector)), speakers_(head, kHorizontalFov_rad) {}
+      : detector_(make_people_detector(detector)), head_(head) {}
 
   void tell(PairSample& sample) {
     std::vector<DetectedPerson> people;
     if (sample.picture != nullptr) people = detector_->detect(*sample.picture);
-    const PeopleInPicture found = speakers_.find(std::move(people), sample.source);
+    const double fov_rad = sample.horizontal_fov_rad;
+    auto& speakers = speakers_.try_emplace(fov_rad, head_, fov_rad).first->second;
+    const PeopleInPicture found = speakers.find(std::move(people), sample.source);
     sample.speaker_box = found.speaker_box();
     if (sample.speaker_box) {
-      sample.speaker_m = cartesian_from_spherical(
-          speaker_direction_from_box(*sample.speaker_box, kHorizontalFov_rad,
-                                     sample.picture->width(), sample.picture->height()));
+      sample.speaker_m = cartesian_from_spherical(speaker_direction_from_box(
+          *sample.speaker_box, fov_rad, sample.picture->width(), sample.picture->height()));
     } else {
       sample.speaker_m = cartesian_from_spherical(
           {.azimuth_rad = found.heard_azimuth_rad, .distance_m = kUnseenDistance_m});
@@ -40,7 +40,8 @@ class Finder {
 
  private:
   std::unique_ptr<PeopleDetector> detector_;
-  StillSpeakerFinder speakers_;
+  HrtfSet head_;
+  std::map<double, StillSpeakerFinder> speakers_;  ///< by the picture's field of view
 };
 
 }  // namespace

@@ -1,6 +1,9 @@
 #include <earpoint/evaluate/method.h>
 
 #include <algorithm>
+#include <functional>
+#include <map>
+#include <memory>
 #include <utility>
 
 #include <fmt/format.h>
@@ -27,22 +30,42 @@ Waveform sum(Waveform a, const Waveform& b) {
   return a;
 }
 
+/// Makes synthesizers for pictures of a horizontal field of view.
+using SynthesizerMaker = std::function<std::unique_ptr<AcousticSynthesizer>(double)>;
+
+SynthesizerMaker maker_of(const std::string& model, const SynthesizerOptions& options) {
+  return [model, options](double fov_rad) {
+    SynthesizerOptions seen = options;
+    seen.horizontal_fov_rad = fov_rad;
+    return make_synthesizer(model, seen);
+  };
+}
+
 /// A shipped renderer, in memory.
 class ShippedMethod : public Method {
  public:
-  ShippedMethod(std::unique_ptr<AcousticSynthesizer> synthesizer, bool is_told_speaker)
-      : synthesizer_(std::move(synthesizer)), is_told_speaker_(is_told_speaker) {}
+  ShippedMethod(SynthesizerMaker make, bool is_told_speaker)
+      : make_(std::move(make)), is_told_speaker_(is_told_speaker) {}
 
   Waveform render(const Question& question) override {
     const PairSample& sample = question.sample;
+    AcousticSynthesizer& synthesizer = synthesizer_for(sample.horizontal_fov_rad);
     const bool takes_ambient =
-        sample.ambient && !is_told_speaker_ && synthesizer_->ambient_cutoff_hz() == 0.0;
-    if (!takes_ambient) return render(sample, sample.source);
-    return highpass(render(sample, sum(sample.source, *sample.ambient)), kSeparationCutoffHz);
+        sample.ambient && !is_told_speaker_ && synthesizer.ambient_cutoff_hz() == 0.0;
+    if (!takes_ambient) return render(sample, sample.source, synthesizer);
+    return highpass(render(sample, sum(sample.source, *sample.ambient), synthesizer),
+                    kSeparationCutoffHz);
   }
 
  private:
-  Waveform render(const PairSample& sample, const Waveform& heard) {
+  AcousticSynthesizer& synthesizer_for(double horizontal_fov_rad) {
+    auto& synthesizer = synthesizers_[horizontal_fov_rad];
+    if (!synthesizer) synthesizer = make_(horizontal_fov_rad);
+    return *synthesizer;
+  }
+
+  [[nodiscard]] Waveform render(const PairSample& sample, const Waveform& heard,
+                                AcousticSynthesizer& synthesizer) const {
     SoundInMemory source{.sound = heard,
                          .picture = sample.picture,
                          .speaker_box = sample.speaker_box,
@@ -52,11 +75,11 @@ class ShippedMethod : public Method {
     ClipRenderOptions options;
     options.ambient_cutoff_hz = 0.0;  // the sound is all primary, or is wanted whole
     options.limit = false;
-    return render_in_memory(source, *synthesizer_, EarpointPath(sample.source_from_target),
-                            options);
+    return render_in_memory(source, synthesizer, EarpointPath(sample.source_from_target), options);
   }
 
-  std::unique_ptr<AcousticSynthesizer> synthesizer_;
+  SynthesizerMaker make_;
+  std::map<double, std::unique_ptr<AcousticSynthesizer>> synthesizers_;  ///< by field of view
   bool is_told_speaker_;
 };
 
@@ -89,15 +112,15 @@ MethodEntry dsp_method() {
   return {.name = "dsp",
           .what = "inverse and forward head filters, true speaker position",
           .is_oracle = false,
-          .make = [] { return std::make_unique<ShippedMethod>(make_synthesizer("dsp", {}), true); },
+          .make = [] { return std::make_unique<ShippedMethod>(maker_of("dsp", {}), true); },
           .needs_speaker = true,
           .hears_context = true};
 }
 
 MethodEntry network_method(const std::string& name, const std::string& weights,
                            const SynthesizerOptions& options) {
-  const auto make = [weights, options] { return make_synthesizer(weights, options); };
-  const int rate_hz = make()->window_shape(kRate_hz).sample_rate_hz;
+  const auto make = maker_of(weights, options);
+  const int rate_hz = make(options.horizontal_fov_rad)->window_shape(kRate_hz).sample_rate_hz;
   if (rate_hz != kRate_hz) {
     throw InputError(weights,
                      fmt::format("works at {} Hz, the pairs are at {} Hz", rate_hz, kRate_hz));
@@ -105,7 +128,7 @@ MethodEntry network_method(const std::string& name, const std::string& weights,
   return {.name = name,
           .what = weights,
           .is_oracle = false,
-          .make = [make] { return std::make_unique<ShippedMethod>(make(), false); },
+          .make = [make] { return std::make_unique<ShippedMethod>(make, false); },
           .hears_context = true};
 }
 

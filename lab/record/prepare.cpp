@@ -157,7 +157,13 @@ class Preparation {
     make_clips(windows);
     std::vector<PreparedCamera> cameras;
     for (const UsedCamera& camera : cameras_) {
-      cameras.push_back({camera.number, *session_.cameras[camera.index].world_from_camera});
+      const SessionCamera& recorded = session_.cameras[camera.index];
+      PreparedCamera& prepared = cameras.emplace_back();
+      prepared.number = camera.number;
+      prepared.world_from_camera = *recorded.world_from_camera;
+      if (const std::optional<Lens>& lens = recorded.lens) {
+        prepared.horizontal_fov_rad = 2.0 * std::atan(0.5 * lens->width_px / lens->fx_px);
+      }
     }
     write_scene(folder_, summary_.split, cameras, clips_);
     write_dataset_files(options_.out);

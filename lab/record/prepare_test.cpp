@@ -139,6 +139,32 @@ TEST_F(Prepare, OurReaderReadsClipsAndTheirTruePoses) {
   EXPECT_LT(nearest_m, 0.5);
 }
 
+TEST_F(Prepare, BoxesAreInTheSpeakersDirectionByTheFieldOfView) {
+  const ReplayDataset dataset(replay_options(root() / "out", "test"));
+  const ReplaySampler sampler(dataset, 0);
+  std::vector<double> errors_rad;
+  for (const ReplayClip& clip : dataset.clips()) {
+    for (int view = 0; view < 4; ++view) {
+      const PairSample sample = sampler.sample(clip, {view, (view + 1) % 4}, false);
+      const Lens& lens = *made().session.cameras[static_cast<std::size_t>(view)].lens;
+      const double half_width = 0.5 * lens.width_px / lens.fx_px;
+      ASSERT_NEAR(std::tan(0.5 * sample.horizontal_fov_rad), half_width, 1e-9);
+      if (!sample.speaker_box || sample.speaker_box->x_min < 0.01 ||
+          sample.speaker_box->x_max > 0.99) {
+        continue;
+      }
+      const double middle = 0.5 * (sample.speaker_box->x_min + sample.speaker_box->x_max);
+      const double seen_rad = std::atan((1.0 - 2.0 * middle) * half_width);
+      const double true_rad = std::atan2(sample.speaker_m.y, sample.speaker_m.x);
+      errors_rad.push_back(std::abs(wrap_angle(seen_rad - true_rad)));
+    }
+  }
+  ASSERT_GT(errors_rad.size(), 40U);
+  std::ranges::nth_element(errors_rad, errors_rad.begin() + std::ssize(errors_rad) / 2);
+  // A voice is found to within some ten centimetres in two metres or more.
+  EXPECT_LT(degrees_from_radians(errors_rad[errors_rad.size() / 2]), 4.0);
+}
+
 TEST_F(Prepare, AClipHearsTheSameMomentInAllCamerasAndTheNearMicrophone) {
   const ReplayDataset dataset(replay_options(root() / "out", "test"));
   // Offsets between devices are seconds; after alignment up to 20 ms of travel time are left.

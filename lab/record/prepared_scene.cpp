@@ -96,6 +96,14 @@ void write_scene(const fs::path& folder, const std::string& split,
     Json known{
         {"time_s", clip.time_s}, {"speaker", clip.speaker}, {"overlapping", clip.overlapping}};
     if (clip.mouth_m) known["mouth_m"] = json_of(*clip.mouth_m);
+    for (const std::string& image : clip.images) {
+      const auto camera =
+          std::ranges::find(cameras, fs::path(image).stem().string(),
+                            [](const PreparedCamera& c) { return std::to_string(c.number); });
+      EARPOINT_CHECK(camera != cameras.end());
+      const std::optional<double>& fov_rad = camera->horizontal_fov_rad;
+      known["fov_deg"].push_back(fov_rad ? Json(degrees_from_radians(*fov_rad)) : Json());
+    }
     json["clips"][key] = known;
   }
   write_json(folder / kScene, json);

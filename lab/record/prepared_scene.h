@@ -31,6 +31,7 @@ struct PreparedClip {
 struct PreparedCamera {
   int number = 0;
   Pose world_from_camera;
+  std::optional<double> horizontal_fov_rad;  ///< nothing where the lens is not known
 };
 
 /// Writes scene.json: what the files of the whole data set need to know of a scene.

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <earpoint/audio/sound_file.h>
+#include <earpoint/core/file.h>
 #include <earpoint/dataset/replay_pair.h>
 #include <earpoint/dataset_testing/tiny_dataset.h>
 #include <earpoint/error.h>
@@ -188,6 +189,24 @@ TEST_F(ReplayExamplesTest, SpeechIsEnhancedTowardsTheNearMicrophone) {
     EXPECT_EQ(matches, 1) << number;
   }
   EXPECT_TRUE(examples.validation(0).has_value());
+}
+
+TEST_F(ReplayExamplesTest, FieldsOfViewAreReadWhereTheyAreKnown) {
+  const fs::path known = folder_ / "data/appen_dataset/v3/clips.json";
+  const std::string key = ReplayDataset(replay_options(folder_, "train")).clips()[0].folder;
+  const auto fov_deg_of = [&](int view) {
+    const ReplayDataset dataset(replay_options(folder_, "train"));
+    const PairSample sample = replay_pair(dataset, dataset.clips()[0], {view, 1 - view}, false);
+    return degrees_from_radians(sample.horizontal_fov_rad);
+  };
+  EXPECT_NEAR(fov_deg_of(0), 90.0, 1e-9);
+  write_file(known, std::string_view(R"({")" + key + R"(": {"fov_deg": [70, null]}})"));
+  EXPECT_NEAR(fov_deg_of(0), 70.0, 1e-9);
+  EXPECT_NEAR(fov_deg_of(1), 90.0, 1e-9);
+  for (const char* wrong : {"[70]", "[70, 180]", "[70, \"80\"]"}) {
+    write_file(known, std::string_view(R"({")" + key + R"(": {"fov_deg": )" + wrong + "}}"));
+    EXPECT_THROW(static_cast<void>(fov_deg_of(0)), InputError) << wrong;
+  }
 }
 
 TEST_F(ReplayExamplesTest, FilesAreReadOnceWhereThereIsRoom) {

@@ -8,9 +8,6 @@
 namespace earpoint {
 namespace {
 
-/// Horizontal field of view of pictures in the published layout.
-constexpr double kFov_rad = 0.5 * kPi;
-
 std::vector<float> floats(std::initializer_list<double> values) {
   std::vector<float> result;
   for (const double value : values) result.push_back(static_cast<float>(value));
@@ -25,8 +22,8 @@ TrainingExample gtf_example(const GtfDescription& description, const PairSample&
   example.target.assign(sample.target.planar().begin(), sample.target.planar().end());
   example.inputs["dry"].assign(sample.dry.planar().begin(), sample.dry.planar().end());
   const bool looks = description.picture_px > 0;
-  GtfView view = gtf_view(looks ? sample.picture.get() : nullptr, sample.speaker_box, kFov_rad,
-                          looks ? description.picture_px : 1);
+  GtfView view = gtf_view(looks ? sample.picture.get() : nullptr, sample.speaker_box,
+                          sample.horizontal_fov_rad, looks ? description.picture_px : 1);
   if (looks) example.picture = std::move(view.picture);
   const Box box = view.speaker_box.value_or(Box{});
   example.inputs["speaker_box"] =

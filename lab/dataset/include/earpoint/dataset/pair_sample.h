@@ -27,6 +27,7 @@ struct PairSample {
   std::optional<Waveform> clean;  ///< the source without ambient sound, where the source's own was
                                   ///< found by separation; methods do not see it
   std::shared_ptr<const Image> picture;   ///< of the source view, RGB; shared
+  double horizontal_fov_rad = 0.5 * kPi;  ///< of the picture; the published layouts do not have it
   std::optional<Box> speaker_box;         ///< in the picture; nothing when out of sight
   Pose source_from_target;                ///< our frame
   Vector3 speaker_m;                      ///< mouth, source view's frame

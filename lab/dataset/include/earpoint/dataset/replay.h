@@ -40,6 +40,8 @@ struct ReplayClip {
   /// Where the speaker's mouth is: metres, in the cameras' frame; of data that
   /// `earpoint record prepare` made, where it was found.
   std::optional<Vector3> mouth_m;
+  /// Horizontal fields of view by image, of such data; empty or nothing where they are not known.
+  std::vector<std::optional<double>> fov_rad;
 };
 
 /// Which sample is made of a clip: two of its images, by index.
@@ -114,7 +116,7 @@ class ReplayDataset {
 
  private:
   void read_clips();
-  void read_mouths();
+  void read_known();
   [[nodiscard]] std::filesystem::path path_of(const ReplayClip& clip, int view) const;
 
   Options options_;
