@@ -84,7 +84,7 @@ ABLATIONS = Page("ablations", "Ablations", "The networks without one of their pa
             "`earpoint evaluate --ablations --json`, as above.", Plot("ablations-single", RATIOS)),
     Section("Ablations in recorded sessions", "ablations-recorded.json", recorded_table,
             "`earpoint evaluate --layout replay --ablations --json`: ViGAS without one of its parts, half as wide as the other "
-            "small ViGAS, trained on 4,800 clips of *[recorded sessions](people-and-recordings.md#methods-in-recorded-sessions)* "
+            "small ViGAS, trained on 3,200 clips of *[recorded sessions](people-and-recordings.md#methods-in-recorded-sessions)* "
             "and tested on others.",
             Plot("ablations-recorded", RATIOS)),
 ])

@@ -102,8 +102,8 @@ train_recorded() {
   # shellcheck disable=SC2086
   {
     train_run "$earpoint" vigas-small-replay "$data" "$runs/vigas-adapted" training.steps=800 $from_vigas
-    train_run "$earpoint" vigas-small-replay "$data" "$runs/vigas" training.steps=800 $often
-    train_run "$earpoint" vigas-small-replay "$data" "$runs/vigas-blind" training.steps=800 $often \
+    train_run "$earpoint" vigas-small-replay "$data" "$runs/vigas" training.steps=600 $often
+    train_run "$earpoint" vigas-small-replay "$data" "$runs/vigas-blind" training.steps=600 $often \
       network.picture=null network.box=false
     train_run "$earpoint" gtf-replay "$data" "$runs/gtf-adapted" training.steps=1000 $from_gtf \
       network.init=models/gtf.safetensors
@@ -119,7 +119,7 @@ train_recorded() {
     read -r name config settings <<<"$ablation"
     # shellcheck disable=SC2086
     train_ablation "$earpoint" "$data" "out/ablations/recorded/$name" "$config" network.channels=16 \
-      training.steps=600 training.validate_every=200 $settings
+      training.steps=400 training.validate_every=100 $settings
   done
 }
 
