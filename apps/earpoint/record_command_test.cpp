@@ -68,6 +68,19 @@ TEST_F(RecordCommand, PreparedClipsAreEvaluated) {
   const auto json = nlohmann::json::parse(outcome.output);
   EXPECT_EQ(json.at("clips"), 4);
   EXPECT_EQ(json.at("rows").size(), 3U);
+
+  const ProgramOutcome enhanced =
+      run_earpoint({"evaluate", "--data", out, "--layout", "replay", "--enhance", "--methods",
+                    "input,enhance", "--limit", "4", "--json", "--quiet"});
+  ASSERT_EQ(enhanced.exit_code, 0) << enhanced.errors;
+  const auto speech = nlohmann::json::parse(enhanced.output);
+  EXPECT_EQ(speech.at("target"), "near_microphone");
+  EXPECT_TRUE(speech.at("ambient_db").is_null());
+  // The recordings have noise, but no room.
+  const auto& rows = speech.at("rows");
+  EXPECT_GT(rows[0].at("estoi").at("mean"), 0.3);
+  EXPECT_LT(rows[0].at("mag").at("mean"), 1.0);
+  EXPECT_NE(rows[1].at("mag").at("mean"), rows[0].at("mag").at("mean"));
 }
 
 TEST_F(RecordCommand, AFieldThatIsWrongIsNamedInALine) {

@@ -111,7 +111,8 @@ PEOPLE = Page("people-and-recordings", "People and recordings",
             "`earpoint evaluate --layout replay` on the two test sessions of nine, a minute each, that `earpoint record "
             "simulate` made in one flat and `earpoint record prepare` cut into clips; no session is in two splits. Methods are told the true box. "
             "gtf and vigas are the shipped networks, which were not trained on them; networks called -recorded were trained on the "
-            "six training sessions alone, those called -adapted on the same sessions, starting from the shipped weights.",
+            "six training sessions alone (both ViGAS are those of the *[ablations](ablations.md#ablations-in-recorded-sessions)*), "
+            "those called -adapted on the same sessions, starting from the shipped weights.",
             Plot("methods-recorded", RATIOS)),
     Section("Networks trained with detected people, in recorded sessions", "boxes-recorded.jsonl", boxes_table,
             "`earpoint evaluate --layout replay --boxes detected` and `--boxes true` on the same clips. gtf-adapted was trained "

@@ -94,23 +94,21 @@ train_methods() {
 # Networks that are trained on the clips of recorded sessions: few clips, so few steps.
 train_recorded() {
   local earpoint=$1 data=out/data/recorded runs=out/runs/recorded ablation name config settings
-  local often="training.validate_every=200 training.warmup_steps=30"
   local near="data.target=near_microphone data.align=responses"
   # What starts from the shipped weights learns at lower rates.
-  local from_vigas="network.init=models/vigas.safetensors training.learning_rate=0.0003 $often"
+  local from_vigas="network.init=models/vigas.safetensors training.learning_rate=0.0003 training.warmup_steps=30"
   local from_gtf="network.channels=96 training.learning_rate=0.0005 training.validate_every=250"
   # shellcheck disable=SC2086
   {
-    train_run "$earpoint" vigas-small-replay "$data" "$runs/vigas-adapted" training.steps=800 $from_vigas
-    train_run "$earpoint" vigas-small-replay "$data" "$runs/vigas" training.steps=600 $often
-    train_run "$earpoint" vigas-small-replay "$data" "$runs/vigas-blind" training.steps=600 $often \
-      network.picture=null network.box=false
+    train_run "$earpoint" vigas-small-replay "$data" "$runs/vigas-adapted" training.steps=800 $from_vigas \
+      training.validate_every=200
     train_run "$earpoint" gtf-replay "$data" "$runs/gtf-adapted" training.steps=1000 $from_gtf \
       network.init=models/gtf.safetensors
     train_run "$earpoint" gtf-replay "$data" "$runs/gtf-detected" training.steps=1000 $from_gtf \
       network.init=models/gtf.safetensors data.boxes=detected
     train_run "$earpoint" vam-replay "$data" "$runs/vam" training.steps=400 training.validate_every=100
-    train_run "$earpoint" vigas-small-replay "$data" out/enhance-recorded/vigas training.steps=500 $from_vigas $near
+    train_run "$earpoint" vigas-small-replay "$data" out/enhance-recorded/vigas training.steps=300 $from_vigas $near \
+      training.validate_every=100
     train_run "$earpoint" gtf-replay "$data" out/enhance-recorded/gtf training.steps=500 $from_gtf $near \
       network.init=models/enhance.safetensors network.loss.phase_difference=0 \
       network.loss.natural.phase_difference=0
@@ -138,8 +136,9 @@ record_sessions() {
       out/data/sessions/scenario-000[78] --detector "$detector" >>out/bench/session_people.jsonl
   done
   train_recorded "$earpoint"
-  for name in vam vigas-blind vigas; do
-    methods+=,$name-recorded=out/runs/recorded/$name/best.safetensors
+  methods+=,vam-recorded=out/runs/recorded/vam/best.safetensors
+  for name in vigas-blind vigas; do
+    methods+=,$name-recorded=out/ablations/recorded/$name/best.safetensors
   done
   for name in vigas gtf; do
     methods+=,$name-adapted=out/runs/recorded/$name-adapted/best.safetensors
