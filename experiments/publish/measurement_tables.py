@@ -307,9 +307,10 @@ def session_table(text):
 
 
 def sync_table(text):
-    rows = ["| seed | people | cameras | minutes | offset error, ms | drift error, ppm |", "|---" * 6 + "|"]
+    rows = ["| session | minutes | speech above noise, dB | people | cameras | offset error, ms | drift error, ppm |",
+            "|---" * 7 + "|"]
     for line in text.splitlines():
         run = json.loads(line)
-        rows.append(f"| {run['seed']} | {run['people']} | {run['cameras']} | {run['minutes']:g} "
+        rows.append(f"| {run['session']} | {run['minutes']:g} | {run['snr_db']:g} | {run['people']} | {run['cameras']} "
                     f"| {run['offset_error_ms_p95']:.2f} | {run['drift_error_ppm_p95']:.2f} |")
     return "\n".join(rows)

@@ -129,8 +129,9 @@ PEOPLE = Page("people-and-recordings", "People and recordings",
             "for all sessions. The column for sound is measured with almost no pictures."),
     Section("Clocks of simulated sessions", "session_sync.jsonl", sync_table,
             "`experiments/measure/session_sync.py`: `earpoint record sync --truth` on sessions of `earpoint record "
-            "simulate`, each in its own flat, with speech 10 dB above the ambient noise and clocks that drift by up to "
-            "50 ppm. 95th percentiles over devices; offset errors are taken over every second of the session."),
+            "simulate` with clocks that drift by up to 50 ppm: long ones, each in its own flat (seed-N), and the nine of "
+            "*Methods in recorded sessions* (scenario-N). 95th percentiles over devices; offset errors are taken over every "
+            "second of the session. The goal for five minutes at 10 dB is 0.5 ms and 1 ppm."),
 ])
 
 SIMULATOR = Page("simulator", "Tracer and simulator", "The path tracer against physics and against another program, and "

@@ -130,6 +130,8 @@ record_sessions() {
   for session in out/data/sessions/scenario-*/session.json; do
     "$earpoint" record prepare "$session" --out out/data/recorded
   done
+  python3 experiments/measure/session_sync.py "$earpoint" "$speech_folder" out/data/sync \
+    --sessions out/data/sessions/scenario-* >>out/bench/session_sync.jsonl
   : >out/bench/session_people.jsonl
   for detector in models/people.safetensors "$installed_detector"; do
     [ ! -f "$detector" ] || python3 experiments/measure/session_people.py "$earpoint" \

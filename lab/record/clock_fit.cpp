@@ -18,6 +18,7 @@ namespace {
 constexpr double kTypicalError_s = 0.15e-3;
 constexpr double kClapError_s = 0.05e-3;    ///< of one camera
 constexpr double kClapWidth_s = 0.2e-3;     ///< smallest width of the Cauchy weights
+constexpr double kClapTrust_s = 2e-3;       ///< farther from the others', a clock is wrong
 constexpr double kFits_s = 0.6e-3;          ///< larger residuals are of another sound
 constexpr double kHeightDeviation_m = 0.3;  ///< of mouths, as people sit or stand
 /// Of initial clocks, the reference's too: otherwise errors in its times would move all others.
@@ -192,6 +193,7 @@ class Fit {
     for (const Round& round : kRounds) {
       if (round.width_s > widest_s) continue;
       for (int step = 0; step < kStepsPerRound; ++step) improve(round);
+      if (!clocks_held_) hold_to_claps();
     }
   }
 
@@ -260,6 +262,22 @@ class Fit {
       moved = true;
     }
     return moved;
+  }
+
+  /// Moves cameras back whose clap is far from the others'. Voices can agree, by their reflections,
+  /// with a clock that is ten milliseconds off, and no step of the fit leaves such an optimum.
+  void hold_to_claps() {
+    constexpr std::size_t kLeastClaps = 3;
+    if (claps_.size() < kLeastClaps) return;
+    std::vector<double> times_s;
+    for (const ClapTime& clap : claps_) times_s.push_back(session_s(clap.device, clap.device_s));
+    std::vector<double> sorted = times_s;
+    const auto middle = sorted.begin() + std::ssize(sorted) / 2;
+    std::ranges::nth_element(sorted, middle);
+    for (std::size_t i = 0; i < claps_.size(); ++i) {
+      const double late_s = times_s[i] - *middle;
+      if (std::abs(late_s) > kClapTrust_s) clocks_[claps_[i].device].offset_s -= late_s;
+    }
   }
 
   /// Rate of session time against device time.
