@@ -32,7 +32,7 @@ class ReplayEvaluationSet : public EvaluationSet {
   [[nodiscard]] std::size_t size() const override { return pairs_.size(); }
   [[nodiscard]] std::string name(std::size_t pair) const override {
     const Entry& entry = pairs_.at(pair);
-    const std::string source =
+    std::string source =
         fmt::format("{}: {}", entry.clip->folder, entry.clip->images[entry.choice.source]);
     if (target_ == PairTarget::near_microphone) return source;
     return fmt::format("{} -> {}", source, entry.clip->images[entry.choice.target]);
