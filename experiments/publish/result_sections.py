@@ -85,7 +85,7 @@ ABLATIONS = Page("ablations", "Ablations", "The networks without one of their pa
     Section("Ablations in recorded sessions", "ablations-recorded.json", recorded_table,
             "`earpoint evaluate --layout replay --ablations --json`: ViGAS without one of its parts, half as wide as the other "
             "small ViGAS, trained on 3,200 clips of *[recorded sessions](people-and-recordings.md#methods-in-recorded-sessions)* "
-            "and tested on others.",
+            "and tested on others. So short a training tells the parts apart in LRE and ITD at most: blind has no larger Mag.",
             Plot("ablations-recorded", RATIOS)),
 ])
 
@@ -122,7 +122,7 @@ PEOPLE = Page("people-and-recordings", "People and recordings",
             "`earpoint evaluate --layout replay --enhance --json` on the same clips: the target is what the speaker's near "
             "microphone recorded, moved to the source by GCC-PHAT and made as loud, since its gain is not known. "
             "enhance is the shipped network, which was not trained on them; gtf and vigas were trained on the six training "
-            "sessions, gtf starting from enhance.", Plot("enhance-recorded", RATIOS[::2])),
+            "sessions, gtf starting from enhance and vigas from the shipped one.", Plot("enhance-recorded", RATIOS[::2])),
     Section("Cost of simulated sessions", "session_cost.jsonl", session_table,
             "`experiments/measure/session_cost.py`: processor time of `earpoint record simulate`, half a minute with three "
             "people and eight cameras of 480 x 270 pixels at 5 pictures a second, including the flat, which is drawn once "
