@@ -60,6 +60,6 @@ def ratio_plot(rows, plot):
         for column, left in zip(columns, lefts):
             found = estimate(row.get(column, ""))
             parts += mark(left, y, found, colour) if found else []
-    parts.append(text(LABELS, bottom + 36, "error over that of the unchanged input (line at 1), with 95 % intervals; "
-                      "less is better", extra=' font-size="11" fill="#4a5361"'))
+    parts.append(text(width - 12, bottom + 36, "error over that of the unchanged input (line at 1), with 95 % intervals; "
+                      "less is better", "end", ' font-size="11" fill="#4a5361"'))
     return "\n".join([*parts, "</svg>", ""])
