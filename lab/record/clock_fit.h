@@ -64,9 +64,8 @@ struct ClockFit {
 /// shrinks from 2 ms to 0.06 ms. Places are eliminated from the normal equations seat by seat
 /// (Schur's complement): a voice that stays where it is has one place.
 /// @param devices    the first is the reference, whose clock stays; all cameras calibrated
-/// @param claps      of cameras that heard it directly; any number. No clock is left where its clap
-/// is
-///                   far from those of the others
+/// @param claps      of cameras that heard it directly; any number. From three on, no clock is left
+///                   where its clap is more than 2 ms from the median of all
 /// @param places_m   of each event's source, to begin with; good to some decimetres
 /// @param centre_m   about where people are
 [[nodiscard]] ClockFit fit_clocks(const std::vector<FitDevice>& devices,

@@ -137,6 +137,34 @@ TEST(ClockFit, GivesAClapOneTimeAtAllCameras) {
   EXPECT_LT(spread_s([&](std::size_t d) { return found.clocks[d]; }), 100e-6);
 }
 
+TEST(ClockFit, HoldsACameraToItsClapWhereVoicesAgreeWithAWrongClock) {
+  constexpr std::size_t kCamera = 1;
+  constexpr double kLate_s = 10e-3;
+  Heard heard = hear({.duration_s = 60.0, .drift_ppm = 0.0, .start_error_s = 0.0});
+  // It hears everybody's voice weakly, and 10 ms later strongly; its clock starts where the late
+  // sound fits.
+  for (SoundEvent& event : heard.events) {
+    for (HeardEvent& ear : event.heard) {
+      if (ear.device != kCamera) continue;
+      const HeardTime direct = ear.times.front();
+      ear.times = {{direct.device_s, 0.4}, {direct.device_s + kLate_s, 1.0}};
+    }
+  }
+  heard.devices[kCamera].clock.offset_s -= kLate_s;
+  std::vector<ClapTime> claps;
+  for (std::size_t d = 0; d < kCameras; ++d)
+    claps.push_back({d, device_time_s(heard.truth[d], 3.0)});
+  const auto error_s = [&](const std::vector<ClapTime>& known) {
+    const ClockFit found =
+        fit_clocks(heard.devices, heard.events, known, heard.mouths, {0, 0, 1.5});
+    return std::abs(session_time_s(found.clocks[kCamera], 30.0) -
+                    session_time_s(heard.truth[kCamera], 30.0));
+  };
+  EXPECT_GT(error_s({}), 0.5 * kLate_s);
+  // As far as the fit comes with good arrivals: 20 us each.
+  EXPECT_LT(error_s(claps), 0.1e-3);
+}
+
 TEST(ClockFit, FindsDriftToAFractionOfAPartInAMillion) {
   const Heard heard = hear({});
   const VoiceAlignment about = align_voices(heard.devices, heard.events, {0, 0, 1.5}, 0.06);
