@@ -19,6 +19,7 @@
 #include <earpoint/audio/sound_file.h>
 #include <earpoint/core/file.h>
 #include <earpoint/core/random.h>
+#include <earpoint/evaluate/method.h>
 #include <earpoint/gtf/synthesizer.h>
 #include <earpoint/gtf/weights.h>
 #include <earpoint/media/image_file.h>
@@ -120,6 +121,25 @@ class ShippedGtf : public testing::Test {
   GtfSynthesizer synthesizer_{read_gtf_weights(EARPOINT_SOURCE_DIR "/models/gtf.safetensors"),
                               0.5 * kPi};
 };
+
+TEST_F(ShippedGtf, AsAMethodSeesEachPicturesFieldOfView) {
+  const SanityClip clip = read_clips().front();
+  PairSample sample;
+  sample.source = clip.sound;
+  sample.picture = std::make_shared<const Image>(clip.picture);
+  sample.speaker_box = clip.box;
+  sample.source_from_target = towards_camera(clip, 1.0);
+  const auto method =
+      network_method("gtf", EARPOINT_SOURCE_DIR "/models/gtf.safetensors", {}).make();
+  const auto heard = [&](double fov_deg) {
+    sample.horizontal_fov_rad = radians_from_degrees(fov_deg);
+    return method->render({sample, "", nullptr});
+  };
+  const Waveform wide = heard(90.0);
+  const Waveform narrow = heard(50.0);
+  EXPECT_FALSE(std::ranges::equal(wide.planar(), narrow.planar()));
+  EXPECT_TRUE(std::ranges::equal(wide.planar(), heard(90.0).planar()));
+}
 
 TEST_F(ShippedGtf, TurningByHalfATurnSwapsTheLouderEar) {
   expect_mostly("half a turn swaps the louder ear", [&](const SanityClip& clip) {
