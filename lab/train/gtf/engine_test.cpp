@@ -1,4 +1,7 @@
+#include <cmath>
 #include <functional>
+#include <numeric>
+#include <optional>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -97,6 +100,48 @@ TEST(GtfEngine, RendersWhatTheLearnerPredictsWithRoundsOfPhasesAndATexture) {
   // In bins of almost no energy rounding decides the phase, which phase rounds spread to
   // neighbours.
   expect_engines_prediction(d, true, 5123, 1e-4);
+}
+
+TEST(GtfEngine, RendersWhatTheLearnerPredictsFromExpectedLevels) {
+  GtfDescription d;
+  d.channels = 12;
+  d.bands = 12;
+  d.picture_px = 32;
+  d.expected_level = true;
+  expect_engines_prediction(d, true, 5123);
+}
+
+TEST(GtfEngine, UntrainedItChangesTheLevelAsGeometryExpects) {
+  GtfDescription d;
+  d.channels = 12;
+  d.bands = 12;
+  d.picture_px = 0;
+  d.box = d.delays = false;
+  d.expected_level = true;
+  const auto gain_db = [&](float log_reverberant) {
+    GtfWeights weights = initial_gtf_weights(d, HrtfSet::load(GtfDescription::kSampleRateHz), 3);
+    Tensor& layer = weights.tensors.at("locator.2.weight");
+    layer = make_tensor<float>(std::vector<float>(layer.elements(), 0.0F), layer.shape);
+    Tensor& bias = weights.tensors.at("locator.2.bias");
+    std::vector<float> outputs(bias.elements(), 0.0F);
+    constexpr std::size_t kLogReverberant = 6;
+    outputs[kLogReverberant] = log_reverberant;
+    bias = make_tensor<float>(outputs, bias.shape);
+    Gtf engine(weights);
+    engine.set_picture({}, std::nullopt);
+    engine.set_pose({{1, 0, 0}, {}}, Vector3{2, 0, 0});
+    const std::vector<float> source = noise(2 * 8000, 0.1, 1);
+    std::vector<float> found(source.size());
+    engine.synthesize(source, found);
+    const auto energy = [](const std::vector<float>& sound) {
+      return std::inner_product(sound.begin(), sound.end(), sound.begin(), 0.0);
+    };
+    return 10 * std::log10(energy(found) / energy(source));
+  };
+  // Kernels start with random parts of 0.002. Half the distance: twice the direct sound, and the
+  // same diffuse field.
+  EXPECT_NEAR(gain_db(-20), 6.02, 0.1);
+  EXPECT_NEAR(gain_db(20), 0.0, 0.1);
 }
 
 TEST(GtfEngine, RendersWhatTheLearnerPredictsWithSightPoints) {

@@ -91,13 +91,14 @@ MoveGeometry move_geometry(const HeadTables& head, const SpeakerPlace& speaker,
   const at::Tensor at_target = log_power(head, target, reverberant.exp());
 
   MoveGeometry move;
+  move.expected_log_gain = (at_target - at_source) / 2;
   move.features =
       at::cat({pose_features(target_m, target_yaw_rad), place / gtf::kPositionScale_m,
                source.distance_m.log(), source.azimuth_rad.sin(), source.azimuth_rad.cos(),
                target.azimuth_rad.sin(), target.azimuth_rad.cos(), target.distance_m.log(),
                (source.distance_m / target.distance_m).log(), source.elevation_rad,
                target.elevation_rad, facing(heading, -place), facing(heading, target_m - place),
-               reverberant / gtf::kReverberationScale, (at_target - at_source).flatten(1) / 2,
+               reverberant / gtf::kReverberationScale, move.expected_log_gain.flatten(1),
                between_ears(at_target), between_ears(at_source)},
               1);
   move.source_delay_s = read_table(head.delay_s, source.azimuth_rad);

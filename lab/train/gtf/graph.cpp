@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <vector>
 
 #include <ATen/TensorOperators.h>
 #include <ATen/ops/arange.h>
@@ -29,6 +30,18 @@ namespace earpoint {
 namespace {
 
 using D = GtfDescription;
+
+/// Gives every bin the value of its band of the head tables.
+/// @param bands  [clips][2][bands of the head]
+/// @return       [clips][2][bins]
+at::Tensor spread_over_bins(const at::Tensor& bands) {
+  std::vector<at::Tensor> parts;
+  for (int band = 0; band < D::kHeadBands; ++band) {
+    parts.push_back(bands.narrow(2, band, 1).expand(
+        {bands.size(0), bands.size(1), kGtfHeadEdges[band + 1] - kGtfHeadEdges[band]}));
+  }
+  return at::cat(parts, 2);
+}
 
 }  // namespace
 
@@ -198,10 +211,14 @@ at::Tensor GtfGraph::filter(const SoundFeatures& heard, const at::Tensor& state,
     source_delay_s = conditions.move.source_delay_s;
     target_delay_s = conditions.move.target_delay_s;
   }
+  FrameLayer gain = modulated("gain", conditions.vector);
+  if (description_.expected_level) {
+    gain.still = gain.still + spread_over_bins(conditions.move.expected_log_gain).flatten(1);
+  }
   const at::Tensor spectrum =
       filter_pass(description_, {heard.spectrum, heard.magnitude, heard.samples}, state,
-                  modulated("kernel", conditions.vector), modulated("gain", conditions.vector),
-                  share, source_delay_s, target_delay_s);
+                  modulated("kernel", conditions.vector), gain, share, source_delay_s,
+                  target_delay_s);
   return phase_pass(spectrum, description_.phase_rounds, heard.samples);
 }
 

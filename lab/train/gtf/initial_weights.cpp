@@ -158,6 +158,7 @@ GtfWeights with_new_parts(GtfWeights weights, const GtfDescription& description,
   const GtfDescription before = d;
   const std::int64_t known = before.conditioning_inputs() - before.sight_features();
   d.ear_delays |= description.ear_delays;
+  d.expected_level |= description.expected_level;
   d.texture |= description.texture;
   d.dry_voice |= description.dry_voice;
   if (d.phase_rounds == 0) d.phase_rounds = description.phase_rounds;

@@ -66,6 +66,26 @@ TEST(GtfLearner, ModulationCountsGapsThatAreFilled) {
   EXPECT_LT(modulation(bursts), 0.3 * modulation(filled));
 }
 
+TEST(GtfLearner, SquaredLevelsCountFarMistakesMost) {
+  // The untrained network returns its input, except for mixed phases.
+  const GtfDescription d = small();
+  const GtfWeights weights = initial_gtf_weights(d, head(), 1);
+  TrainingBatch batch = batch_for(d, 2);
+  batch.target = GtfLearner(weights).predict(batch);
+  // The first clip's target is right, the second's is 12 dB down: in the mean 6 dB, and half of 144.
+  const float down = std::pow(10.0F, -12.0F / 20.0F);
+  for (std::int64_t i = 2 * kSamples; i < 4 * kSamples; ++i) batch.target[i] *= down;
+  GtfLearnerOptions without;
+  without.loss.level = 0.0;
+  GtfLearnerOptions with = without;
+  with.loss.level = 1.0;
+  // A level is that of the sound's energy and 1e-3, which changes 12 dB by 0.01.
+  EXPECT_NEAR(added_loss(d, with, without, batch), 6.0, 0.01);
+  with.loss.level = 0.0;
+  with.loss.squared_level = 1.0;
+  EXPECT_NEAR(added_loss(d, with, without, batch), 72.0, 0.3);
+}
+
 TEST(GtfLearner, DecayCountsReverberationThatIsMissing) {
   // The untrained network returns its input, the dry speech itself.
   const GtfDescription d = small();

@@ -164,6 +164,12 @@ TEST(GtfLearner, GradientIsTheSlopeOfTheLossWithPhaseRoundsTexturesAndADryVoice)
   expect_slope(d, 6, 0.05);
 }
 
+TEST(GtfLearner, GradientIsTheSlopeOfTheLossWithExpectedLevels) {
+  GtfDescription d = small();
+  d.expected_level = true;
+  expect_slope(d);
+}
+
 TEST(GtfLearner, GradientIsTheSlopeOfTheLossWithSightPoints) {
   GtfDescription d = small();
   d.sight_points = 2;
@@ -203,10 +209,10 @@ TEST(GtfLearner, KeepsItsSightWhenATextureIsAdded) {
   expect_as_before(stirred(d), parts);
 }
 
-TEST(GtfLearner, GetsEarDelaysAndPhaseRoundsWithTheSameTensors) {
+TEST(GtfLearner, GetsEarDelaysExpectedLevelsAndPhaseRoundsWithTheSameTensors) {
   const GtfDescription d = small();
   GtfDescription parts = d;
-  parts.ear_delays = true;
+  parts.ear_delays = parts.expected_level = true;
   parts.phase_rounds = 2;
   const GtfWeights before = stirred(d);
   const GtfWeights after = with_new_parts(before, parts, 1);

@@ -69,8 +69,9 @@ at::Tensor gtf_loss(const GtfLossWeights& weights, const GtfOutput& output, cons
            (level_difference_db(output.sound) - level_difference_db(truth.target)).abs().mean() *
                weights.level_difference;
   }
-  if (weights.level > 0) {
-    loss = loss + (level_db(output.sound) - level_db(truth.target)).abs().mean() * weights.level;
+  if (weights.level > 0 || weights.squared_level > 0) {
+    const at::Tensor off = level_db(output.sound) - level_db(truth.target);
+    loss = loss + off.abs().mean() * weights.level + off.square().mean() * weights.squared_level;
   }
   if (weights.decay > 0) {
     loss = loss + decay_error_db(truth.dry, output.sound, truth.target) * weights.decay;

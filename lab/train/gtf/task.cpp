@@ -32,6 +32,7 @@ GtfLossWeights loss_from(const Json& json, const std::string& where, GtfLossWeig
            {"log_magnitude", &weights.log_magnitude},
            {"level_difference", &weights.level_difference},
            {"level", &weights.level},
+           {"squared_level", &weights.squared_level},
            {"modulation", &weights.modulation},
            {"decay", &weights.decay},
            {"reverberation", &weights.reverberation},

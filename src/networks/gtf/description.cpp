@@ -47,6 +47,9 @@ void check_senses(const GtfDescription& d, std::string_view where) {
   if (d.ear_delays && !d.delays) {
     throw InputError(where, "ear_delays: expected false, as delays is, found true");
   }
+  if (d.expected_level && !d.geometry) {
+    throw InputError(where, "expected_level: expected false, as there is no geometry, found true");
+  }
 }
 
 std::vector<double> numbers_in(const Json& list, std::string_view where, std::string_view field) {
@@ -145,6 +148,7 @@ std::string to_json(const GtfDescription& d) {
             {"conditioning_width", d.conditioning_width}};
   // Left out where they are as in the first networks, so that their files keep the same bytes.
   if (d.ear_delays) json["ear_delays"] = true;
+  if (d.expected_level) json["expected_level"] = true;
   if (d.phase_rounds > 0) json["phase_rounds"] = d.phase_rounds;
   if (d.sight_points > 0) json["sight_points"] = d.sight_points;
   if (d.texture) json["texture"] = true;
@@ -180,6 +184,7 @@ GtfDescription gtf_description_from_json(std::string_view text, std::string_view
   d.summary_width = reader.integer("summary_width");
   d.conditioning_width = reader.integer("conditioning_width");
   if (reader.has("ear_delays")) d.ear_delays = reader.boolean("ear_delays");
+  if (reader.has("expected_level")) d.expected_level = reader.boolean("expected_level");
   if (reader.has("phase_rounds")) d.phase_rounds = reader.integer("phase_rounds");
   if (reader.has("sight_points")) d.sight_points = reader.integer("sight_points");
   if (reader.has("texture")) d.texture = reader.boolean("texture");

@@ -48,14 +48,15 @@ TEST(GtfDescription, JsonRoundTrips) {
   d.sight_points = 4;
   d.texture = d.dry_voice = true;
   EXPECT_EQ(gtf_description_from_json(to_json(d), "x"), d);
-  d.geometry = d.delays = d.ear_delays = true;
+  d.geometry = d.delays = d.ear_delays = d.expected_level = true;
   EXPECT_EQ(gtf_description_from_json(to_json(d), "x"), d);
   EXPECT_EQ(gtf_description_from_json(to_json(GtfDescription{}), "x"), GtfDescription{});
 }
 
 TEST(GtfDescription, WhatTheFirstNetworksDidNotHaveIsLeftOutOfTheirFiles) {
   const std::string json = to_json(GtfDescription{});
-  for (const char* key : {"ear_delays", "phase_rounds", "sight_points", "texture", "dry_voice"}) {
+  for (const char* key : {"ear_delays", "expected_level", "phase_rounds", "sight_points", "texture",
+                          "dry_voice"}) {
     EXPECT_EQ(json.find(key), std::string::npos) << key;
   }
 }
@@ -75,6 +76,10 @@ TEST(GtfDescription, JsonMistakesAreNamed) {
   expect(refusal_with("\"geometry\":true", "\"geometry\":false"), "delays: expected false");
   expect(refusal_with("\"delays\":true", "\"delays\":false,\"ear_delays\":true"),
          "ear_delays: expected false");
+  GtfDescription blind;
+  blind.geometry = blind.delays = false;
+  blind.expected_level = true;
+  expect(refusal([&] { check_description(blind, "x"); }), "expected_level: expected false");
   expect(refusal_with("[0.08,0.25]", "[0.08,\"0.25\"]"), "'tails_s': expected numbers");
   expect(refusal_with("\"layers\":6", "\"layers\":6,\"phase_rounds\":17"),
          "phase_rounds: expected 0 to 16, found 17");

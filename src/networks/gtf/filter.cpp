@@ -39,8 +39,9 @@ void fill_phasors(double delay_s, std::span<Complex> phasors) {
 }
 
 /// Gives every bin the value of its band of the head tables.
+/// @param bands  [2][bands of the head]
 /// @param bins  [2][bins]
-void spread_over_bins(const GtfEarBands& bands, std::span<float> bins) {
+void spread_over_bins(std::span<const float> bands, std::span<float> bins) {
   for (std::size_t ear = 0; ear < kEars; ++ear) {
     for (std::size_t band = 0; band < D::kHeadBands; ++band) {
       std::fill(bins.begin() + ear * D::kBins + kGtfHeadEdges[band],
@@ -102,6 +103,11 @@ void GtfFilter::condition(const GtfConditions& conditions) {
   add(static_gain_, gain_bias_own_, gain_bias_);
   if (description_.dry_voice) add(static_dry_, dry_bias_own_, dry_bias_);
   const GtfGeometry* geometry = conditions.geometry();
+  if (description_.expected_level) {
+    // The correction has not been computed yet.
+    spread_over_bins(geometry->expected_log_gain(), correction_);
+    for (std::size_t i = 0; i < correction_.size(); ++i) gain_bias_.data()[i] += correction_[i];
+  }
   is_corrected_ = geometry != nullptr && geometry->is_beyond();
   if (is_corrected_) spread_over_bins(geometry->correction(), correction_);
   if (!description_.delays) return;

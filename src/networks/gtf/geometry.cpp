@@ -12,6 +12,9 @@ namespace {
 
 using D = GtfDescription;
 
+/// Where the features have the expected gains.
+constexpr std::size_t kExpectedLogGain = 20;
+
 struct Direction {
   double azimuth_rad, elevation_rad, distance_m;
 };
@@ -139,6 +142,7 @@ void GtfGeometry::put_features(const GtfPlace& place, const Pose& source_from_ta
            source.elevation_rad, target.elevation_rad, facing(x, y, -place.position_m),
            facing(x, y, source_from_target.position_m - place.position_m),
            place.log_reverberant / gtf::kReverberationScale});
+  EARPOINT_CHECK(to == features_.data() + kExpectedLogGain);
   for (std::size_t i = 0; i < levels.at_source.size(); ++i) {
     *to++ = (levels.at_target[i] - levels.at_source[i]) / 2;
   }
@@ -148,6 +152,10 @@ void GtfGeometry::put_features(const GtfPlace& place, const Pose& source_from_ta
     }
   }
   EARPOINT_CHECK(to == features_.data() + features_.size());
+}
+
+std::span<const float> GtfGeometry::expected_log_gain() const {
+  return std::span(features_).subspan(kExpectedLogGain, GtfEarBands{}.size());
 }
 
 void GtfGeometry::move(const GtfPlace& place, bool is_told, const Pose& source_from_target) {

@@ -39,6 +39,9 @@ class GtfGeometry {
 
   /// What conditions the network.
   [[nodiscard]] std::span<const float> features() const { return features_; }
+  /// Log of the amplitude expected at the target's ears over that at the source's, as the network
+  /// is shown the move: [2][kHeadBands].
+  [[nodiscard]] std::span<const float> expected_log_gain() const;
   /// Of the direct sound at the ears, left first.
   [[nodiscard]] const std::array<float, 2>& source_delay_s() const { return source_delay_s_; }
   [[nodiscard]] const std::array<float, 2>& target_delay_s() const { return target_delay_s_; }

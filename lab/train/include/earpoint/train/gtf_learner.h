@@ -25,6 +25,7 @@ struct GtfLossWeights {
   double log_magnitude = 0.05;     ///< mean | log |X| - log |Y| |, above the floor of a quiet room
   double level_difference = 0.01;  ///< of the level between the ears, dB
   double level = 0.01;             ///< of each ear's level, dB
+  double squared_level = 0.0;      ///< of the square of that difference, dB²
   double modulation = 0.0;         ///< of the spread of each bin's level over time, nepers
   double decay = 0.0;              ///< of the decay of the response from dry speech, dB
   double reverberation = 0.0;      ///< of reverberation time as an estimator hears it, seconds
@@ -56,7 +57,7 @@ struct GtfLearnerOptions {
                                              std::uint64_t seed);
 
 /// The same network with those parts of another description that it lacks: sight points, a texture,
-/// a dry voice, ear delays, phase rounds. Parts with tensors of their own change nothing until they
+/// a dry voice, ear delays, expected levels, phase rounds. Parts with tensors of their own change nothing until they
 /// are trained.
 /// @param seed  of the tensors that do not start at zero
 /// @throws InputError if a part does not fit the network, e.g. sight points without a picture

@@ -61,6 +61,9 @@ struct GtfDescription {
   /// What is mixed with the moved voice: each ear's sound, moved by its own delay, or unmoved;
   /// needs delays.
   bool ear_delays = false;
+  /// Whether gains start from the levels that geometry expects at the target's ears over those at
+  /// the source's; needs geometry.
+  bool expected_level = false;
 
   /// Rounds of fast Griffin-Lim that make the phases of neighbouring frames agree; each needs two
   /// frames ahead.
