@@ -50,6 +50,24 @@ CLI::Validator within(double least, double most) {
           fmt::format("{:g} to {:g}", least, most)};
 }
 
+std::optional<double> texture_of(const std::string& word) {
+  if (word == "mean") return 0.0;
+  if (word == "natural") return 1.0;
+  double texture = 0.0;
+  const char* const end = word.data() + word.size();
+  const auto [stop, error] = std::from_chars(word.data(), end, texture);
+  if (error != std::errc() || stop != end || !(texture >= 0.0 && texture <= 1.0)) return {};
+  return texture;
+}
+
+CLI::Validator known_texture() {
+  return {[](std::string& text) -> std::string {
+            if (texture_of(text)) return {};
+            return fmt::format("expected natural, mean or a number from 0 to 1, found '{}'", text);
+          },
+          "{natural,mean} or 0 to 1"};
+}
+
 void add_ambient_option(CLI::App& command, std::string& ambient) {
   const auto names = ambient_separation_names();
   command

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,12 @@ Vector3 parse_place(const std::string& text, const std::string& flag);
 
 /// Accepts numbers from `least` to `most`; refuses NaN, which CLI::Range accepts.
 CLI::Validator within(double least, double most);
+
+/// A texture of gtf: natural, 1, or mean, 0, or a number between. Nothing: it is none of these.
+std::optional<double> texture_of(const std::string& word);
+
+/// Accepts what texture_of() knows.
+CLI::Validator known_texture();
 
 /// --ambient KIND, a name of AmbientSeparation.
 void add_ambient_option(CLI::App& command, std::string& ambient);

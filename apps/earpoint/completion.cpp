@@ -24,7 +24,7 @@ bool takes_value(const CLI::Option& option) {
   return option.get_type_size() != 0 && option.get_expected_max() > 0;
 }
 
-/// The words of an option that accepts no others; CLI11 has them only as text, like
+/// The words that an option names as its values; CLI11 has them only as text, like
 /// "TEXT:{full,model}".
 std::vector<std::string> fixed_choice(const CLI::Option& option) {
   const std::string type = option.get_type_name();

@@ -63,7 +63,8 @@ Methods:
   tf       Wiener filters of the nearest pair of the training split, by true positions
   NAME     a shipped model, e.g. vigas
   NAME=FILE  a weight file, in a row of that name
-  ...:mean   the mean texture of a network that was trained for two (render --texture)
+  ...:mean   the mean texture of a network that was trained for two (render --texture); a number from
+             0, the mean, to 1, the natural one, for what lies between
 Oracles, which are given part of the answer (--oracles: all), from the least to the most:
   oracle-gain        true level of each ear
   oracle-bands       true level of each frequency and ear

@@ -252,7 +252,9 @@ TEST_F(EvaluateCommandTest, ATextureIsAskedForAfterAColon) {
   const std::string file = (folder_ / "two.safetensors").string();
   const ProgramOutcome outcome =
       evaluate(folder_ / "data",
-               {"--methods", "two=" + file + ",two=" + file + ":natural,two=" + file + ":mean",
+               {"--methods",
+                "two=" + file + ",two=" + file + ":natural,two=" + file + ":mean,two=" + file +
+                    ":0,two=" + file + ":0.5",
                 "--limit", "2", "--quiet", "--json"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
   const nlohmann::json rows = nlohmann::json::parse(outcome.output).at("rows");
@@ -260,6 +262,14 @@ TEST_F(EvaluateCommandTest, ATextureIsAskedForAfterAColon) {
   EXPECT_EQ(rows.at(2).at("method"), "two:mean");
   EXPECT_EQ(mag(0), mag(1));
   EXPECT_NE(mag(0), mag(2));
+  EXPECT_EQ(mag(2), mag(3));
+  EXPECT_EQ(rows.at(4).at("method"), "two:0.5");
+  EXPECT_NE(mag(0), mag(4));
+  EXPECT_NE(mag(2), mag(4));
+  const ProgramOutcome refused =
+      evaluate(folder_ / "data", {"--methods", "two=" + file + ":2", "--quiet"});
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_NE(refused.errors.find("two.safetensors:2"), std::string::npos) << refused.errors;
 }
 
 TEST_F(EvaluateCommandTest, SaysThatNobodyHearsReverberationTimes) {

@@ -1,5 +1,7 @@
 #include "evaluate_methods.h"
 
+#include "arguments.h"
+
 #include <algorithm>
 #include <system_error>
 #include <utility>
@@ -29,10 +31,10 @@ MethodEntry transfer_function(const MethodRequest& request, const std::set<std::
 
 /// Splits MODEL:TEXTURE into the model and the texture.
 std::pair<std::string, std::optional<double>> split_texture(const std::string& word) {
-  for (const auto& [suffix, texture] : {std::pair(":mean", 0.0), std::pair(":natural", 1.0)}) {
-    if (word.ends_with(suffix)) return {word.substr(0, word.rfind(':')), texture};
-  }
-  return {word, {}};
+  const std::size_t colon = word.rfind(':');
+  if (colon == std::string::npos) return {word, {}};
+  const std::optional<double> texture = texture_of(word.substr(colon + 1));
+  return {texture ? word.substr(0, colon) : word, texture};
 }
 
 MethodEntry method_of(const std::string& word, const MethodRequest& request,

@@ -256,9 +256,7 @@ void run_render(RenderArguments arguments) {
   synthesizer_options.horizontal_fov_rad =
       radians_from_degrees(fov_deg_of(arguments.source, source, uses_fov && !arguments.quiet));
   synthesizer_options.threads = arguments.threads;
-  if (!arguments.texture.empty()) {
-    synthesizer_options.texture = arguments.texture == "mean" ? 0.0 : 1.0;
-  }
+  synthesizer_options.texture = texture_of(arguments.texture);
   const auto synthesizer = make_synthesizer(arguments.model, synthesizer_options);
 
   ClipRenderOptions options;
@@ -342,8 +340,9 @@ void add_model_options(CLI::App& command, RenderArguments& arguments) {
       .add_option(
           "--texture", arguments.texture,
           "For gtf networks trained for both: natural, with realistic modulation and decay; mean, "
-          "with the smallest error of magnitudes; default: natural")
-      ->check(CLI::IsMember({"natural", "mean"}));
+          "with the smallest error of magnitudes; or a number from 0, the mean, to 1, natural; "
+          "default: natural")
+      ->check(known_texture());
   command.add_option("--hrtf", arguments.hrtf, "Head filters for dsp: a SOFA file");
   command
       .add_option("--band", arguments.band,

@@ -192,7 +192,17 @@ TEST_F(RenderCommand, ATextureIsForNetworksThatKnowTwo) {
   };
   const std::string natural = sound_of({});
   EXPECT_EQ(sound_of({"--texture", "natural"}), natural);
-  EXPECT_NE(sound_of({"--texture", "mean"}), natural);
+  EXPECT_EQ(sound_of({"--texture", "1"}), natural);
+  const std::string mean = sound_of({"--texture", "mean"});
+  EXPECT_NE(mean, natural);
+  const std::string between = sound_of({"--texture", "0.5"});
+  EXPECT_NE(between, natural);
+  EXPECT_NE(between, mean);
+  for (const char* wrong : {"1.5", "-0.1", "nan", "rough", ""}) {
+    const ProgramOutcome refused = render_by(at("two.safetensors"), {"--texture", wrong});
+    EXPECT_EQ(refused.exit_code, 2) << wrong;
+    EXPECT_NE(refused.errors.find("natural, mean or a number"), std::string::npos) << refused.errors;
+  }
   for (const std::string& model : {at("one.safetensors"), std::string("dsp")}) {
     const ProgramOutcome refused = render_by(model, {"--texture", "mean"});
     EXPECT_EQ(refused.exit_code, 2);
