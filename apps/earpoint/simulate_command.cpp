@@ -77,6 +77,10 @@ void add_how(CLI::App& command, Options& options) {
                   "Viewpoints of each conversation")
       ->capture_default_str();
   command
+      .add_option("--reach", generation.conversation.viewpoint_reach_m,
+                  "Largest distance of the viewpoints from the middle between the speakers, metres")
+      ->capture_default_str();
+  command
       .add_option(
           "--other-rooms", generation.conversation.other_room_share,
           "Share of the viewpoints, except the first of a conversation, in other rooms without "

@@ -194,6 +194,8 @@ TEST_F(SimulateCommandTest, BadUseIsOneLineAndLeavesNothing) {
             std::string::npos);
   EXPECT_NE(error_of("--other-rooms", "1.5").find("--other-rooms: expected 0 to 1, found 1.5"),
             std::string::npos);
+  EXPECT_NE(error_of("--reach", "0.5").find("--reach: expected 1 to 100, found 0.5"),
+            std::string::npos);
   EXPECT_NE(error_of("--height-spread", "-1").find("--height-spread: expected 0 to 1"),
             std::string::npos);
   fs::remove(folder_ / "speech/speech.csv");

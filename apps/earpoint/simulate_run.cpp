@@ -32,6 +32,7 @@ void check(const SimulateOptions& options) {
   check_at_least("--scenes", generation.order.scenes, 1);
   check_at_least("--conversations", generation.order.conversations, 1);
   check_at_least("--viewpoints", generation.conversation.viewpoints, 2);
+  check_within("--reach", generation.conversation.viewpoint_reach_m, 1.0, 100.0);
   check_within("--other-rooms", generation.conversation.other_room_share, 0.0, 1.0);
   check_within("--other-rooms-reach", generation.conversation.other_room_reach_m, 1.0, 100.0);
   check_within("--height-spread", generation.conversation.height_spread_m, 0.0, 1.0);

@@ -38,7 +38,10 @@ Json record_of(const GenerationOptions& options, const SceneMaker& scenes,
   json["conversations"] = options.order.conversations;
   json["split"] = options.order.split ? Json(*options.order.split) : Json();
   json["viewpoints"] = options.conversation.viewpoints;
-  // Left out if 0, so that older data sets without these keys can be continued.
+  // Left out where they are the defaults, so that older data sets without these keys can be continued.
+  if (options.conversation.viewpoint_reach_m != ConversationOptions{}.viewpoint_reach_m) {
+    json["viewpoints_reach_m"] = options.conversation.viewpoint_reach_m;
+  }
   if (options.conversation.other_room_share > 0.0) {
     json["other_rooms"] = options.conversation.other_room_share;
     json["other_rooms_reach_m"] = options.conversation.other_room_reach_m;

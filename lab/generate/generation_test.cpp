@@ -100,6 +100,9 @@ TEST_F(GenerationTest, ADataSetTellsWhatSetsItsViewpointsApartFromTheUsualOnes) 
   varied.conversation.other_room_share = 0.5;
   EXPECT_NE(refusal_of(varied).find("other_rooms is missing"), std::string::npos);
   varied.conversation.other_room_share = 0.0;
+  varied.conversation.viewpoint_reach_m = 4.0;
+  EXPECT_NE(refusal_of(varied).find("viewpoints_reach_m is missing"), std::string::npos);
+  varied.conversation.viewpoint_reach_m = ConversationOptions{}.viewpoint_reach_m;
   varied.conversation.height_spread_m = 0.1;
   EXPECT_NE(refusal_of(varied).find("height_spread_m is missing"), std::string::npos);
 }
