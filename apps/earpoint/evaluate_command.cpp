@@ -95,7 +95,7 @@ near.wav, whose gain is not known: it is made as loud as the source and moved to
 not get the position of that microphone; tf and dsp, which render for a position, have no row.
 A clip of your own (--earpoints) needs no data set: a JSON file names the clip, and earpoints with the true
 sound there (docs/formats.md). It is rendered as `earpoint render` does, by input, dsp, shipped models and
-weight files; gtf does not get the speaker's position. Without --json one table is printed.
+weight files; for gtf the speaker is found in the picture. Without --json one table is printed.
 A figure (--figure) shows clips as in the paper: the source's picture with the speaker's box, targets, the
 left and right ear of every sound side by side, and the enhanced speech on the right. --clips names clips of
 the data set as SCENE/CLIP or SCENE/CLIP:SOURCE, e.g. SC-1027/3:5; the default is the first clip whose source
@@ -150,8 +150,10 @@ void run_on_clip(const EvaluateOptions& options) {
       .report = options.report,
       .figure = options.figure,
       .estimator = make_estimator ? make_estimator() : ReverberationEstimator{},
+      .detector = options.detector.value_or("").string(),
       .threads = options.jobs > 0 ? options.jobs : available_cores(),
-      .json = options.json};
+      .json = options.json,
+      .quiet = options.quiet};
   SilentProgress silent;
   StreamProgress bar(stderr);
   evaluate_earpoints(request, options.quiet ? static_cast<ProgressSink&>(silent) : bar);
@@ -340,8 +342,8 @@ void add_evaluate_command(CLI::App& app) {
       ->check(CLI::IsMember({"true", "detected", "none"}))
       ->capture_default_str();
   command->add_option("--detector", options->detector,
-                      "People detector for --boxes detected: a weight file or an .onnx network; "
-                      "default: the shipped network");
+                      "People detector for --boxes detected and --earpoints: a weight file or an "
+                      ".onnx network; none: gtf gets no speaker; default: the shipped network");
   command->add_option("--jobs", options->jobs, "Threads; 0 takes all cores")->capture_default_str();
   command->add_option("--rt60-model", options->rt60_model,
                       "Weight file of the estimator behind rte_s (default: the shipped one)");
@@ -359,7 +361,7 @@ void add_evaluate_command(CLI::App& app) {
   command->add_flag("--quiet", options->quiet, "No progress");
   for (const char* name :
        {"--data", "--split", "--layout", "--pairs", "--draw", "--ablations", "--runs", "--oracles",
-        "--tf-index", "--limit", "--ambient", "--enhance", "--clips", "--skip-bad"}) {
+        "--tf-index", "--limit", "--ambient", "--enhance", "--boxes", "--clips", "--skip-bad"}) {
     command->get_option(name)->excludes(earpoints);
   }
   for (const char* name : {"--pairs", "--draw", "--ablations", "--runs", "--oracles", "--ambient",

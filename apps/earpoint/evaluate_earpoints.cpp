@@ -1,8 +1,10 @@
 #include "evaluate_earpoints.h"
 
 #include "evaluate_figure.h"
+#include "speaker_search.h"
 
 #include <algorithm>
+#include <memory>
 
 #include <fmt/format.h>
 
@@ -69,9 +71,14 @@ void evaluate_earpoints(const EarpointsRequest& request, ProgressSink& progress)
     passing.emplace();
   }
   const fs::path folder = request.report ? *request.report : passing->path();
+  const std::unique_ptr<PeopleDetector> detector =
+      detector_named(request.detector, !request.quiet);
   const EarpointComparison comparison =
       compare_earpoints(clip, methods, folder,
-                        {.estimator = request.estimator, .threads = request.threads}, progress);
+                        {.estimator = request.estimator,
+                         .threads = request.threads,
+                         .detector = detector.get()},
+                        progress);
   if (request.report) write_earpoint_page(comparison, *request.report);
   if (request.figure) {
     draw_figure(*request.figure, comparison, folder, request.threads, progress);

@@ -17,8 +17,10 @@ struct EarpointsRequest {
   std::optional<std::filesystem::path> report;
   std::optional<std::filesystem::path> figure;
   ReverberationEstimator estimator;
+  std::string detector;  ///< as --detector has it
   int threads = 1;
   bool json = false;
+  bool quiet = false;
 };
 
 /// Renders a clip for the places where it is known what it sounded like, and prints how near the

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -15,6 +16,7 @@
 #include <earpoint/error.h>
 #include <earpoint/evaluate/metrics.h>
 #include <earpoint/gtf/synthesizer.h>
+#include <earpoint/locate/find_people.h>
 #include <earpoint/render/make_synthesizer.h>
 #include <earpoint/render_files/render.h>
 #include <earpoint/synthesis/dsp_synthesizer.h>
@@ -44,10 +46,35 @@ std::string file_name(std::size_t number, const std::string& name) {
   return file;
 }
 
-/// What a method is told of the speaker: gtf nothing, dsp all, other networks the box.
+SynthesizerOptions synthesizer_options(const EarpointClip& clip, int threads) {
+  SynthesizerOptions options;
+  options.threads = threads;
+  if (clip.fov_deg) options.horizontal_fov_rad = radians_from_degrees(*clip.fov_deg);
+  return options;
+}
+
+/// Where the speaker is found without being told; nothing where nobody looks.
+std::optional<SpeakerTrack> found_speaker(const EarpointClip& clip,
+                                          const ComparisonOptions& options,
+                                          ProgressSink& progress) {
+  RenderInput source;
+  source.sound.path = clip.clip;
+  if (options.detector == nullptr) return std::nullopt;
+  const SoundSurvey survey = survey_sound(source.sound);
+  const PeopleSearch search{
+      .detector = options.detector,
+      .horizontal_fov_rad = synthesizer_options(clip, options.threads).horizontal_fov_rad,
+      .hears_direction = survey.stereo == StereoKind::plausible};
+  return speaker_track(find_people(source, survey, search, progress));
+}
+
+/// What a method is told of the speaker: gtf what was found, dsp all, other networks the box.
 void tell_speaker(const EarpointClip& clip, const AcousticSynthesizer& synthesizer,
-                  RenderInput& source) {
-  if (dynamic_cast<const GtfSynthesizer*>(&synthesizer) != nullptr) return;
+                  const std::optional<SpeakerTrack>& found, RenderInput& source) {
+  if (dynamic_cast<const GtfSynthesizer*>(&synthesizer) != nullptr) {
+    source.speaker_track = found;
+    return;
+  }
   const bool is_dsp = dynamic_cast<const DspSynthesizer*>(&synthesizer) != nullptr;
   if (is_dsp && !clip.speaker_m && !clip.speaker_box) {
     throw InputError(clip.description.string(), "lacks 'speaker', which dsp needs",
@@ -61,15 +88,13 @@ void tell_speaker(const EarpointClip& clip, const AcousticSynthesizer& synthesiz
 }
 
 void render_by(const EarpointClip& clip, const ClipMethod& method,
-               std::span<const RenderTarget> targets, const ComparisonOptions& options,
-               ProgressSink& progress) {
+               const std::optional<SpeakerTrack>& found, std::span<const RenderTarget> targets,
+               const ComparisonOptions& options, ProgressSink& progress) {
   RenderInput source;
   source.sound.path = clip.clip;
-  SynthesizerOptions synthesizer_options;
-  synthesizer_options.threads = options.threads;
-  if (clip.fov_deg) synthesizer_options.horizontal_fov_rad = radians_from_degrees(*clip.fov_deg);
-  const auto synthesizer = make_synthesizer(method.model, synthesizer_options);
-  tell_speaker(clip, *synthesizer, source);
+  const auto synthesizer =
+      make_synthesizer(method.model, synthesizer_options(clip, options.threads));
+  tell_speaker(clip, *synthesizer, found, source);
   ClipRenderOptions render_options;
   render_options.threads = options.threads;
   render(source, *synthesizer, targets, render_options, progress);
@@ -127,7 +152,8 @@ EarpointComparison compare_earpoints(const EarpointClip& clip, std::span<const C
                                 .earpoints = std::vector<EarpointResult>(clip.earpoints.size()),
                                 .source = folder / "source.flac"};
   const RenderTarget as_recorded{EarpointPath(Pose{}), comparison.source};
-  render_by(clip, {"input", "input"}, {&as_recorded, 1}, options, progress);
+  const std::optional<SpeakerTrack> found = found_speaker(clip, options, progress);
+  render_by(clip, {"input", "input"}, found, {&as_recorded, 1}, options, progress);
   for (const ClipMethod& method : methods) {
     std::vector<RenderTarget> targets;
     for (std::size_t i = 0; i < clip.earpoints.size(); ++i) {
@@ -137,7 +163,7 @@ EarpointComparison compare_earpoints(const EarpointClip& clip, std::span<const C
       targets.push_back({EarpointPath(earpoint.source_from_target), sound});
       comparison.earpoints[i].renderings.push_back({.sound = sound, .levels = {}, .metrics = {}});
     }
-    render_by(clip, method, targets, options, progress);
+    render_by(clip, method, found, targets, options, progress);
   }
   const Waveform source = read_for_metrics(comparison.source);
   ClipMeasurer measurer(options.estimator);

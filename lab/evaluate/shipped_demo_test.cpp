@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <earpoint/evaluate/earpoint_comparison.h>
+#include <earpoint/locate/people_detector.h>
 
 namespace earpoint {
 namespace {
@@ -20,7 +21,9 @@ TEST(ShippedGtfDemo, ToldNothingItBeatsACopyAtEachEarpoint) {
   const std::vector<ClipMethod> methods{{"input", "input"},
                                         {"gtf", EARPOINT_SOURCE_DIR "/models/gtf.safetensors"}};
   SilentProgress progress;
-  const EarpointComparison comparison = compare_earpoints(clip, methods, folder, {}, progress);
+  const auto detector = make_people_detector(EARPOINT_SOURCE_DIR "/models/people.safetensors");
+  const EarpointComparison comparison =
+      compare_earpoints(clip, methods, folder, {.detector = detector.get()}, progress);
   for (std::size_t i = 0; i < clip.earpoints.size(); ++i) {
     const ClipMetrics& copy = comparison.earpoints[i].renderings[0].metrics;
     const ClipMetrics& gtf = comparison.earpoints[i].renderings[1].metrics;

@@ -10,6 +10,7 @@
 #include <earpoint/evaluate/clip_metrics.h>
 #include <earpoint/evaluate/earpoint_clip.h>
 #include <earpoint/evaluate/view_figure.h>
+#include <earpoint/locate/people_detector.h>
 
 namespace earpoint {
 
@@ -47,10 +48,13 @@ struct EarpointComparison {
 struct ComparisonOptions {
   ReverberationEstimator estimator{};  ///< for rte; empty: none
   int threads = 1;
+  /// Finds the speaker for gtf in the clip's picture, as for `earpoint render`; null: gtf gets
+  /// nothing about the speaker.
+  PeopleDetector* detector = nullptr;
 };
 
 /// Renders the clip for each earpoint by each method as `earpoint render` does and measures what
-/// comes out against what was heard there. gtf gets nothing about the speaker, dsp the speaker's
+/// comes out against what was heard there. gtf gets who was found to speak, dsp the speaker's
 /// position, other networks the box.
 ///
 /// @param folder  gets the sounds: source.flac, and a file for each earpoint and method
