@@ -2,6 +2,7 @@
 // clip.
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <functional>
 #include <memory>
 #include <numbers>
@@ -14,6 +15,7 @@
 
 #include <earpoint/audio/energy.h>
 #include <earpoint/core_testing/allocation_count.h>
+#include <earpoint/renderer.h>
 #include <earpoint/waveform.h>
 
 #include "bundled_clip.h"
@@ -211,7 +213,13 @@ TEST_P(PluginFormat, OffersTheNetworksThatStream) {
   const Waveform sound = part_of(bundled_clip(), 48000, 24000);
   const auto plugin = load();
   plugin->set(kModel, 1);
-  EXPECT_TRUE(same(plugin->process(sound, 512), stream_of_library("enhance", {}, sound)));
+  const Waveform result = plugin->process(sound, 512);
+  // All models are as late as the latest. LV2 tells its latency once it has run.
+  const std::ptrdiff_t pad =
+      plugin->latency_samples() -
+      Renderer::open("enhance").stream({.sample_rate_hz = 48000}).latency_samples();
+  ASSERT_GE(pad, 0);
+  EXPECT_TRUE(same(result, delayed(stream_of_library("enhance", {}, sound), pad)));
 }
 
 constexpr std::ptrdiff_t kSecond = 48000;
@@ -297,8 +305,8 @@ TEST_P(PluginFormat, MovesWithoutAClick) {
     at(first)(*plugin);
     return changed(*plugin, at(second));
   };
-  // Frames of 25 ms overlap. Measured: 1.13; a cut is above 3.
-  expect_no_click(run(0, 0), run(1, 1), run(0, 1), 1.3);
+  // Frames of 25 ms overlap. Measured: 1.1 to 1.7 with different weights; a cut is above 3.
+  expect_no_click(run(0, 0), run(1, 1), run(0, 1), 2.0);
 }
 
 TEST(ClapPlugin, KeepsItsParametersInTheSession) {

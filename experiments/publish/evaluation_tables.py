@@ -108,11 +108,20 @@ def documents(text):
     return found
 
 
-def boxes_table(text):
-    """Ratios to `input` of the same methods, told different boxes."""
+def recorded_boxes_table(text):
+    """Ratios to `input` of the same methods in recorded sessions, told different boxes."""
     runs = documents(text)
-    rows = [f"{session_extent(runs[0])}. Mean error as ratio to `input`, with its 95 % interval. "
-            f"{intervals(runs[0], 'session')}", ""]
+    return ratios_by_boxes(runs, session_extent(runs[0]), intervals(runs[0], "session"))
+
+
+def boxes_table(text):
+    """The same in homes."""
+    runs = documents(text)
+    return ratios_by_boxes(runs, extent(runs[0]), intervals(runs[0]))
+
+
+def ratios_by_boxes(runs, data, drawn):
+    rows = [f"{data}. Mean error as ratio to `input`, with its 95 % interval. {drawn}", ""]
     columns = [column for column in METRICS if any(row.get(column[0]) for row in runs[0]["rows"])]
     rows += ["| boxes | method | " + " | ".join(heading for _, heading, _ in columns) + " |",
              "|---" * (2 + len(columns)) + "|"]

@@ -13,7 +13,7 @@ import os
 import sys
 
 HEIGHT, LEFT, TOP, PLOT = 330, 60, 40, (330, 230)
-COLOURS = {"gtf": "#0072b2", "vigas": "#d55e00", "vigas-blind": "#e69f00",
+COLOURS = {"gtf-begun": "#56b4e9", "gtf": "#0072b2", "vigas": "#d55e00", "vigas-blind": "#e69f00",
            "vam": "#009e73"}
 
 

@@ -21,7 +21,7 @@ BOXES = {
     "conditions": (395, 105, 150, LEARNED, ["conditions", "of all that follows"]),
     "trunk": (395, 190, 150, LEARNED, ["trunk", "6 dilated convolutions"]),
     "kernels": (605, 190, 150, LEARNED, ["kernels, gains", "per band, per bin"]),
-    "phase": (605, 20, 150, COMPUTED, ["delays per ear", "ears to voice to ears"]),
+    "phase": (605, 20, 150, COMPUTED, ["delays, levels", "expected for each ear"]),
     "share": (605, 105, 150, LEARNED, ["share of the voice", "per band and ear"]),
     "filter": (605, 335, 150, COMPUTED, ["filter", "magnitudes x phases"]),
     "texture": (205, 262, 130, GIVEN, ["texture", "natural or mean"]),

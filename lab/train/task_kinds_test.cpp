@@ -124,7 +124,10 @@ TEST_F(TaskKinds, ShippedConfigurationsOfGeometricNetworksCanStart) {
       {},
       {{"network.picture_px", "0"}, {"network.box", "false"}},
       {{"network.picture_px", "0"}},
-      {{"network.geometry", "false"}, {"network.delays", "false"}, {"network.ear_delays", "false"}},
+      {{"network.geometry", "false"},
+       {"network.expected_level", "false"},
+       {"network.delays", "false"},
+       {"network.ear_delays", "false"}},
       {{"network.delays", "false"}, {"network.ear_delays", "false"}},
       {{"network.tails_s", "[]"}}};
   for (const char* name : {"gtf.json", "enhance.json"}) {
