@@ -251,11 +251,10 @@ TEST_F(EvaluateCommandTest, ATextureIsAskedForAfterAColon) {
   write_gtf_file(folder_ / "two.safetensors", 32, true, true);
   const std::string file = (folder_ / "two.safetensors").string();
   const ProgramOutcome outcome =
-      evaluate(folder_ / "data",
-               {"--methods",
-                "two=" + file + ",two=" + file + ":natural,two=" + file + ":mean,two=" + file +
-                    ":0,two=" + file + ":0.5",
-                "--limit", "2", "--quiet", "--json"});
+      evaluate(folder_ / "data", {"--methods",
+                                  "two=" + file + ",two=" + file + ":natural,two=" + file +
+                                      ":mean,two=" + file + ":0,two=" + file + ":0.5",
+                                  "--limit", "2", "--quiet", "--json"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
   const nlohmann::json rows = nlohmann::json::parse(outcome.output).at("rows");
   const auto mag = [&](std::size_t row) { return rows.at(row).at("mag"); };

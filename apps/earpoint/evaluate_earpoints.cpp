@@ -71,14 +71,11 @@ void evaluate_earpoints(const EarpointsRequest& request, ProgressSink& progress)
     passing.emplace();
   }
   const fs::path folder = request.report ? *request.report : passing->path();
-  const std::unique_ptr<PeopleDetector> detector =
-      detector_named(request.detector, !request.quiet);
-  const EarpointComparison comparison =
-      compare_earpoints(clip, methods, folder,
-                        {.estimator = request.estimator,
-                         .threads = request.threads,
-                         .detector = detector.get()},
-                        progress);
+  const std::unique_ptr<PeopleDetector> detector = detector_named(request.detector, !request.quiet);
+  const EarpointComparison comparison = compare_earpoints(
+      clip, methods, folder,
+      {.estimator = request.estimator, .threads = request.threads, .detector = detector.get()},
+      progress);
   if (request.report) write_earpoint_page(comparison, *request.report);
   if (request.figure) {
     draw_figure(*request.figure, comparison, folder, request.threads, progress);

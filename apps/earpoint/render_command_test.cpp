@@ -201,7 +201,8 @@ TEST_F(RenderCommand, ATextureIsForNetworksThatKnowTwo) {
   for (const char* wrong : {"1.5", "-0.1", "nan", "rough", ""}) {
     const ProgramOutcome refused = render_by(at("two.safetensors"), {"--texture", wrong});
     EXPECT_EQ(refused.exit_code, 2) << wrong;
-    EXPECT_NE(refused.errors.find("natural, mean or a number"), std::string::npos) << refused.errors;
+    EXPECT_NE(refused.errors.find("natural, mean or a number"), std::string::npos)
+        << refused.errors;
   }
   for (const std::string& model : {at("one.safetensors"), std::string("dsp")}) {
     const ProgramOutcome refused = render_by(model, {"--texture", "mean"});

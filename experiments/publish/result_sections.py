@@ -40,8 +40,8 @@ RATIOS = ("Mag", "LRE (dB)", "RTE (s)")
 EVALUATION_WORDS = (
     "`earpoint evaluate --oracles --json` on the frozen pairs of the test split. Intervals are bootstrapped by home "
     "where there are several, else by conversation, because clips of one home share rooms, positions and voices. "
-    "A gtf that was trained for two textures has two rows: `gtf` is the natural one, `gtf:mean` the mean "
-    "([how gtf works](../method.md)). "
+    "A gtf that was trained for two textures has three rows: `gtf` is the natural one, `gtf:mean` the mean, and `gtf:0.5` "
+    "lies between ([how gtf works](../method.md)). "
     "Oracles are given part of the answer: they show how much of the error could be removed. ")
 
 METHODS = Page("methods", "Methods", "Errors of every method on the same pairs, beside the unchanged input, baselines "
@@ -228,7 +228,7 @@ ROBUSTNESS = Page("robustness", "Robustness", "Inputs that differ from the train
     Section("Ambient sound in one home", "ambient-single.json", evaluation_table,
             "`earpoint evaluate --ambient -40 --json`, as above.", Plot("ambient-single", RATIOS)),
     Section("Ways to separate ambient sound in unseen homes", "separation-novel.md", None,
-            "`experiments/measure/ambient_separation.py --context 4 --limit 240`: room noise of three levels in every "
+            "`experiments/measure/ambient_separation.py --context 4 --limit 120`: room noise of three levels in every "
             "source, separated by the band-pass, by spectral subtraction and by log-MMSE; the shipped models, which were "
             "trained on sound separated by the band-pass; four seconds of sound before the second that is compared."),
     Section("Networks trained on each way to separate ambient sound", "separation-trained.md", None,

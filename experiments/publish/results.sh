@@ -192,7 +192,7 @@ record_sessions() {
 separate_ambient() {
   local earpoint=$1 data=out/data/novel kind
   say "Ways to separate ambient sound"
-  python3 experiments/measure/ambient_separation.py "$earpoint" "$data" input,gtf,vigas --context 4 --limit 240 \
+  python3 experiments/measure/ambient_separation.py "$earpoint" "$data" input,gtf,vigas --context 4 --limit 120 \
     >out/bench/separation-novel.md
   for kind in bandpass subtract mmse; do
     train_run "$earpoint" gtf "$data" "out/separation/$kind/gtf" network.init=models/gtf.safetensors \
@@ -218,7 +218,7 @@ evaluate_methods() {
       weights=out/runs/$data/$name/best.safetensors
       [ -f "$weights" ] || continue
       methods+=,$name=$weights
-      [ "$name" != gtf ] || methods+=,$name=$weights:mean
+      [ "$name" != gtf ] || methods+=,$name=$weights:0.5,$name=$weights:mean
     done
     say "Methods side by side in $data: $methods"
     "$earpoint" evaluate --data "out/data/$data" --methods "$methods" --oracles --json \

@@ -83,8 +83,8 @@ double left_over_right_db(const Waveform& sound) {
   return level_db(sound.channel(0)) - level_db(sound.channel(1));
 }
 
-/// Mean C50 of the responses from voice to ears, fitted as Wiener filters; nothing if what is fitted
-/// to one of them is not a response, as of a sound that is no linear filter of the voice.
+/// Mean C50 of the responses from voice to ears, fitted as Wiener filters; nothing if what is
+/// fitted to one of them is not a response, as of a sound that is no linear filter of the voice.
 std::optional<double> clarity_db(const SanityClip& clip, const Waveform& sound) {
   FilterFit fit({.before = 64, .after = kRate_hz / 2}, 0, kSamples, {});
   double sum_db = 0.0;

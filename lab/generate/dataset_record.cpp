@@ -38,7 +38,8 @@ Json record_of(const GenerationOptions& options, const SceneMaker& scenes,
   json["conversations"] = options.order.conversations;
   json["split"] = options.order.split ? Json(*options.order.split) : Json();
   json["viewpoints"] = options.conversation.viewpoints;
-  // Left out where they are the defaults, so that older data sets without these keys can be continued.
+  // Left out where they are the defaults, so that older data sets without these keys can be
+  // continued.
   if (options.conversation.viewpoint_reach_m != ConversationOptions{}.viewpoint_reach_m) {
     json["viewpoints_reach_m"] = options.conversation.viewpoint_reach_m;
   }

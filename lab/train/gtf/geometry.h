@@ -20,7 +20,7 @@ struct SpeakerPlace {
 
 /// What the move from source to target does, by geometry.
 struct MoveGeometry {
-  at::Tensor features;        ///< [clips][52]
+  at::Tensor features;  ///< [clips][52]
   /// [clips][2][bands]: log of the expected amplitude at the target's ears over the source's
   at::Tensor expected_log_gain;
   at::Tensor source_delay_s;  ///< [clips][2]: of the direct sound at the ears

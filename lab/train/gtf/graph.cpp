@@ -37,8 +37,9 @@ using D = GtfDescription;
 at::Tensor spread_over_bins(const at::Tensor& bands) {
   std::vector<at::Tensor> parts;
   for (int band = 0; band < D::kHeadBands; ++band) {
-    parts.push_back(bands.narrow(2, band, 1).expand(
-        {bands.size(0), bands.size(1), kGtfHeadEdges[band + 1] - kGtfHeadEdges[band]}));
+    parts.push_back(
+        bands.narrow(2, band, 1)
+            .expand({bands.size(0), bands.size(1), kGtfHeadEdges[band + 1] - kGtfHeadEdges[band]}));
   }
   return at::cat(parts, 2);
 }
@@ -215,10 +216,9 @@ at::Tensor GtfGraph::filter(const SoundFeatures& heard, const at::Tensor& state,
   if (description_.expected_level) {
     gain.still = gain.still + spread_over_bins(conditions.move.expected_log_gain).flatten(1);
   }
-  const at::Tensor spectrum =
-      filter_pass(description_, {heard.spectrum, heard.magnitude, heard.samples}, state,
-                  modulated("kernel", conditions.vector), gain, share, source_delay_s,
-                  target_delay_s);
+  const at::Tensor spectrum = filter_pass(
+      description_, {heard.spectrum, heard.magnitude, heard.samples}, state,
+      modulated("kernel", conditions.vector), gain, share, source_delay_s, target_delay_s);
   return phase_pass(spectrum, description_.phase_rounds, heard.samples);
 }
 

@@ -72,7 +72,8 @@ TEST(GtfLearner, SquaredLevelsCountFarMistakesMost) {
   const GtfWeights weights = initial_gtf_weights(d, head(), 1);
   TrainingBatch batch = batch_for(d, 2);
   batch.target = GtfLearner(weights).predict(batch);
-  // The first clip's target is right, the second's is 12 dB down: in the mean 6 dB, and half of 144.
+  // The first clip's target is right, the second's is 12 dB down: in the mean 6 dB, and half of
+  // 144.
   const float down = std::pow(10.0F, -12.0F / 20.0F);
   for (std::int64_t i = 2 * kSamples; i < 4 * kSamples; ++i) batch.target[i] *= down;
   GtfLearnerOptions without;

@@ -55,8 +55,8 @@ TEST(GtfDescription, JsonRoundTrips) {
 
 TEST(GtfDescription, WhatTheFirstNetworksDidNotHaveIsLeftOutOfTheirFiles) {
   const std::string json = to_json(GtfDescription{});
-  for (const char* key : {"ear_delays", "expected_level", "phase_rounds", "sight_points", "texture",
-                          "dry_voice"}) {
+  for (const char* key :
+       {"ear_delays", "expected_level", "phase_rounds", "sight_points", "texture", "dry_voice"}) {
     EXPECT_EQ(json.find(key), std::string::npos) << key;
   }
 }

@@ -57,8 +57,8 @@ struct GtfLearnerOptions {
                                              std::uint64_t seed);
 
 /// The same network with those parts of another description that it lacks: sight points, a texture,
-/// a dry voice, ear delays, expected levels, phase rounds. Parts with tensors of their own change nothing until they
-/// are trained.
+/// a dry voice, ear delays, expected levels, phase rounds. Parts with tensors of their own change
+/// nothing until they are trained.
 /// @param seed  of the tensors that do not start at zero
 /// @throws InputError if a part does not fit the network, e.g. sight points without a picture
 [[nodiscard]] GtfWeights with_new_parts(GtfWeights weights, const GtfDescription& description,
