@@ -252,12 +252,12 @@ TEST_F(ReplayExamplesTest, NetworksOfRecordingsStartByTheirConfigurations) {
 TEST_F(ReplayExamplesTest, ShippedNetworksCanBeTrainedOnRecordings) {
   write_near_sounds(folder_, {"SC-1022/0", "SC-1023/4", "SC-1026/2"});
   const fs::path source = EARPOINT_SOURCE_DIR;
-  for (const std::string name : {"gtf", "vigas"}) {
+  for (const std::string name : {"gtf", "enhance", "vigas"}) {
     std::vector<ConfigSetting> settings{
         {"network.init", '"' + (source / "models" / (name + ".safetensors")).string() + '"'}};
-    if (name == "gtf") settings.push_back({"network.channels", "96"});
+    if (name == "enhance") settings.push_back({"network.channels", "96"});
     const TrainConfig config = read_train_config(
-        source / "configs" / (name == "gtf" ? "gtf-replay.json" : "vigas-small-replay.json"),
+        source / "configs" / (name == "vigas" ? "vigas-small-replay.json" : "gtf-replay.json"),
         settings);
     TaskOptions task_options;
     task_options.data = folder_;
