@@ -343,7 +343,7 @@ void add_evaluate_command(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--detector", options->detector,
                       "People detector for --boxes detected and --earpoints: a weight file or an "
-                      ".onnx network; none: gtf gets no speaker; default: the shipped network");
+                      ".onnx network, or none with --earpoints; default: the shipped network");
   command->add_option("--jobs", options->jobs, "Threads; 0 takes all cores")->capture_default_str();
   command->add_option("--rt60-model", options->rt60_model,
                       "Weight file of the estimator behind rte_s (default: the shipped one)");

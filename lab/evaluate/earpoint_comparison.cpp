@@ -57,9 +57,9 @@ SynthesizerOptions synthesizer_options(const EarpointClip& clip, int threads) {
 std::optional<SpeakerTrack> found_speaker(const EarpointClip& clip,
                                           const ComparisonOptions& options,
                                           ProgressSink& progress) {
+  if (options.detector == nullptr) return std::nullopt;
   RenderInput source;
   source.sound.path = clip.clip;
-  if (options.detector == nullptr) return std::nullopt;
   const SoundSurvey survey = survey_sound(source.sound);
   const PeopleSearch search{
       .detector = options.detector,
