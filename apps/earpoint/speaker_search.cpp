@@ -98,7 +98,8 @@ SpeakerSearchResult search_speaker(const SourceArguments& arguments,
                                    const SpeakerSearchRequest& request, RenderInput& source,
                                    ProgressSink& progress) {
   SpeakerSearchResult result;
-  const SoundSurvey survey = survey_sound(source.sound);
+  source.survey = survey_sound(source.sound);
+  const SoundSurvey& survey = *source.survey;
   result.kind = kind_of(arguments, source, survey);
   const bool is_told = source.speaker_track || source.speaker_m;
   const bool has_picture = has_picture_of(source);
@@ -119,6 +120,7 @@ SpeakerSearchResult search_speaker(const SourceArguments& arguments,
     result.is_placed = placement.has_value();
     if (placement) {
       source.sound.placement = std::make_shared<const VoicePlacement>(std::move(*placement));
+      source.survey.reset();  // that of the sound before
     }
   }
   return result;

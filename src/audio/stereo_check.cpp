@@ -19,34 +19,47 @@ constexpr double kCopyBandHigh_hz = 7000.0;
 constexpr double kLargestDelay_s = 0.9e-3;  // the widest head, sound from the side
 constexpr double kDelayStep_s = 10e-6;
 
-/// The largest mean of cos(phase - omega delay) over bins, and the delay where it is.
-struct Agreement {
-  double value = -1.0;
-  double delay_s = 0.0;
-};
-
 struct Phase {
   double omega;
   double weight;
   std::complex<double> coherence;
 };
 
-Agreement best_agreement(std::span<const Phase> phases, double sign) {
-  Agreement best;
-  double weights = 0.0;
-  for (const Phase& phase : phases) weights += phase.weight;
-  if (weights <= 0.0) return {0.0, 0.0};
+/// The mean of cos(phase - omega delay) over bins, by delay: where it is largest, and how small it
+/// becomes.
+struct Agreement {
+  double largest = -1.0;
+  double smallest = 1.0;
+  double delay_s = 0.0;  ///< of the largest
+};
+
+Agreement agreement_of(std::span<const Phase> phases) {
   const int steps = static_cast<int>(std::lround(kLargestDelay_s / kDelayStep_s));
-  for (int step = -steps; step <= steps; ++step) {
-    const double delay_s = step * kDelayStep_s;
-    double sum = 0.0;
-    for (const Phase& phase : phases) {
-      sum += phase.weight * (phase.coherence * std::polar(1.0, phase.omega * delay_s)).real();
-    }
-    const double value = sign * sum / weights;
-    if (value > best.value) best = {value, delay_s};
+  double weights = 0.0;
+  // What every bin adds, turned from delay to delay: a product instead of a sine.
+  std::vector<std::complex<double>> turned, turn;
+  for (const Phase& phase : phases) {
+    weights += phase.weight;
+    turned.push_back(phase.weight * phase.coherence *
+                     std::polar(1.0, -phase.omega * steps * kDelayStep_s));
+    turn.push_back(std::polar(1.0, phase.omega * kDelayStep_s));
   }
-  return best;
+  if (weights <= 0.0) return {0.0, 0.0, 0.0};
+  Agreement found;
+  for (int step = -steps; step <= steps; ++step) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < turned.size(); ++i) {
+      sum += turned[i].real();
+      turned[i] *= turn[i];
+    }
+    const double value = sum / weights;
+    found.smallest = std::min(found.smallest, value);
+    if (value > found.largest) {
+      found.largest = value;
+      found.delay_s = step * kDelayStep_s;
+    }
+  }
+  return found;
 }
 
 double median(std::vector<double> values) {
@@ -162,10 +175,10 @@ void StereoCheck::end_block() {
     finding.copy_gain = product / left;
   }
   finding.level_db = median(std::move(levels));
-  const Agreement upright = best_agreement(phases, 1.0);
-  finding.delay_s = upright.delay_s;
-  finding.agreement = upright.value;
-  finding.inverted_agreement = best_agreement(phases, -1.0).value;
+  const Agreement agreement = agreement_of(phases);
+  finding.delay_s = agreement.delay_s;
+  finding.agreement = agreement.largest;
+  finding.inverted_agreement = -agreement.smallest;
   findings_.push_back(finding);
 
   for (auto& power : power_) std::fill(power.begin(), power.end(), 0.0);

@@ -8,6 +8,10 @@
 namespace earpoint {
 namespace {
 
+// Reading and writing take a third of the time of rendering, in one thread. With two windows for
+// each, two threads are idle for a tenth of the time; more windows need more memory for pictures.
+constexpr std::ptrdiff_t kWindowsPerThread = 2;
+
 std::ptrdiff_t count_windows(std::ptrdiff_t samples, const WindowShape& shape) {
   const std::ptrdiff_t hop = shape.samples - shape.overlap;
   // The joined windows must reach the end; a tail that the last overlap covers needs no window.
@@ -34,19 +38,34 @@ Waveform synthesize(AcousticSynthesizer& synthesizer, const EarpointPath& path,
   return synthesizer.synthesize_along(poses);
 }
 
+/// Enough for `threads` threads, or none.
+std::vector<std::unique_ptr<AcousticSynthesizer>> twins_of(const AcousticSynthesizer& synthesizer,
+                                                           int threads) {
+  std::vector<std::unique_ptr<AcousticSynthesizer>> twins;
+  for (int i = 1; i < threads; ++i) {
+    std::unique_ptr<AcousticSynthesizer> twin = synthesizer.twin();
+    if (!twin) return {};
+    twins.push_back(std::move(twin));
+  }
+  return twins;
+}
+
 }  // namespace
 
 ClipRendering::ClipRendering(ClipReading reading, AcousticSynthesizer& synthesizer,
                              std::span<const EarpointPath> targets,
                              const ClipRenderOptions& options)
     : reading_(std::move(reading)),
-      synthesizer_(synthesizer),
+      twins_(twins_of(synthesizer, options.threads)),
+      synthesizers_{&synthesizer},
       targets_(targets),
       shape_(synthesizer.window_shape(reading_.survey.sample_rate_hz)),
-      pool_(std::min(2, options.threads)),
+      group_(twins_.empty() ? 1 : kWindowsPerThread * options.threads),
+      pool_(twins_.empty() ? std::min(2, options.threads) : options.threads),
       stream_(
           reading_.sound, reading_.survey, shape_.sample_rate_hz,
           {options.ambient, options.ambient_cutoff_hz.value_or(synthesizer.ambient_cutoff_hz())}) {
+  for (const auto& twin : twins_) synthesizers_.push_back(twin.get());
   for (const EarpointPath& path : targets) path.check_covers(reading_.survey.duration_s());
 }
 
@@ -57,29 +76,25 @@ std::vector<TargetStream> ClipRendering::run(std::vector<std::unique_ptr<SoundSi
     outputs_.emplace_back(std::move(sink), reading_.survey, shape_, options);
   }
   progress.begin("rendering", reading_.survey.duration_s(), "s");
-  Moment next = read(0);
-  Moment previous;
-  std::vector<Waveform> previous_results;
-  for (std::ptrdiff_t index = 0; index < windows(); ++index) {
-    Moment moment = std::exchange(next, {});
-    has_picture_ |= moment.picture != nullptr;
-    std::vector<Waveform> results;
-    pool_.run(2, [&](std::ptrdiff_t task, int /*worker*/) {
-      if (task == 1) {
-        results = synthesize_all(moment, start_of(index));
+  std::vector<Window> next = read_group(0);
+  std::vector<Window> written;
+  for (std::ptrdiff_t first = 0; first < windows(); first += group_) {
+    std::vector<Window> group = std::exchange(next, {});
+    pool_.run(1 + std::ssize(group), [&](std::ptrdiff_t task, int worker) {
+      if (task > 0) {
+        // Without twins the group is one window, which any thread may render.
+        render(group[task - 1], *synthesizers_[twins_.empty() ? 0 : worker]);
         return;
       }
-      if (index > 0) write(previous, previous_results);
-      if (index + 1 < windows()) next = read(index + 1);
+      for (const Window& window : written) write(window);
+      next = read_group(first + group_);
     });
-    previous = std::move(moment);
-    previous_results = std::move(results);
+    written = std::move(group);
     // The last window takes its overlap along.
-    const std::ptrdiff_t done =
-        index + 1 < windows() ? start_of(1) : stream_.model_samples() - start_of(index);
-    progress.advance(static_cast<double>(done) / shape_.sample_rate_hz);
+    const std::ptrdiff_t end = next.empty() ? stream_.model_samples() : next.front().start;
+    progress.advance(static_cast<double>(end - start_of(first)) / shape_.sample_rate_hz);
   }
-  write(previous, previous_results);
+  for (const Window& window : written) write(window);
   for (TargetStream& output : outputs_) output.finish(stream_);
   return std::move(outputs_);
 }
@@ -92,35 +107,42 @@ std::ptrdiff_t ClipRendering::start_of(std::ptrdiff_t index) const {
   return index * (shape_.samples - shape_.overlap);
 }
 
-ClipRendering::Moment ClipRendering::read(std::ptrdiff_t index) {
-  Moment moment;
-  moment.middle_s =
-      (static_cast<double>(start_of(index)) + static_cast<double>(shape_.samples) / 2) /
-      shape_.sample_rate_hz;
-  moment.sound = stream_.window(start_of(index), shape_.samples, shape_.context);
-  if (reading_.picture) moment.picture = reading_.picture(moment.middle_s);
-  return moment;
+ClipRendering::Window ClipRendering::read(std::ptrdiff_t index) {
+  Window window;
+  window.start = start_of(index);
+  window.middle_s = (static_cast<double>(window.start) + static_cast<double>(shape_.samples) / 2) /
+                    shape_.sample_rate_hz;
+  window.sound = stream_.window(window.start, shape_.samples, shape_.context);
+  if (reading_.picture) window.picture = reading_.picture(window.middle_s);
+  if (reading_.speaker_box) window.speaker_box = reading_.speaker_box(window.middle_s);
+  has_picture_ |= window.picture != nullptr;
+  return window;
 }
 
-std::vector<Waveform> ClipRendering::synthesize_all(const Moment& moment, std::ptrdiff_t start) {
-  synthesizer_.observe(
-      {.sound = moment.sound.primary,
-       .picture = moment.picture,
-       .speaker_box = reading_.speaker_box ? reading_.speaker_box(moment.middle_s) : std::nullopt,
+std::vector<ClipRendering::Window> ClipRendering::read_group(std::ptrdiff_t first) {
+  std::vector<Window> group;
+  const std::ptrdiff_t last = std::min(first + group_, windows());
+  for (std::ptrdiff_t index = first; index < last; ++index) group.push_back(read(index));
+  return group;
+}
+
+void ClipRendering::render(Window& window, AcousticSynthesizer& synthesizer) const {
+  synthesizer.observe(
+      {.sound = window.sound.primary,
+       .picture = std::exchange(window.picture, nullptr),
+       .speaker_box = window.speaker_box,
        .speaker_m = reading_.speaker_m,
        .world_from_source = reading_.world_from_source});
-  std::vector<Waveform> results;
   for (const EarpointPath& path : targets_) {
-    results.push_back(synthesize(synthesizer_, path, shape_, start));
+    window.results.push_back(synthesize(synthesizer, path, shape_, window.start));
   }
-  return results;
 }
 
-void ClipRendering::write(const Moment& moment, std::span<const Waveform> results) {
-  const Waveform primary = without_context(moment.sound.primary, shape_);
+void ClipRendering::write(const Window& window) {
+  const Waveform primary = without_context(window.sound.primary, shape_);
   std::ptrdiff_t needed = reading_.survey.samples;
   for (std::size_t i = 0; i < outputs_.size(); ++i) {
-    outputs_[i].add_window(primary, results[i], moment.sound.ambient, stream_);
+    outputs_[i].add_window(primary, window.results[i], window.sound.ambient, stream_);
     needed = std::min(needed, outputs_[i].written());
   }
   stream_.drop_high_band_before(needed);

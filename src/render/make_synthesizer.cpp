@@ -46,7 +46,7 @@ OpenedModel open_model(const std::string& model, const SynthesizerOptions& optio
       auto weights = std::make_shared<const GtfWeights>(gtf_weights(std::move(file), model));
       if (options.texture && !weights->description.texture) refuse_texture(model);
       auto synthesizer = std::make_unique<GtfSynthesizer>(
-          *weights, options.horizontal_fov_rad,
+          weights, options.horizontal_fov_rad,
           GtfUse{.texture = options.texture.value_or(1.0), .limits_level = !options.enhances});
       return {std::move(synthesizer), std::move(weights)};
     }

@@ -153,13 +153,15 @@ class GtfPaths : public testing::Test {
   }
   void TearDown() override { std::filesystem::remove_all(folder_); }
 
-  [[nodiscard]] Waveform rendered(const EarpointPath& path) const {
+  [[nodiscard]] Waveform rendered(const EarpointPath& path, int threads = 1) const {
     GtfSynthesizer synthesizer(make_weights(0), kFov_rad);
     RenderInput source;
     source.sound.path = folder_ / "in.wav";
     const std::vector<RenderTarget> targets = {{path, folder_ / "out.wav"}};
     SilentProgress progress;
-    static_cast<void>(render(source, synthesizer, targets, {}, progress));
+    ClipRenderOptions options;
+    options.threads = threads;
+    static_cast<void>(render(source, synthesizer, targets, options, progress));
     Waveform found = read_sound(folder_ / "out.wav");
     EXPECT_EQ(found.samples(), 48000);
     EXPECT_TRUE(is_audible(found));
@@ -209,6 +211,13 @@ TEST_F(GtfPaths, AWalkIsFollowedFromHopToHop) {
     difference += std::abs(walked.channel(0)[i] - still.channel(0)[i]);
   }
   EXPECT_GT(difference / 240, 1e-3);
+}
+
+TEST_F(GtfPaths, SeveralThreadsRenderTheSameSamples) {
+  const EarpointPath walk = path("0,1,-0.5,0,30,0,0\n3,-1,2,0,110,0,0\n");
+  const std::vector<float> alone = samples(rendered(walk));
+  // Sixteen windows in groups of four and of six, the last of which is not full.
+  for (const int threads : {2, 3}) EXPECT_EQ(samples(rendered(walk, threads)), alone) << threads;
 }
 
 TEST(GtfSynthesizer, IsMadeOfAWeightFile) {

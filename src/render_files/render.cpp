@@ -80,7 +80,7 @@ ClipReading reading_of(const RenderInput& source, const AcousticSynthesizer& syn
     throw InputError(source.sound.path.string(), "the network needs the speaker's box",
                      "give the speaker's box or a table of boxes");
   }
-  ClipReading reading{.survey = survey_sound(source.sound),
+  ClipReading reading{.survey = source.survey ? *source.survey : survey_sound(source.sound),
                       .sound = read_blocks(source.sound),
                       .picture = {},
                       .speaker_box = {},

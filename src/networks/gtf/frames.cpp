@@ -25,6 +25,25 @@ std::array<float, D::kFrameSamples> hamming() {
   return window;
 }
 
+/// Consecutive samples that are consecutive in a ring too.
+struct Stretch {
+  std::ptrdiff_t offset;  ///< of the first one, from the beginning of all
+  std::ptrdiff_t at;      ///< of the first one, in the ring
+  std::ptrdiff_t count;
+};
+
+/// Calls body for each of the stretches that the samples from `first` on take in a ring.
+template <typename Body>
+void for_stretches(std::ptrdiff_t ring_size, std::ptrdiff_t first, std::ptrdiff_t count,
+                   const Body& body) {
+  for (std::ptrdiff_t offset = 0; offset < count;) {
+    const std::ptrdiff_t at = (first + offset) % ring_size;
+    const std::ptrdiff_t part = std::min(count - offset, ring_size - at);
+    body(Stretch{offset, at, part});
+    offset += part;
+  }
+}
+
 }  // namespace
 
 GtfFrames::GtfFrames(std::ptrdiff_t most_frames)
@@ -57,13 +76,19 @@ void GtfFrames::add(std::span<const Complex> spectra, float scale) {
   const std::ptrdiff_t begin = std::max<std::ptrdiff_t>(0, -first);
   for (int e = 0; e < kEars; ++e) {
     fft_.inverse(spectra.subspan(static_cast<std::size_t>(e) * D::kBins, D::kBins), frame_);
-    for (std::ptrdiff_t i = begin; i < D::kFrameSamples; ++i) {
-      ring_[e * size_ + (first + i) % size_] += frame_[kPad + i] * window_[i] * scale;
-    }
+    float* const ring = ring_.data() + e * size_;
+    for_stretches(size_, first + begin, D::kFrameSamples - begin, [&](Stretch part) {
+      const float* const window = window_.data() + begin + part.offset;
+      const float* const frame = frame_.data() + kPad + begin + part.offset;
+      for (std::ptrdiff_t i = 0; i < part.count; ++i) {
+        ring[part.at + i] += frame[i] * window[i] * scale;
+      }
+    });
   }
-  for (std::ptrdiff_t i = begin; i < D::kFrameSamples; ++i) {
-    weight_[(first + i) % size_] += window_[i] * window_[i];
-  }
+  for_stretches(size_, first + begin, D::kFrameSamples - begin, [&](Stretch part) {
+    const float* const window = window_.data() + begin + part.offset;
+    for (std::ptrdiff_t i = 0; i < part.count; ++i) weight_[part.at + i] += window[i] * window[i];
+  });
   ++frames_;
 }
 
@@ -71,16 +96,17 @@ std::ptrdiff_t GtfFrames::finished_samples() const { return frames_ * D::kHop - 
 
 void GtfFrames::drain(std::ptrdiff_t start, std::ptrdiff_t count, float* output,
                       std::ptrdiff_t stride) {
-  for (std::ptrdiff_t i = 0; i < count; ++i) {
-    const std::ptrdiff_t at = (start + i) % size_;
-    const float weight = weight_[at];
+  for_stretches(size_, start, count, [&](Stretch part) {
+    float* const weight = weight_.data() + part.at;
     for (int e = 0; e < kEars; ++e) {
-      float& sum = ring_[e * size_ + at];
-      output[e * stride + i] = weight > 0.0F ? sum / weight : 0.0F;
-      sum = 0.0F;
+      float* const sum = ring_.data() + e * size_ + part.at;
+      float* const out = output + e * stride + part.offset;
+      // Where there is no weight, there is no sound.
+      for (std::ptrdiff_t i = 0; i < part.count; ++i) out[i] = sum[i] / std::max(weight[i], 1e-9F);
+      std::fill_n(sum, part.count, 0.0F);
     }
-    weight_[at] = 0.0F;
-  }
+    std::fill_n(weight, part.count, 0.0F);
+  });
 }
 
 }  // namespace earpoint::gtf

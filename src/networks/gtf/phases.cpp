@@ -7,6 +7,7 @@
 #include <earpoint/core/ears.h>
 #include <earpoint/error.h>
 #include <earpoint/gtf/constants.h>
+#include <earpoint/kernels/phase_step.h>
 
 namespace earpoint::gtf {
 namespace {
@@ -72,13 +73,8 @@ void GtfPhaseRound::turn(GtfPhaseFrame& frame) {
     frames_.transform(samples.subspan(ear * D::kFrameSamples, D::kFrameSamples), kHalf, 1.0F,
                       std::span(frame.turned).subspan(ear * D::kBins, D::kBins));
   }
-  for (std::size_t i = 0; i < kValues; ++i) {
-    const Complex heard = frame.turned[i];
-    const Complex pushed = heard + D::kPhaseMomentum * (heard - frame.heard[i]);
-    frame.turned[i] =
-        pushed * (frame.magnitude[i] / std::sqrt(power_of(pushed) + frame.power_floor));
-    frame.heard[i] = heard;
-  }
+  kernels::step_phases(frame.turned, frame.heard, frame.magnitude, D::kPhaseMomentum,
+                       frame.power_floor);
 }
 
 void GtfPhases::reset(int rounds, std::ptrdiff_t end) {

@@ -2,15 +2,28 @@
 
 #include "warnings.h"
 
+#include <utility>
+
 #include <earpoint/gtf/level.h>
 #include <earpoint/gtf/view.h>
 
 namespace earpoint {
 
-GtfSynthesizer::GtfSynthesizer(const GtfWeights& weights, double horizontal_fov_rad,
+GtfSynthesizer::GtfSynthesizer(std::shared_ptr<const GtfWeights> weights, double horizontal_fov_rad,
                                const GtfUse& use)
-    : network_(weights), horizontal_fov_rad_(horizontal_fov_rad), limits_level_(use.limits_level) {
+    : weights_(std::move(weights)),
+      horizontal_fov_rad_(horizontal_fov_rad),
+      use_(use),
+      network_(*weights_) {
   network_.ask_for_texture(use.texture);
+}
+
+GtfSynthesizer::GtfSynthesizer(GtfWeights weights, double horizontal_fov_rad, const GtfUse& use)
+    : GtfSynthesizer(std::make_shared<const GtfWeights>(std::move(weights)), horizontal_fov_rad,
+                     use) {}
+
+std::unique_ptr<AcousticSynthesizer> GtfSynthesizer::twin() const {
+  return std::make_unique<GtfSynthesizer>(weights_, horizontal_fov_rad_, use_);
 }
 
 WindowShape GtfSynthesizer::window_shape(int /*source_rate_hz*/) const {
@@ -55,7 +68,7 @@ Waveform GtfSynthesizer::synthesize_along(std::span<const Pose> path) {
   network_.set_pose(path.front(), speaker_m_);
   Waveform result(2, sound_.samples(), sound_.sample_rate_hz());
   network_.synthesize(sound_.planar(), path, result.planar());
-  if (!limits_level_) return result;
+  if (!use_.limits_level) return result;
   limit_level(sound_, network_.expected_gain(),
               gtf_level_tolerance(path, network_.description().training_range),
               speaker_m_.has_value(), result);

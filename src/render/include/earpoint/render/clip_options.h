@@ -25,7 +25,8 @@ struct ClipRenderOptions {
   double gain_db = 0.0;
   /// Keep the output within full scale (PeakLimiter).
   bool limit = true;
-  /// With two or more, other windows are read and written while one is synthesized.
+  /// With two or more, windows are rendered while others are read and written; several at once if
+  /// the synthesizer has twins. The samples are the same for any number.
   int threads = 1;
 };
 

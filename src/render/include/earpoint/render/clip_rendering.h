@@ -34,8 +34,8 @@ struct ClipReading {
 };
 
 /// One pass over a clip: every window goes from the source through the synthesizer to the targets.
-/// While one is synthesized, that before it is written and that behind it read. Memory is bounded
-/// by a few windows.
+/// While a group of windows is rendered, the group before it is written and the one behind it read.
+/// Memory is bounded by a few windows for each thread.
 class ClipRendering {
  public:
   /// @param synthesizer, targets  must outlive it
@@ -56,22 +56,28 @@ class ClipRendering {
   [[nodiscard]] const WaveformOutline& source_outline() const { return stream_.outline(); }
 
  private:
-  /// What is read of a window before anything is made of it.
-  struct Moment {
+  struct Window {
     SourceStream::Window sound;
-    std::shared_ptr<const Image> picture;
+    std::shared_ptr<const Image> picture;  ///< until it is rendered
+    std::optional<Box> speaker_box;
     double middle_s = 0.0;
+    std::ptrdiff_t start = 0;
+    std::vector<Waveform> results;  ///< of every target, once it is rendered
   };
 
   [[nodiscard]] std::ptrdiff_t start_of(std::ptrdiff_t index) const;
-  Moment read(std::ptrdiff_t index);
-  std::vector<Waveform> synthesize_all(const Moment& moment, std::ptrdiff_t start);
-  void write(const Moment& moment, std::span<const Waveform> results);
+  [[nodiscard]] Window read(std::ptrdiff_t index);
+  /// Those of a group, fewer at the end of the clip.
+  [[nodiscard]] std::vector<Window> read_group(std::ptrdiff_t first);
+  void render(Window& window, AcousticSynthesizer& synthesizer) const;
+  void write(const Window& window);
 
   ClipReading reading_;
-  AcousticSynthesizer& synthesizer_;
+  std::vector<std::unique_ptr<AcousticSynthesizer>> twins_;
+  std::vector<AcousticSynthesizer*> synthesizers_;  ///< one, or one for each thread
   std::span<const EarpointPath> targets_;
   WindowShape shape_;
+  std::ptrdiff_t group_;  ///< windows that are rendered before threads wait for each other
   ThreadPool pool_;
   SourceStream stream_;
   std::vector<TargetStream> outputs_;

@@ -25,6 +25,8 @@ struct RenderInput {
   /// The speaker's box in the picture, or position in the source view's frame.
   std::optional<SpeakerTrack> speaker_track;
   std::optional<Vector3> speaker_m;
+  /// survey_sound() of this sound; read again where it is not given.
+  std::optional<SoundSurvey> survey{};
 };
 
 /// One earpoint and where its sound goes: .wav, .flac, .ogg or .w64, or .mp4 with the picture.

@@ -85,6 +85,11 @@ class AcousticSynthesizer {
     return {};
   }
 
+  /// Another one that makes the same of a window, so that threads can render different windows at
+  /// once. Null: windows must be rendered one after the other, for instance because this one uses
+  /// several threads for each.
+  [[nodiscard]] virtual std::unique_ptr<AcousticSynthesizer> twin() const { return nullptr; }
+
   /// @throws InputError naming what this synthesizer needs and does not get
   virtual void observe(const Observation& observation) = 0;
 

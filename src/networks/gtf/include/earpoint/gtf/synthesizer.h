@@ -27,12 +27,15 @@ struct GtfUse {
 class GtfSynthesizer : public AcousticSynthesizer {
  public:
   /// @param horizontal_fov_rad  of the source camera
-  GtfSynthesizer(const GtfWeights& weights, double horizontal_fov_rad, const GtfUse& use = {});
+  GtfSynthesizer(std::shared_ptr<const GtfWeights> weights, double horizontal_fov_rad,
+                 const GtfUse& use = {});
+  GtfSynthesizer(GtfWeights weights, double horizontal_fov_rad, const GtfUse& use = {});
 
   [[nodiscard]] WindowShape window_shape(int source_rate_hz) const override;
   [[nodiscard]] double ambient_cutoff_hz() const override;
   [[nodiscard]] PictureUse picture_use() const override;
   [[nodiscard]] std::vector<std::string> warnings(const RenderOutline& outline) const override;
+  [[nodiscard]] std::unique_ptr<AcousticSynthesizer> twin() const override;
   void observe(const Observation& observation) override;
   [[nodiscard]] Waveform synthesize(const Pose& source_from_target) override;
   [[nodiscard]] Waveform synthesize_along(std::span<const Pose> path) override;
@@ -45,9 +48,10 @@ class GtfSynthesizer : public AcousticSynthesizer {
     friend bool operator==(const View&, const View&) = default;
   };
 
-  Gtf network_;
+  std::shared_ptr<const GtfWeights> weights_;
   double horizontal_fov_rad_;
-  bool limits_level_;
+  GtfUse use_;
+  Gtf network_;
   std::optional<View> seen_;  ///< what the network looked at last
   Waveform sound_;
   std::optional<Vector3> speaker_m_;
