@@ -8,8 +8,8 @@
 namespace earpoint {
 namespace {
 
-// Reading and writing take a third of the time of rendering, in one thread. With two windows for
-// each, two threads are idle for a tenth of the time; more windows need more memory for pictures.
+// Threads wait for each other at the end of a group, which a longer one makes rarer. It also keeps
+// more pictures in memory.
 constexpr std::ptrdiff_t kWindowsPerThread = 2;
 
 std::ptrdiff_t count_windows(std::ptrdiff_t samples, const WindowShape& shape) {
@@ -38,11 +38,11 @@ Waveform synthesize(AcousticSynthesizer& synthesizer, const EarpointPath& path,
   return synthesizer.synthesize_along(poses);
 }
 
-/// Enough for `threads` threads, or none.
+/// So many that each of `users` has a synthesizer, or none.
 std::vector<std::unique_ptr<AcousticSynthesizer>> twins_of(const AcousticSynthesizer& synthesizer,
-                                                           int threads) {
+                                                           std::ptrdiff_t users) {
   std::vector<std::unique_ptr<AcousticSynthesizer>> twins;
-  for (int i = 1; i < threads; ++i) {
+  for (std::ptrdiff_t i = 1; i < users; ++i) {
     std::unique_ptr<AcousticSynthesizer> twin = synthesizer.twin();
     if (!twin) return {};
     twins.push_back(std::move(twin));
@@ -56,15 +56,15 @@ ClipRendering::ClipRendering(ClipReading reading, AcousticSynthesizer& synthesiz
                              std::span<const EarpointPath> targets,
                              const ClipRenderOptions& options)
     : reading_(std::move(reading)),
-      twins_(twins_of(synthesizer, options.threads)),
-      synthesizers_{&synthesizer},
       targets_(targets),
       shape_(synthesizer.window_shape(reading_.survey.sample_rate_hz)),
-      group_(twins_.empty() ? 1 : kWindowsPerThread * options.threads),
-      pool_(twins_.empty() ? std::min(2, options.threads) : options.threads),
       stream_(
           reading_.sound, reading_.survey, shape_.sample_rate_hz,
-          {options.ambient, options.ambient_cutoff_hz.value_or(synthesizer.ambient_cutoff_hz())}) {
+          {options.ambient, options.ambient_cutoff_hz.value_or(synthesizer.ambient_cutoff_hz())}),
+      twins_(twins_of(synthesizer, std::min<std::ptrdiff_t>(options.threads, windows()))),
+      synthesizers_{&synthesizer},
+      group_(twins_.empty() ? 1 : kWindowsPerThread * (1 + std::ssize(twins_))),
+      pool_(twins_.empty() ? std::min(2, options.threads) : 1 + static_cast<int>(twins_.size())) {
   for (const auto& twin : twins_) synthesizers_.push_back(twin.get());
   for (const EarpointPath& path : targets) path.check_covers(reading_.survey.duration_s());
 }
@@ -127,12 +127,11 @@ std::vector<ClipRendering::Window> ClipRendering::read_group(std::ptrdiff_t firs
 }
 
 void ClipRendering::render(Window& window, AcousticSynthesizer& synthesizer) const {
-  synthesizer.observe(
-      {.sound = window.sound.primary,
-       .picture = std::exchange(window.picture, nullptr),
-       .speaker_box = window.speaker_box,
-       .speaker_m = reading_.speaker_m,
-       .world_from_source = reading_.world_from_source});
+  synthesizer.observe({.sound = window.sound.primary,
+                       .picture = std::exchange(window.picture, nullptr),
+                       .speaker_box = window.speaker_box,
+                       .speaker_m = reading_.speaker_m,
+                       .world_from_source = reading_.world_from_source});
   for (const EarpointPath& path : targets_) {
     window.results.push_back(synthesize(synthesizer, path, shape_, window.start));
   }

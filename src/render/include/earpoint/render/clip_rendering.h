@@ -73,13 +73,13 @@ class ClipRendering {
   void write(const Window& window);
 
   ClipReading reading_;
-  std::vector<std::unique_ptr<AcousticSynthesizer>> twins_;
-  std::vector<AcousticSynthesizer*> synthesizers_;  ///< one, or one for each thread
   std::span<const EarpointPath> targets_;
   WindowShape shape_;
+  SourceStream stream_;
+  std::vector<std::unique_ptr<AcousticSynthesizer>> twins_;
+  std::vector<AcousticSynthesizer*> synthesizers_;  ///< one, or one for each thread
   std::ptrdiff_t group_;  ///< windows that are rendered before threads wait for each other
   ThreadPool pool_;
-  SourceStream stream_;
   std::vector<TargetStream> outputs_;
   bool has_picture_ = false;
 };
