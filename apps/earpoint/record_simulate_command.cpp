@@ -89,6 +89,10 @@ void run(Options options) {
 
   const SpeechCorpus corpus = SpeechCorpus::load(options.speech.value_or(default_speech_folder()));
   ModelPack models = installed_models();
+  const std::string lack = warning_of(models);
+  if (!options.quiet && !names_a_scene(options.scene) && !lack.empty()) {
+    fmt::print(stderr, "earpoint: {}\n", lack);
+  }
   const auto scene = prepare(options, models);
   const FigureLibrary figures(std::move(models.figures));
   StreamProgress bar(stderr);

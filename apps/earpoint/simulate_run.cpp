@@ -98,6 +98,8 @@ GenerationSummary simulate(SimulateOptions options, const FileSceneMaker::Warn& 
     materials = MaterialTable::parse(materials_text, options.materials->string());
   }
   ModelPack models = installed_models();
+  const std::string lack = warning_of(models);
+  if (options.scenes.empty() && !lack.empty()) warn("homes", lack);
   const std::unique_ptr<SceneMaker> scenes =
       scene_maker(options, models, materials ? &*materials : nullptr, materials_text, warn);
   const FigureLibrary figures(std::move(models.figures));

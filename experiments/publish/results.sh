@@ -9,10 +9,14 @@ installed_detector=${EARPOINT_DATA_DIR:-${XDG_DATA_HOME:-$HOME/.local/share}/ear
 simulate_data() {
   local earpoint=$1
   [ -f "$speech_folder/speech.csv" ] || gather_speech "$speech_folder"
+  # Homes with stand-ins for furniture have other sound, and other test pairs.
+  [ -f "$(dirname "$speech_folder")/models.pack" ] || install_assets
   say "Simulating one home and unseen homes into out/data"
   "$earpoint" simulate --scenes 120 --conversations 6 --rays 1000 --seed 11 --out out/data/novel
-  "$earpoint" simulate --split train --scenes 160 --conversations 2 --viewpoints 5 --rays 1000 --seed 12 --reach 5 \
-    --other-rooms 0.25 --out out/data/varied
+  "$earpoint" simulate --split train --scenes 16 --conversations 6 --viewpoints 5 --rays 1000 --seed 12 \
+    --other-rooms 0.4 --out out/data/rooms
+  "$earpoint" simulate --split train --scenes 24 --conversations 6 --viewpoints 5 --rays 1000 --seed 13 --reach 5 \
+    --out out/data/far
   "$earpoint" simulate --split test --scenes 12 --conversations 3 --viewpoints 5 --rays 1000 --seed 99 --reach 5 \
     --other-rooms 0.3 --out out/data/places
   "$earpoint" simulate --scenes 1 --conversations 420 --rays 1000 --seed 3 --out out/data/single

@@ -254,4 +254,10 @@ ModelPack installed_models() {
   return path ? read_model_pack(*path) : ModelPack{};
 }
 
+std::string warning_of(const ModelPack& models) {
+  if (!models.furniture.empty()) return {};
+  return "no models of furniture and people are installed, and plain shapes stand in for them; "
+         "install the models with ./dev assets";
+}
+
 }  // namespace earpoint

@@ -271,9 +271,11 @@ TEST(InstalledModels, AreSoughtWhereTheEnvironmentSays) {
   fs::remove(folder / "models.pack");
   EXPECT_FALSE(installed_model_pack());
   EXPECT_TRUE(installed_models().furniture.empty());
+  EXPECT_NE(warning_of(installed_models()).find("./dev assets"), std::string::npos);
   write_model_pack(small_pack(), folder / "models.pack");
   EXPECT_EQ(installed_model_pack(), folder / "models.pack");
   EXPECT_EQ(installed_models().furniture.size(), 1U);
+  EXPECT_EQ(warning_of(installed_models()), "");
   if (before != nullptr) {
     setenv("EARPOINT_DATA_DIR", kept.c_str(), 1);
   } else {

@@ -32,4 +32,8 @@ std::optional<std::filesystem::path> installed_model_pack();
 /// @throws InputError if a pack is there, but damaged
 ModelPack installed_models();
 
+/// What people should know of homes that are made with these models, in one line; empty if the
+/// models are there.
+[[nodiscard]] std::string warning_of(const ModelPack& models);
+
 }  // namespace earpoint
