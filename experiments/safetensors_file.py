@@ -20,9 +20,9 @@ def read(path):
     return tensors, metadata
 
 
-def write(path, tensors):
-    """Tensors as read() gives them; the larger types first, so that all are aligned."""
-    header, body = {}, b""
+def write(path, tensors, metadata=None):
+    """Tensors and metadata as read() gives them; the larger types first, so that all are aligned."""
+    header, body = {"__metadata__": metadata} if metadata else {}, b""
     for name, (dtype, shape, data) in sorted(tensors.items(), key=lambda t: -BYTES[t[1][0]]):
         header[name] = {"dtype": dtype, "shape": shape, "data_offsets": [len(body), len(body) + len(data)]}
         body += data

@@ -97,6 +97,18 @@ def rt60_table(text):
     return "\n".join(rows)
 
 
+def position_table(text):
+    rows = ["| told | pairs | azimuth | distance | facing |", "|---|---|---|---|---|"]
+    for row in json.loads(text)["rows"]:
+        def quantiles(part, unit, scale=1):
+            return ", ".join(f"{scale * part[key]:.{1 if part[key] * scale < 10 else 0}f}{unit}"
+                             for key in ("median", "three_quarters", "nine_tenths"))
+        rows.append(f"| {'the true box' if row['box'] else 'nothing'} | {row['pairs']} | "
+                    f"{quantiles(row['azimuth_deg'], '°')} | {quantiles(row['distance_ratio'], ' %', 100)} | "
+                    f"{quantiles(row['heading_deg'], '°')} |")
+    return "\n".join(rows)
+
+
 def speaker_table(text):
     run = json.loads(text)
     def row(name, part):

@@ -6,7 +6,7 @@ from evaluation_tables import (boxes_table, enhancement_table, evaluation_table,
                                recorded_enhancement_table, recorded_table)
 from measurement_tables import (camera_table, demo_table, detection_table, generalisation_table,
                                 gtf_training_table, kill_table, load_table, memory_table,
-                                network_table, page_table, python_table, reverberation_table, rt60_table,
+                                network_table, page_table, position_table, python_table, reverberation_table, rt60_table,
                                 session_people_table, session_table, simulation_table,
                                 speaker_table, speed_table, sync_table, trace_table,
                                 tracer_comparison, training_table)
@@ -107,6 +107,10 @@ PEOPLE = Page("people-and-recordings", "People and recordings",
             "`active_speaker DATA test shipped`: people are detected in the picture, and the speaker among them is "
             "identified by the interaural time difference, in single seconds of the test split; four for every speaker "
             "and viewpoint."),
+    Section("Where the speaker is, in unseen homes", "speaker_position.json", position_table,
+            "`speaker_position DATA test`: how far off gtf is that locates the speaker by one picture and one second of sound, "
+            "on the frozen pairs: told the speaker's box in the picture, and told nothing. Median, error of three quarters and of "
+            "nine tenths at most; of the distance as a share of the smaller one; *facing* is where the speaker looks."),
     Section("People and who speaks, in recorded sessions", "session_people.jsonl", session_people_table,
             "`experiments/measure/session_people.py`: `earpoint locate` on every camera's movie of the two test sessions of "
             "*Methods in recorded sessions*. People count if at most a tenth of them is hidden. A switch is a person who "

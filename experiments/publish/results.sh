@@ -66,8 +66,8 @@ train_ablation() {
   train_run "$earpoint" "$config" "$data" "$run" $short "$@"
 }
 
-# gtf, at the end with an estimator's reverberation times in its loss. That is another estimator than the one that RTE is
-# measured with. Usage: train_gtf EARPOINT DATA RUNS STEPS
+# gtf: first the speaker's position alone, which costs little, and at the end with an estimator's reverberation times in its
+# loss. That is another estimator than the one that RTE is measured with. Usage: train_gtf EARPOINT DATA RUNS STEPS
 train_gtf() {
   local earpoint=$1 data=$2 runs=$3 steps=$4 estimator
   estimator=out/estimator/$(basename "$runs")
@@ -77,7 +77,10 @@ train_gtf() {
   [ "$data" != out/data/novel ] || data=$data,$data,$data,out/data/rooms,out/data/far
   # shellcheck disable=SC2086
   {
-    train_run "$earpoint" gtf "$data" "$runs/gtf-begun" "training.steps=$steps" $of_pairs
+    train_run "$earpoint" gtf "$data" "$runs/gtf-located" network.place_steps=10000 training.steps=10000 \
+      training.batch=32 network.loss.place=1 data.hidden_boxes=0.3 $of_pairs
+    train_run "$earpoint" gtf "$data" "$runs/gtf-begun" "training.steps=$steps" network.loss.place=0.3 \
+      "network.init=$runs/gtf-located/best.safetensors" $of_pairs
     train_run "$earpoint" gtf "$data" "$runs/gtf" training.seed=2 training.steps=2500 training.learning_rate=0.001 \
       "network.init=$runs/gtf-begun/best.safetensors" "network.estimator=$estimator/best.safetensors" \
       network.loss.natural.reverberation=1 network.loss.place=0.3 $of_pairs
@@ -391,6 +394,7 @@ results() {
     say "Who speaks"
     build/release/experiments/measure/active_speaker out/data/novel test shipped >out/bench/active_speaker.json
   fi
+  build/release/experiments/measure/speaker_position out/data/novel test >out/bench/speaker_position.json
   build/release/experiments/measure/rt60_error out/data/novel test models/rt60.safetensors >out/bench/rt60_error.json
   measure_detectors
   python3 experiments/publish/write_results.py out/bench docs/results.md --readme README.md

@@ -184,6 +184,16 @@ TEST_F(TaskKinds, RefusesStepsThatWouldLearnNothing) {
   EXPECT_NE(refusal(config_of(R"({"kind": "vigas", "place_steps": 3})"))
                 .find("'place': expected more than 0"),
             std::string::npos);
+  EXPECT_NE(refusal(config_of(R"({"kind": "gtf", "place_steps": 3, "loss": {"place": 0}})"))
+                .find("'place_steps' needs the loss of the position"),
+            std::string::npos);
+  EXPECT_NE(refusal(config_of(R"({"kind": "gtf", "place_steps": 3, "geometry": false,
+      "delays": false})"))
+                .find("'place_steps' needs a network that locates the speaker"),
+            std::string::npos);
+  EXPECT_NE(refusal(config_of(R"({"kind": "gtf", "place_steps": -1})"))
+                .find("'place_steps': expected a whole number"),
+            std::string::npos);
 }
 
 TEST(ViGasExample, SaysWhereTheSpeakerIsFromTheTarget) {

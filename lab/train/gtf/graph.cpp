@@ -44,6 +44,12 @@ at::Tensor spread_over_bins(const at::Tensor& bands) {
   return at::cat(parts, 2);
 }
 
+/// What each clip is divided by: [clips][1][1].
+at::Tensor level_of(const at::Tensor& source) {
+  return source.square().mean(at::IntArrayRef({1, 2}), true).sqrt().clamp_min(gtf::kQuietest) /
+         gtf::kHeardLevel;
+}
+
 }  // namespace
 
 GtfGraph::GtfGraph(const GtfWeights& weights) : description_(weights.description) {
@@ -158,15 +164,22 @@ SpeakerPlace GtfGraph::locate(const at::Tensor& picture, const at::Tensor& box,
       x.narrow(1, 4, 2), x.select(1, 6)};
 }
 
+at::Tensor GtfGraph::told_box(const GtfInputs& inputs) const {
+  return description_.box ? inputs.box : inputs.box * 0;
+}
+
+GtfGraph::Seen GtfGraph::look(const GtfInputs& inputs) const {
+  return description_.picture_px > 0 ? encode(inputs.picture, told_box(inputs)) : Seen();
+}
+
 GtfGraph::Conditions GtfGraph::condition(const GtfInputs& inputs, const SoundFeatures& heard,
                                          std::optional<SpeakerPlace>& speaker) const {
   Conditions conditions;
-  const at::Tensor box = description_.box ? inputs.box : inputs.box * 0;
-  const Seen seen = description_.picture_px > 0 ? encode(inputs.picture, box) : Seen();
+  const Seen seen = look(inputs);
   const at::Tensor& picture = seen.feature;
   std::vector<at::Tensor> known;
   if (description_.geometry) {
-    speaker = locate(picture, box, heard.summary);
+    speaker = locate(picture, told_box(inputs), heard.summary);
     conditions.move = move_geometry(
         {buffers_.at("head.power"), buffers_.at("head.diffuse_power"), buffers_.at("head.delay_s")},
         *speaker, inputs.target_m, inputs.target_yaw_rad);
@@ -232,10 +245,14 @@ at::Tensor GtfGraph::dry_magnitude(const SoundFeatures& heard, const at::Tensor&
          log_gain.clamp(gtf::kLeastDryLogGain, gtf::kMostDryLogGain).exp();
 }
 
+SpeakerPlace GtfGraph::locate(const GtfInputs& inputs) {
+  EARPOINT_CHECK(description_.geometry);
+  const SoundFeatures heard = sound_features(description_, inputs.source / level_of(inputs.source));
+  return locate(look(inputs).feature, told_box(inputs), heard.summary);
+}
+
 GtfOutput GtfGraph::forward(const GtfInputs& inputs) {
-  const at::Tensor level =
-      inputs.source.square().mean(at::IntArrayRef({1, 2}), true).sqrt().clamp_min(gtf::kQuietest) /
-      gtf::kHeardLevel;
+  const at::Tensor level = level_of(inputs.source);
   const SoundFeatures heard = sound_features(description_, inputs.source / level);
   GtfOutput output;
   const Conditions conditions = condition(inputs, heard, output.speaker);

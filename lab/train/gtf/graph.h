@@ -43,6 +43,10 @@ class GtfGraph {
   /// Keeps what a gradient needs unless gradients are off.
   GtfOutput forward(const GtfInputs& inputs);
 
+  /// The estimate of the speaker's position alone, a small part of the work. Needs a network with
+  /// geometry.
+  SpeakerPlace locate(const GtfInputs& inputs);
+
   [[nodiscard]] const GtfDescription& description() const { return description_; }
   /// What is learned by gradients.
   [[nodiscard]] std::map<std::string, at::Tensor>& parameters() { return parameters_; }
@@ -62,6 +66,9 @@ class GtfGraph {
   };
   Seen encode(const at::Tensor& picture, const at::Tensor& box) const;
   at::Tensor encode_towards(const at::Tensor& map, const at::Tensor& target_m) const;
+  /// Without the box if the network is not told it.
+  [[nodiscard]] at::Tensor told_box(const GtfInputs& inputs) const;
+  [[nodiscard]] Seen look(const GtfInputs& inputs) const;
   SpeakerPlace locate(const at::Tensor& picture, const at::Tensor& box,
                       const at::Tensor& summary) const;
   Conditions condition(const GtfInputs& inputs, const SoundFeatures& heard,

@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include <ATen/TensorOperators.h>
 #include <ATen/core/grad_mode.h>
 
 #include <earpoint/error.h>
@@ -63,8 +64,8 @@ struct GtfLearner::State {
     return to_torch(found->second, {batch.clips, width}, at::kCPU);
   }
 
-  [[nodiscard]] static GtfOutput forward(GtfGraph& graph, const TrainingBatch& batch,
-                                         double texture) {
+  [[nodiscard]] static GtfInputs inputs_of(const GtfGraph& graph, const TrainingBatch& batch,
+                                           double texture) {
     GtfInputs inputs;
     inputs.texture = texture;
     inputs.source = sounds(batch, batch.source);
@@ -74,7 +75,12 @@ struct GtfLearner::State {
     inputs.box = values(batch, "speaker_box", 5);
     inputs.target_m = values(batch, "target_m", 3);
     inputs.target_yaw_rad = values(batch, "target_yaw_rad", 1);
-    return graph.forward(inputs);
+    return inputs;
+  }
+
+  [[nodiscard]] static GtfOutput forward(GtfGraph& graph, const TrainingBatch& batch,
+                                         double texture) {
+    return graph.forward(inputs_of(graph, batch, texture));
   }
 
   /// Calls work(part, clips, graph) for all parts of the batch. Each part has a graph of its own.
@@ -126,6 +132,18 @@ struct GtfLearner::State {
     return options.natural_loss.has_value() && (step + part) % 2 == 1;
   }
 
+  /// The same of the speakers' positions alone.
+  double learn_places(const TrainingBatch& clips, double share, GtfGraph& twin) const {
+    earpoint::forget_gradients(twin.parameters());
+    GtfTruth truth;
+    truth.speaker_m = values(clips, "speaker_m", 3);
+    truth.speaker_heading = values(clips, "speaker_heading", 2);
+    const at::Tensor loss =
+        place_error(twin.locate(inputs_of(twin, clips, 1.0)), truth) * (options.loss.place * share);
+    loss.backward();
+    return loss.item<double>();
+  }
+
   /// A part's loss and gradient, which stays in its graph.
   double learn_from(const TrainingBatch& clips, const at::Tensor& spectrum, const BatchShare& share,
                     bool is_natural, GtfGraph& twin) {
@@ -157,6 +175,7 @@ GtfLearner::GtfLearner(const GtfWeights& weights, GtfLearnerOptions options)
       state_(std::make_unique<State>(weights, options)) {
   EARPOINT_CHECK(weights.description.texture == options.natural_loss.has_value());
   EARPOINT_CHECK(weights.description.dry_voice || options.loss.dry_voice == 0.0);
+  EARPOINT_CHECK(weights.description.geometry || options.place_steps == 0);
   GraphTensors tensors;
   tensors.parameters = state_->graph.parameters();
   LearnedTensors learned(std::move(tensors), {}, {.second = options.second_decay});
@@ -177,7 +196,7 @@ std::vector<float> GtfLearner::predict(const TrainingBatch& batch, double textur
 std::vector<float> GtfLearner::locate(const TrainingBatch& batch) {
   if (!description().geometry) return {};
   return state_->without_gradients<float>(batch, [](const TrainingBatch& clips, GtfGraph& graph) {
-    return numbers_of<float>(State::forward(graph, clips, 1.0).speaker->position_m);
+    return numbers_of<float>(graph.locate(State::inputs_of(graph, clips, 1.0)).position_m);
   });
 }
 
@@ -192,6 +211,21 @@ std::vector<double> GtfLearner::errors(const TrainingBatch& batch) {
 double GtfLearner::compute_gradients(const TrainingBatch& batch) {
   State& state = *state_;
   const auto parts = static_cast<std::size_t>(State::parts_of(batch));
+  std::vector<double> losses(parts);
+  const auto share_of = [&](const TrainingBatch& clips) {
+    return static_cast<double>(clips.clips) / static_cast<double>(batch.clips);
+  };
+  const auto finished = [&] {
+    const OneThread one_thread;
+    state.sum_gradients(static_cast<std::int64_t>(parts));
+    return std::accumulate(losses.begin(), losses.end(), 0.0);
+  };
+  if (steps() < state.options.place_steps) {
+    state.each_part(batch, [&](std::ptrdiff_t part, const TrainingBatch& clips, GtfGraph& graph) {
+      losses[static_cast<std::size_t>(part)] = state.learn_places(clips, share_of(clips), graph);
+    });
+    return finished();
+  }
   // The sum over all targets is needed before the first loss.
   std::vector<at::Tensor> spectra(parts);
   std::vector<double> loudness(parts);
@@ -202,17 +236,13 @@ double GtfLearner::compute_gradients(const TrainingBatch& batch) {
     loudness[at] = loudness_of(spectra[at], target.size(2));
   });
   const double all_loudness = std::accumulate(loudness.begin(), loudness.end(), 0.0);
-  std::vector<double> losses(parts);
   state.each_part(batch, [&](std::ptrdiff_t part, const TrainingBatch& clips, GtfGraph& graph) {
-    const BatchShare share{static_cast<double>(clips.clips) / static_cast<double>(batch.clips),
-                           all_loudness};
+    const BatchShare share{share_of(clips), all_loudness};
     const auto at = static_cast<std::size_t>(part);
     losses[at] =
         state.learn_from(clips, spectra[at], share, state.is_natural(steps(), part), graph);
   });
-  const OneThread one_thread;
-  state.sum_gradients(static_cast<std::int64_t>(parts));
-  return std::accumulate(losses.begin(), losses.end(), 0.0);
+  return finished();
 }
 
 void GtfLearner::apply_gradients(double learning_rate) {

@@ -128,7 +128,7 @@ void expect_slope(const GtfDescription& d, std::int64_t clips = 2, double tolera
   GtfWeights behind = weights;
   std::uint64_t seed = 1000;
   // Small against curvature (error ~ step^2), large against the loss's rounding (~ 1e-7 / step).
-  constexpr double kStep = 3e-5;
+  constexpr double kStep = 1e-5;
   for (const auto& [name, gradient] : learner.gradients()) {
     std::vector<float> plus = noise(gradient.elements(), 1.0, seed++);
     std::vector<float> minus(plus.size());
@@ -264,6 +264,60 @@ TEST(GtfLearner, LearnsATextureForEachOfItsLosses) {
   const auto energy_of = [&](double texture) { return energy(learner.predict(clip, texture)); };
   // A factor of 4 in power once it is fully learned.
   EXPECT_GT(energy_of(1.0), 2.0 * energy_of(0.0));
+}
+
+/// Distance of the first clip's speaker from where the learner locates them, in metres.
+double place_error_m(GtfLearner& learner, const TrainingBatch& batch) {
+  const std::vector<float> found = learner.locate(batch);
+  const std::vector<float>& wanted = batch.inputs.at("speaker_m");
+  return std::hypot(found[0] - wanted[0], found[1] - wanted[1], found[2] - wanted[2]);
+}
+
+TEST(GtfLearner, LocatesTheSpeakerFirstWhereToldTo) {
+  const GtfDescription d = small();
+  const TrainingBatch batch = batch_for(d, 6);
+  constexpr int kPlaceSteps = 60;
+  GtfLearnerOptions options;
+  options.place_steps = kPlaceSteps;
+  GtfLearner learner(stirred(d), options);
+  const double first_m = place_error_m(learner, batch);
+  for (int step = 0; step < kPlaceSteps; ++step) {
+    learner.compute_gradients(batch);
+    for (const auto& [name, gradient] : learner.gradients()) {
+      if (name.starts_with("picture.") || name.starts_with("locator.")) continue;
+      const auto values = gradient.as<float>();
+      ASSERT_TRUE(std::ranges::all_of(values, [](float value) { return value == 0.0F; })) << name;
+    }
+    learner.apply_gradients(0.01);
+  }
+  EXPECT_LT(place_error_m(learner, batch), 0.5 * first_m);
+  learner.compute_gradients(batch);
+  const auto gain = learner.gradients().at("gain.weight").as<float>();
+  EXPECT_TRUE(std::ranges::any_of(gain, [](float value) { return value != 0.0F; }));
+}
+
+TEST(GtfLearner, LearnsPlacesAsWithTheWholeLoss) {
+  const GtfDescription d = small();
+  const TrainingBatch batch = batch_for(d, 5);
+  const auto gradients = [&](double place, std::int64_t place_steps) {
+    GtfLearnerOptions options;
+    options.loss.place = place;
+    options.place_steps = place_steps;
+    GtfLearner learner(stirred(d), options);
+    learner.compute_gradients(batch);
+    return learner.gradients();
+  };
+  const auto alone = gradients(1.0, 1);
+  const auto little = gradients(0.5, 0);
+  const auto more = gradients(1.5, 0);
+  for (const char* name : {"locator.0.weight", "locator.2.bias", "picture.0.weight"}) {
+    const auto expected = alone.at(name).as<float>();
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+      // Rounding of the rest of the loss.
+      ASSERT_NEAR(more.at(name).as<float>()[i] - little.at(name).as<float>()[i], expected[i], 1e-5)
+          << name;
+    }
+  }
 }
 
 TEST(GtfLearner, LearnsTheSameWithAnyNumberOfThreads) {

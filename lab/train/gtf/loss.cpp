@@ -14,6 +14,9 @@
 namespace earpoint {
 namespace {
 
+/// Radians, below which an error of direction counts by its square.
+constexpr double kSmallDirection = 0.05;
+
 at::Tensor energy(const at::Tensor& sound) { return sound.square().sum(at::IntArrayRef({2})); }
 
 at::Tensor decibel(const at::Tensor& power) { return power.log10() * 10; }
@@ -34,11 +37,18 @@ at::Tensor log_distance(const at::Tensor& point) {
   return (point.square().sum(at::IntArrayRef({1})) + 1e-6).log() / 2;
 }
 
+}  // namespace
+
 at::Tensor place_error(const SpeakerPlace& speaker, const GtfTruth& truth) {
   const at::Tensor& found = speaker.position_m;
   const at::Tensor& wanted = truth.speaker_m;
   const auto squared = [](const at::Tensor& v) { return v.square().sum(at::IntArrayRef({1})); };
-  const at::Tensor direction = squared(unit(found.narrow(1, 0, 2)) - unit(wanted.narrow(1, 0, 2)));
+  // The square of a small error would hardly count beside those of speakers outside the picture.
+  const at::Tensor direction =
+      (squared(unit(found.narrow(1, 0, 2)) - unit(wanted.narrow(1, 0, 2))) +
+       kSmallDirection * kSmallDirection)
+          .sqrt() -
+      kSmallDirection;
   const at::Tensor distance = (log_distance(found) - log_distance(wanted)).abs();
   const at::Tensor height = (found.select(1, 2) - wanted.select(1, 2)).abs();
   const at::Tensor is_known = (squared(truth.speaker_heading) > 0.5).to(at::kFloat);
@@ -47,8 +57,6 @@ at::Tensor place_error(const SpeakerPlace& speaker, const GtfTruth& truth) {
   const at::Tensor is_placed = (squared(wanted) > 0.0).to(at::kFloat);
   return ((direction + distance + 0.5 * height + 0.2 * heading) * is_placed).mean();
 }
-
-}  // namespace
 
 at::Tensor dry_magnitudes(const at::Tensor& dry) {
   // The transform needs two ears: the second one is silent.

@@ -25,6 +25,10 @@ struct GtfTruth {
 /// @return     [clips][bins][frames]
 at::Tensor dry_magnitudes(const at::Tensor& dry);
 
+/// How far direction, distance, height and heading of the speakers are off, a mean over the clips.
+/// Unknown ones count 0.
+at::Tensor place_error(const SpeakerPlace& speaker, const GtfTruth& truth);
+
 /// These clips' share of the loss that the network learns by; see GtfLossWeights. The shares of all
 /// clips of a batch add up to its loss.
 /// @param estimator  of reverberation time; needed where that counts

@@ -55,6 +55,7 @@ struct GtfStart {
   std::optional<std::string> init;        ///< a weight file to start from
   std::optional<std::string> estimator;   ///< the weight file of one of reverberation time
   std::optional<GtfTrainingRange> range;  ///< of the data; nothing: as in the weights
+  std::int64_t place_steps = 0;
 };
 
 /// Takes the path at `key` out of the network's section. @param what  it is the path of
@@ -69,7 +70,24 @@ std::optional<std::string> take_path(Json& section, const char* key, const char*
   return path;
 }
 
-/// Takes `loss`, `init`, `estimator` and `training_range` out of the network's section.
+/// Takes `place_steps` out of the network's section. @param place  weight of that loss
+std::int64_t take_place_steps(Json& section, double place, const std::string& where) {
+  if (!section.contains("place_steps")) return 0;
+  const Json& steps = section["place_steps"];
+  if (!steps.is_number_integer() || steps.get<std::int64_t>() < 0) {
+    throw InputError(where, "'place_steps': expected a whole number, 0 or more");
+  }
+  const auto count = steps.get<std::int64_t>();
+  if (count > 0 && place == 0.0) {
+    throw InputError(where, "'place_steps' needs the loss of the position",
+                     "set 'loss.place' to more than 0");
+  }
+  section.erase("place_steps");
+  return count;
+}
+
+/// Takes `loss`, `init`, `estimator`, `training_range` and `place_steps` out of the network's
+/// section.
 GtfStart take_start(std::string& section, const std::string& where) {
   constexpr int kDepth = 3;  // the section, its loss, that of the natural texture
   GtfStart start;
@@ -94,6 +112,7 @@ GtfStart take_start(std::string& section, const std::string& where) {
     json.erase("training_range");
   }
   start.estimator = take_path(json, "estimator", "an rt60 network's weights", where);
+  start.place_steps = take_place_steps(json, start.loss.place, where);
   const bool is_heard =
       start.loss.reverberation > 0 || (start.natural_loss && start.natural_loss->reverberation > 0);
   if (is_heard != start.estimator.has_value()) {
@@ -136,6 +155,7 @@ TrainingTask gtf_task(const TrainConfig& config, std::string_view where,
   learner_options.loss = start.loss;
   learner_options.natural_loss = start.natural_loss;
   learner_options.training_range = start.range;
+  learner_options.place_steps = start.place_steps;
   if (start.estimator) {
     learner_options.estimator =
         rt60_estimator_weights(read_safetensors(*start.estimator), *start.estimator);
@@ -154,6 +174,10 @@ TrainingTask gtf_task(const TrainConfig& config, std::string_view where,
   if (start.range) description.training_range = *start.range;
   if (description.texture != start.natural_loss.has_value()) {
     throw InputError(network, "'texture' and 'loss.natural' need each other", "give both or none");
+  }
+  if (start.place_steps > 0 && !description.geometry) {
+    throw InputError(network, "'place_steps' needs a network that locates the speaker",
+                     "set 'geometry' to true");
   }
   if (start.loss.dry_voice > 0 && !description.dry_voice) {
     throw InputError(network, "'loss.dry_voice' needs a network with that output",

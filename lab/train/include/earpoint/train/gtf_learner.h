@@ -46,6 +46,9 @@ struct GtfLearnerOptions {
   std::optional<Rt60EstimatorWeights> estimator;
   /// Of the data it learns from, for its weight file; nothing: that of the weights.
   std::optional<GtfTrainingRange> training_range;
+  /// At the start, with the loss of the speaker's position alone and without sound: picture encoder
+  /// and locator learn several times as many clips in that time. Needs a network with geometry.
+  std::int64_t place_steps = 0;
   double longest_gradient = 1.0;  ///< gradients are scaled down to that length
   double second_decay = 0.98;     ///< of Adam: short, as loud clips come and go
 };
