@@ -132,7 +132,7 @@ struct GtfLearner::State {
     return options.natural_loss.has_value() && (step + part) % 2 == 1;
   }
 
-  /// The same of the speakers' positions alone.
+  /// A part's loss and gradient, of the speakers' positions alone.
   double learn_places(const TrainingBatch& clips, double share, GtfGraph& twin) const {
     earpoint::forget_gradients(twin.parameters());
     GtfTruth truth;
