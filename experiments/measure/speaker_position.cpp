@@ -5,7 +5,6 @@
 // usage: speaker_position DATA [SPLIT [MODEL]]     default: the test split and the shipped gtf
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdio>
 #include <exception>

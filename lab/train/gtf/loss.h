@@ -25,8 +25,12 @@ struct GtfTruth {
 /// @return     [clips][bins][frames]
 at::Tensor dry_magnitudes(const at::Tensor& dry);
 
-/// How far direction, distance, height and heading of the speakers are off, a mean over the clips.
-/// Unknown ones count 0.
+/// How far the speakers are from where they are taken to be: a sum of the errors of direction
+/// (radians, if small), of distance (of its logarithm), of height (half of it, metres) and of
+/// heading (a fifth of the square between unit vectors). Where the truth has zeros for unknown, the
+/// position or the heading counts 0.
+/// @param truth  needs speaker_m and speaker_heading alone
+/// @return       a number: the mean over the clips
 at::Tensor place_error(const SpeakerPlace& speaker, const GtfTruth& truth);
 
 /// These clips' share of the loss that the network learns by; see GtfLossWeights. The shares of all
