@@ -113,6 +113,8 @@ class Run {
         if (end || state_.step % plan_.validate_every == 0) {
           validate();
           if (!end) end = reached_end();
+        } else if (files_ && seconds_since(saved_) >= options_.save_every_s) {
+          save(false);
         }
       }
     }
@@ -220,9 +222,15 @@ class Run {
     result.seconds = state_.seconds;
     if (files_) {
       files_->add_validation(result);
-      files_->save(learner_, state_, result.is_best || plan_.keep == Keep::last);
+      save(result.is_best || plan_.keep == Keep::last);
     }
     if (options_.on_validation) options_.on_validation(result);
+  }
+
+  /// @param is_kept  the weights are to be best.safetensors
+  void save(bool is_kept) {
+    files_->save(learner_, state_, is_kept);
+    saved_ = Clock::now();
   }
 
   [[nodiscard]] TrainingSummary summary(TrainingEnd end) const {
@@ -250,6 +258,7 @@ class Run {
   bool is_resumed_;
   double seconds_before_;
   Clock::time_point start_ = Clock::now();
+  Clock::time_point saved_ = start_;
   std::optional<RunFolder> files_;  ///< of the first process
 };
 

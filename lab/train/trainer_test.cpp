@@ -2,6 +2,7 @@
 #include <csignal>
 #include <filesystem>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -31,6 +32,18 @@ std::string tiny_config(const std::string& training) {
          training + "}}";
 }
 
+/// Throws when the given step is taken.
+class StopAtStep : public SilentProgress {
+ public:
+  explicit StopAtStep(int step) : left_(step) {}
+  void advance(double /*amount*/) override {
+    if (--left_ == 0) throw std::runtime_error("stopped");
+  }
+
+ private:
+  int left_;
+};
+
 class TrainerTest : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -44,19 +57,25 @@ class TrainerTest : public ::testing::Test {
   /// Trains, from the folder's checkpoint if there is one.
   TrainingSummary run(const std::string& name, const std::string& training,
                       const std::function<void(const ValidationResult&)>& watch = {}) const {
+    SilentProgress silent;
+    TrainerOptions options;
+    options.on_validation = watch;
+    return run(name, training, silent, options);
+  }
+
+  /// @param trainer  its folder, plan, configuration and workers are set here
+  TrainingSummary run(const std::string& name, const std::string& training, ProgressSink& progress,
+                      TrainerOptions trainer) const {
     const TrainConfig config = train_config_from_json(tiny_config(training), "config");
     const auto checkpoint = read_checkpoint(folder_ / name, config.text);
     TaskOptions options{.data = folder_ / "data", .on_bad = {}};
     options.checkpoint = checkpoint ? &*checkpoint : nullptr;
     const TrainingTask task = make_training_task(config, "config", options);
-    SilentProgress silent;
-    return train(*task.learner, *task.examples,
-                 {.folder = folder_ / name,
-                  .plan = config.training,
-                  .config = config.text,
-                  .workers = 2,
-                  .on_validation = watch},
-                 options.checkpoint, silent);
+    trainer.folder = folder_ / name;
+    trainer.plan = config.training;
+    trainer.config = config.text;
+    trainer.workers = 2;
+    return train(*task.learner, *task.examples, trainer, options.checkpoint, progress);
   }
 
   [[nodiscard]] std::string text(const std::string& path) const {
@@ -130,6 +149,24 @@ TEST_F(TrainerTest, ARunThatWasKilledGoesOnAsIfItHadNotBeen) {
   EXPECT_EQ(text("killed/steps.csv"), text("whole/steps.csv"));
   EXPECT_TRUE(read_vigas_weights(folder_ / "killed/best.safetensors").tensors ==
               read_vigas_weights(folder_ / "whole/best.safetensors").tensors);
+}
+
+TEST_F(TrainerTest, SavesBetweenValidations) {
+  const std::string plan = R"("steps": 6, "validate_every": 100, "schedule": "cosine")";
+  run("whole", plan);
+  StopAtStep progress(4);
+  TrainerOptions at_every_step;
+  at_every_step.save_every_s = 0.0;
+  EXPECT_THROW(run("stopped", plan, progress, at_every_step), std::runtime_error);
+  // The fourth step was taken, but not saved.
+  EXPECT_EQ(std::ranges::count(text("stopped/steps.csv"), '\n'), 5);
+  const SafetensorsFile checkpoint =
+      read_safetensors(folder_ / "stopped" / "checkpoint.safetensors");
+  EXPECT_NE(checkpoint.metadata.at("earpoint.training").find(R"("step":3)"), std::string::npos);
+  run("stopped", plan);
+  EXPECT_EQ(text("stopped/steps.csv"), text("whole/steps.csv"));
+  EXPECT_TRUE(read_vigas_weights(folder_ / "stopped/checkpoint.safetensors").tensors ==
+              read_vigas_weights(folder_ / "whole/checkpoint.safetensors").tensors);
 }
 
 TEST_F(TrainerTest, ResumeRefusesAnotherConfigurationButAllowsMoreSteps) {

@@ -49,8 +49,9 @@ struct ValidationResult {
 struct TrainerOptions {
   std::filesystem::path folder;  ///< of the run; is made
   TrainingPlan plan;
-  std::string config;  ///< kept as config.json
-  int workers = 1;     ///< threads that make examples
+  std::string config;          ///< kept as config.json
+  int workers = 1;             ///< threads that make examples
+  double save_every_s = 60.0;  ///< least time between checkpoints, those of validations apart
   /// Those that learn together, or null. All must have the same plan and start with the same
   /// learner; the first alone writes into the folder.
   ProcessGroup* processes = nullptr;
@@ -70,8 +71,9 @@ class RunLock {
 
 /// Trains, and keeps in the run's folder
 /// - `config.json`: what it was told;
-/// - `checkpoint.safetensors`: everything that it goes on from after a kill, written with every
-///   validation: weights, optimizer, step, best error; random draws depend on seed and step alone;
+/// - `checkpoint.safetensors`: everything that it goes on from after a kill, written every minute
+///   (TrainerOptions::save_every_s) and with every validation: weights, optimizer, step, best
+///   error; random draws depend on seed and step alone;
 /// - `best.safetensors`: the weights with the lowest validation error so far, ready to use;
 /// - `steps.csv`, `validation.csv`, `curves.png`: how it went.
 /// Each is whole at any time. A run that was killed and is resumed has the losses of an unbroken
