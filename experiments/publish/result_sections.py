@@ -70,8 +70,9 @@ METHODS = Page("methods", "Methods", "Errors of every method on the same pairs, 
             "![Error over clips seen](../images/learning-curves-novel.svg)"),
     Section("Speech enhancement in unseen homes", "enhance-novel.json", enhancement_table,
             "`earpoint evaluate --enhance --json`: the target is the speaker's near microphone, the dry speech at its "
-            "level 1 m in front of the mouth in free field. `oracle-gain` is the source at the true level: what a "
-            "change of level alone would bring.", Plot("methods-enhance", RATIOS)),
+            "level 1 m in front of the mouth in free field. gtf is a network of `configs/enhance.json`, as `earpoint enhance` "
+            "uses. `oracle-gain` is the source at the true level: what a change of level alone would bring.",
+            Plot("methods-enhance", RATIOS)),
     Section("The bundled clip: four earpoints", "demo.json", demo_table,
             "`earpoint evaluate --earpoints examples/earpoints.json`: against the true sound, at 16 kHz. dsp is given "
             "the speaker's position; for gtf the speaker is found in the picture. Level is relative to the clip's. One clip "
