@@ -128,11 +128,6 @@ train_recorded() {
   # What starts from the shipped weights learns at lower rates.
   local from_vigas="network.init=models/vigas.safetensors training.learning_rate=0.0003 training.warmup_steps=30"
   local from_gtf="training.learning_rate=0.0005 training.validate_every=250"
-  # Both textures have the losses of the mean one, as in configs/enhance.json.
-  local loss alike="network.loss.phase_difference=0 network.loss.natural.level_difference=0.005"
-  for loss in log_magnitude level squared_level phase_difference modulation decay; do
-    alike+=" network.loss.natural.$loss=0"
-  done
   # shellcheck disable=SC2086
   {
     train_run "$earpoint" vigas-small-replay "$data" "$runs/vigas-adapted" training.steps=800 $from_vigas \
@@ -144,8 +139,8 @@ train_recorded() {
     train_run "$earpoint" vam-replay "$data" "$runs/vam" training.steps=400 training.validate_every=100
     train_run "$earpoint" vigas-small-replay "$data" out/enhance-recorded/vigas training.steps=300 $from_vigas $near \
       training.validate_every=100
-    train_run "$earpoint" gtf-replay "$data" out/enhance-recorded/gtf training.steps=500 $from_gtf $near \
-      network.init=models/enhance.safetensors $alike
+    train_run "$earpoint" enhance-replay "$data" out/enhance-recorded/gtf training.steps=500 $from_gtf \
+      network.init=models/enhance.safetensors
   }
   for ablation in "${recorded_ablations[@]}"; do
     read -r name config settings <<<"$ablation"

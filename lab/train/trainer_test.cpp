@@ -158,7 +158,7 @@ TEST_F(TrainerTest, SavesBetweenValidations) {
   TrainerOptions at_every_step;
   at_every_step.save_every_s = 0.0;
   EXPECT_THROW(run("stopped", plan, progress, at_every_step), std::runtime_error);
-  // The fourth step was taken, but not saved.
+  // The fourth step is in the log, but not in the checkpoint.
   EXPECT_EQ(std::ranges::count(text("stopped/steps.csv"), '\n'), 5);
   const SafetensorsFile checkpoint =
       read_safetensors(folder_ / "stopped" / "checkpoint.safetensors");
