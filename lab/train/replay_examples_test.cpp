@@ -255,10 +255,8 @@ TEST_F(ReplayExamplesTest, ShippedNetworksCanBeTrainedOnRecordings) {
   for (const std::string name : {"gtf", "enhance", "vigas"}) {
     std::vector<ConfigSetting> settings{
         {"network.init", '"' + (source / "models" / (name + ".safetensors")).string() + '"'}};
-    if (name == "enhance") settings.push_back({"network.channels", "96"});
-    const TrainConfig config = read_train_config(
-        source / "configs" / (name == "vigas" ? "vigas-small-replay.json" : "gtf-replay.json"),
-        settings);
+    const std::string config_name = (name == "vigas" ? "vigas-small" : name) + "-replay.json";
+    const TrainConfig config = read_train_config(source / "configs" / config_name, settings);
     TaskOptions task_options;
     task_options.data = folder_;
     task_options.layout = DatasetLayout::replay;
