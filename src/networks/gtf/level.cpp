@@ -22,6 +22,17 @@ constexpr double kLoudest_db = 12.0;
 /// Trust in the network fades over this many doublings of the farthest trained move.
 constexpr double kFadeOctaves = 1.0;
 
+void bring_within(const LevelBounds& bounds, const Waveform& source, Waveform& result) {
+  EARPOINT_CHECK(source.planar().size() == result.planar().size());
+  const double found = energy(result.planar());
+  if (found <= 0.0) return;
+  const double ratio = found / energy(source.planar());  // infinite for silence, which stays silent
+  const double allowed = std::clamp(ratio, bounds.least, bounds.most);
+  if (allowed == ratio) return;
+  const auto gain = static_cast<float>(std::sqrt(allowed / ratio));
+  for (float& sample : result.planar()) sample *= gain;
+}
+
 }  // namespace
 
 LevelTolerance gtf_level_tolerance(const Pose& source_from_target, const GtfTrainingRange& range) {
@@ -58,15 +69,11 @@ LevelBounds gtf_level_bounds(double expected_gain, const LevelTolerance& toleran
 
 void limit_level(const Waveform& source, double expected_gain, const LevelTolerance& tolerance,
                  bool knows_place, Waveform& result) {
-  EARPOINT_CHECK(source.planar().size() == result.planar().size());
-  const double found = energy(result.planar());
-  if (found <= 0.0) return;
-  const LevelBounds bounds = gtf_level_bounds(expected_gain, tolerance, knows_place);
-  const double ratio = found / energy(source.planar());  // infinite for silence, which stays silent
-  const double allowed = std::clamp(ratio, bounds.least, bounds.most);
-  if (allowed == ratio) return;
-  const auto gain = static_cast<float>(std::sqrt(allowed / ratio));
-  for (float& sample : result.planar()) sample *= gain;
+  bring_within(gtf_level_bounds(expected_gain, tolerance, knows_place), source, result);
+}
+
+void limit_loudness(const Waveform& source, Waveform& result) {
+  bring_within({.least = 0.0, .most = std::pow(10.0, kLoudest_db / 10.0)}, source, result);
 }
 
 }  // namespace earpoint

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -76,6 +77,23 @@ TEST(GtfLevel, LeavesSilenceSilent) {
   Waveform result = noise();
   limit_level(source, 1.0, {5.0, 5.0}, false, result);
   for (const float sample : result.planar()) ASSERT_EQ(sample, 0.0F);
+  result = noise();
+  limit_loudness(source, result);
+  for (const float sample : result.planar()) ASSERT_EQ(sample, 0.0F);
+}
+
+TEST(GtfLevel, EnhancedSpeechIsLouderThanTheRecordingBy12DecibelsAtMost) {
+  const Waveform source = noise();
+  for (const double gain_db : {-60.0, 0.0, 11.0, 13.0, 80.0}) {
+    Waveform result = source;
+    for (float& sample : result.planar()) {
+      sample *= static_cast<float>(std::pow(10.0, gain_db / 20.0));
+    }
+    limit_loudness(source, result);
+    // Float samples, one quotient of two of them.
+    EXPECT_NEAR(20.0 * std::log10(result.planar()[0] / source.planar()[0]), std::min(gain_db, 12.0),
+                1e-4);
+  }
 }
 
 }  // namespace

@@ -68,7 +68,10 @@ Waveform GtfSynthesizer::synthesize_along(std::span<const Pose> path) {
   network_.set_pose(path.front(), speaker_m_);
   Waveform result(2, sound_.samples(), sound_.sample_rate_hz());
   network_.synthesize(sound_.planar(), path, result.planar());
-  if (!use_.limits_level) return result;
+  if (!use_.limits_level) {
+    limit_loudness(sound_, result);
+    return result;
+  }
   limit_level(sound_, network_.expected_gain(),
               gtf_level_tolerance(path, network_.description().training_range),
               speaker_m_.has_value(), result);

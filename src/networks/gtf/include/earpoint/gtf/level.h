@@ -44,4 +44,8 @@ struct LevelBounds {
 void limit_level(const Waveform& source, double expected_gain, const LevelTolerance& tolerance,
                  bool knows_place, Waveform& result);
 
+/// Scales a window that is louder than the source by more than 12 dB to that.
+/// @param source, result  as above
+void limit_loudness(const Waveform& source, Waveform& result);
+
 }  // namespace earpoint

@@ -16,8 +16,8 @@ namespace earpoint {
 struct GtfUse {
   /// 0 the mean, 1 natural; means nothing to a network with one texture.
   double texture = 1.0;
-  /// Keep the level within what the geometry allows: not of a network that was trained for
-  /// enhancement.
+  /// Keep the level within what the geometry allows. Not of a network that was trained for
+  /// enhancement: it is only kept from being louder than the recording by more than 12 dB.
   bool limits_level = true;
 };
 
