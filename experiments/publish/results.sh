@@ -117,8 +117,8 @@ train_methods() {
   wait "$novel"
   wait "$single"
   train_run "$earpoint" enhance out/data/novel out/enhance/gtf network.init=out/runs/novel/gtf/best.safetensors
-  train_run "$earpoint" vigas-small out/data/novel out/enhance/vigas-small \
-    data.target=near_microphone data.ambient_db=-40
+  train_run "$earpoint" vigas-small out/data/novel out/enhance/vigas network.init=out/runs/novel/vigas/best.safetensors \
+    network.place_steps=0 data.target=near_microphone data.ambient_db=-40 data.faint_speech=0.2
 }
 
 # Networks that are trained on the clips of recorded sessions: few clips, so few steps.
@@ -279,11 +279,11 @@ simulate_generalisation() {
 
 # Speech enhancement, and conditions for which gtf was not trained.
 evaluate_beyond() {
-  local earpoint=$1
-  if [ -d out/enhance ]; then
+  local earpoint=$1 gtf=out/enhance/gtf/best.safetensors
+  if [ -f "$gtf" ]; then
     say "Speech enhancement"
-    "$earpoint" evaluate --data out/data/novel --enhance --methods input --runs out/enhance --oracles \
-      --json >out/bench/enhance-novel.json
+    "$earpoint" evaluate --data out/data/novel --enhance --oracles --json \
+      --methods "input,vigas=out/enhance/vigas/best.safetensors,gtf=$gtf,gtf=$gtf:mean" >out/bench/enhance-novel.json
   fi
   say "Generalisation of the shipped gtf"
   python3 experiments/measure/generalisation.py "$earpoint" out/data/novel models/gtf.safetensors \

@@ -9,17 +9,12 @@
 #include <earpoint/pose.h>
 
 namespace earpoint {
-namespace {
 
-constexpr double kCornerHz = 20.0;
-
-}  // namespace
-
-void add_room_noise(Waveform& sound, double level_db, RandomStream& random,
-                    std::ptrdiff_t context) {
+void add_room_noise(Waveform& sound, double level_db, RandomStream& random, std::ptrdiff_t context,
+                    double corner_hz) {
   const double level = std::pow(10.0, level_db / 20.0);
   // One pole; white noise of this size at its input gives a root mean square of `level`.
-  const double pole = std::exp(-2.0 * kPi * kCornerHz / sound.sample_rate_hz());
+  const double pole = std::exp(-2.0 * kPi * corner_hz / sound.sample_rate_hz());
   const double input = level * std::sqrt(1.0 - pole * pole);
   std::vector<double> first;
   for (int ear = 0; ear < sound.channels(); ++ear) {

@@ -57,6 +57,18 @@ TEST(RoomNoise, HasTheLevelThatIsAskedFor) {
   }
 }
 
+TEST(RoomNoise, ACornerAtHalfTheRateMakesItNearlyWhite) {
+  Waveform sound(2, std::ptrdiff_t{60} * kRateHz, kRateHz);
+  RandomStream random(1);
+  add_room_noise(sound, -20.0, random, 0, 0.5 * kRateHz);
+  const auto samples = sound.channel(0);
+  // The power of a million independent values has a standard error of 0.15 %.
+  EXPECT_NEAR(mean_product(samples, samples), 0.01, 1e-4);
+  // One pole at exp(-pi): each sample keeps 4 % of the one before.
+  const double next = mean_product(samples.first(samples.size() - 1), samples.subspan(1)) / 0.01;
+  EXPECT_NEAR(next, std::exp(-kPi), 0.005);
+}
+
 TEST(RoomNoise, FallsBySixDecibelAnOctave) {
   const Waveform sound = noise(64.0, -20.0, 2);
   RealFft<double> fft(static_cast<int>(sound.samples()));

@@ -1,3 +1,4 @@
+#include "faint_speech.h"
 #include "spoil_view.h"
 #include "told_boxes.h"
 
@@ -190,6 +191,10 @@ struct PairExamples::State {
     PairSample sample = options.any_speech ? other_words(drawn, choice, random)
                                            : from.sampler.sample(clip, choice, options.samples);
     if (!is_wanted(sample)) return std::nullopt;
+    // Drawn only with the option, so that other draws stay as they were without it.
+    if (options.faint_speech > 0.0 && random.uniform() < options.faint_speech) {
+      make_faint(sample, *options.ambient_db, random);
+    }
     add_room(sample, RandomStream(options.seed, {kNoise, number}).next());
     boxes.tell(sample);
     if (options.alignment == Alignment::gcc_phat) align_target(sample);

@@ -146,6 +146,39 @@ TEST_F(PairExamplesTest, SpoilsPicturesAndHidesBoxesAsOftenAsAskedAndChangesNoth
   EXPECT_GT(boxes, 0);
 }
 
+TEST_F(PairExamplesTest, MakesSpeechFaintAsOftenAsAskedInNoiseThatIsNot) {
+  PairOptions noisy = options();
+  noisy.mirror = false;
+  noisy.target = PairTarget::near_microphone;
+  noisy.ambient_db = -40.0;
+  noisy.separate = false;
+  const PairExamples plain = examples(noisy);
+  noisy.faint_speech = 0.5;
+  const PairExamples some = examples(noisy);
+  int faint = 0;
+  constexpr int kDraws = 100;
+  for (std::uint64_t n = 0; n < kDraws; ++n) {
+    const PairSample one = plain.training_sample(n);
+    const PairSample two = some.training_sample(n);
+    EXPECT_EQ(one.source_from_target, two.source_from_target);
+    const double gain = std::sqrt(energy(two.dry.planar()) / energy(one.dry.planar()));
+    // -60 dB and nothing, and float samples.
+    EXPECT_GT(gain, 0.999e-3);
+    EXPECT_LT(gain, 1.0 + 1e-6);
+    if (gain > 1.0 - 1e-6) continue;
+    ++faint;
+    // What is to be found is as faint.
+    EXPECT_NEAR(energy(two.target.planar()), gain * gain * energy(one.target.planar()),
+                1e-5 * energy(two.target.planar()));
+    // Of the darkest noise, a second has some forty independent values.
+    const auto values = static_cast<double>(two.source.planar().size());
+    EXPECT_GT(energy(two.source.planar()) / values, 0.3e-4);
+  }
+  // Fifty fair draws of a hundred: +- 5.
+  EXPECT_GT(faint, 30);
+  EXPECT_LT(faint, 70);
+}
+
 TEST_F(PairExamplesTest, TellsTheBoxThatIsAskedForAndLeavesTheTruthToLearnFrom) {
   PairOptions unseen = options();
   unseen.boxes = SpeakerBoxes::none;

@@ -32,6 +32,7 @@ PairOptions checked(PairOptions options) {
   if (options.ambient_db) refuse("ambient_db", "null");
   if (options.any_speech) refuse("any_speech", "false");
   if (options.spoilt_pictures > 0.0) refuse("spoilt_pictures", "0");
+  if (options.faint_speech > 0.0) refuse("faint_speech", "0");
   if (options.wide_pictures > 0.0) refuse("wide_pictures", "0");
   if (options.hidden_boxes > 0.0) refuse("hidden_boxes", "0");
   if (options.farthest_move_m) refuse("farthest_move_m", "null");

@@ -70,6 +70,9 @@ struct PairOptions {
   Alignment alignment = Alignment::responses;  ///< in training; validation pairs are aligned
   /// Level of room noise in both sounds, dB re full scale; near microphones hear none.
   std::optional<double> ambient_db;
+  /// Share of training examples whose speech is faint among other sounds; see make_faint(). Needs
+  /// near_microphone and ambient_db.
+  double faint_speech = 0.0;
   bool separate = true;                                        ///< take the ambient sound out again
   AmbientSeparation separation = AmbientSeparation::bandpass;  ///< and how
   /// Give recordings the near microphone's sound for dry speech (ReplaySampler::near_voice()).
