@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
 
 #include <earpoint/audio/energy.h>
+#include <earpoint/audio/resample.h>
+#include <earpoint/audio/window_of.h>
 #include <earpoint/dataset/ambient.h>
 
 namespace earpoint {
@@ -15,6 +18,8 @@ constexpr double kFewestBursts = 1.0;  // a second
 constexpr double kMostBursts = 30.0;
 constexpr double kShortestBurst_s = 0.0002;
 constexpr double kLongestBurst_s = 0.1;
+
+constexpr int kRatesHz[] = {6000, 8000, 11025, 14000, 16000, 32000, 48000};
 
 /// A number between two, evenly spread on a logarithmic scale.
 double between(double least, double most, RandomStream& random) {
@@ -39,6 +44,17 @@ void burst(Waveform& noise, double level_db, RandomStream& random) {
   for (float& value : noise.planar()) value *= gain;
 }
 
+/// Noise as devices of several rates record it: its spectrum does not always end where that of
+/// the samples does. @return as long as the sound and of its rate
+Waveform noise_like(const Waveform& sound, double level_db, RandomStream& random) {
+  const int rate = kRatesHz[random.index(std::size(kRatesHz))];
+  const double corner_hz = between(kRoomNoiseCornerHz, 0.5 * rate, random);
+  const std::ptrdiff_t samples = 1 + sound.samples() * rate / sound.sample_rate_hz();
+  Waveform noise(sound.channels(), samples, rate);
+  add_room_noise(noise, level_db, random, 0, corner_hz);
+  return window_of(resample(noise, sound.sample_rate_hz()), 0, sound.samples());
+}
+
 }  // namespace
 
 void make_faint(PairSample& sample, double noise_db, RandomStream& random) {
@@ -46,9 +62,7 @@ void make_faint(PairSample& sample, double noise_db, RandomStream& random) {
   for (Waveform* speech : {&sample.source, &sample.target, &sample.dry}) {
     for (float& value : speech->planar()) value *= gain;
   }
-  Waveform noise(sample.source.channels(), sample.source.samples(), sample.source.sample_rate_hz());
-  const double corner_hz = between(kRoomNoiseCornerHz, 0.5 * noise.sample_rate_hz(), random);
-  add_room_noise(noise, noise_db, random, 0, corner_hz);
+  Waveform noise = noise_like(sample.source, noise_db, random);
   if (random.index(2) == 1) std::ranges::copy(noise.channel(0), noise.channel(1).begin());
   if (random.index(2) == 1) burst(noise, noise_db, random);
   for (std::size_t i = 0; i < noise.planar().size(); ++i) {

@@ -6,8 +6,9 @@
 namespace earpoint {
 
 /// Makes the speech fainter, by up to 60 dB, and adds other sounds to what the source hears, as in
-/// the pauses of a recording: noise of any colour from that of a quiet room to white, steady or in
-/// bursts, such as of a keyboard, the same at both ears or independent.
+/// the pauses of a recording: noise of any colour from that of a quiet room to white, of devices of
+/// several sample rates, steady or in bursts, such as of a keyboard, the same at both ears or
+/// independent.
 /// @param noise_db  root mean square of the noise, re full scale
 void make_faint(PairSample& sample, double noise_db, RandomStream& random);
 
