@@ -71,7 +71,8 @@ METHODS = Page("methods", "Methods", "Errors of every method on the same pairs, 
     Section("Speech enhancement in unseen homes", "enhance-novel.json", enhancement_table,
             "`earpoint evaluate --enhance --json`: the target is the speaker's near microphone, the dry speech at its "
             "level 1 m in front of the mouth in free field. gtf is a network of `configs/enhance.json`, as `earpoint enhance` "
-            "uses, gtf:mean its mean texture; vigas is a small ViGAS that was trained further on the same, but fewer, clips. `oracle-gain` is the source at the true level: what a change of level alone would bring.",
+            "uses, gtf:mean its mean texture; vigas is a small ViGAS that was trained further on the same, but fewer, clips. "
+            "`oracle-gain` is the source at the true level: what a change of level alone would bring.",
             Plot("methods-enhance", RATIOS)),
     Section("The bundled clip: four earpoints", "demo.json", demo_table,
             "`earpoint evaluate --earpoints examples/earpoints.json`: against the true sound, at 16 kHz. dsp is given "
