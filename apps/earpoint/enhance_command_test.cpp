@@ -110,7 +110,8 @@ TEST_F(EnhanceCommand, TheShippedNetworkKeepsPausesQuiet) {
       ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
       const Waveform dry = read_sound(at("dry.wav"));
       const double ratio = 2.0 * energy(dry.planar()) / energy(highpass(pause, 80.0).planar());
-      EXPECT_LT(10.0 * std::log10(ratio), -6.0) << corner_hz << " Hz, " << level_db << " dB";
+      // Other draws of such noise become 17 to 45 dB quieter.
+      EXPECT_LT(10.0 * std::log10(ratio), -10.0) << corner_hz << " Hz, " << level_db << " dB";
     }
   }
 }
