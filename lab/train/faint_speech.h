@@ -9,7 +9,8 @@ namespace earpoint {
 /// the pauses of a recording: noise of any colour from that of a quiet room to white, of devices of
 /// several sample rates, steady or in bursts, such as of a keyboard, the same at both ears or
 /// independent.
-/// @param noise_db  root mean square of the noise, re full scale
+/// @param noise_db  root mean square of the noise, re full scale; steady noise of a device with a
+///                  higher rate loses what lies above the sample's band
 void make_faint(PairSample& sample, double noise_db, RandomStream& random);
 
 }  // namespace earpoint

@@ -44,7 +44,7 @@ struct LevelBounds {
 void limit_level(const Waveform& source, double expected_gain, const LevelTolerance& tolerance,
                  bool knows_place, Waveform& result);
 
-/// Scales a window that is louder than the source by more than 12 dB to that.
+/// Makes a window that is louder than the source by more than 12 dB quieter, until it is by 12 dB.
 /// @param source, result  as above
 void limit_loudness(const Waveform& source, Waveform& result);
 
