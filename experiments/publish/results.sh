@@ -34,9 +34,12 @@ train_run() {
     "$earpoint" train "$config" "${settings[@]}" "${folders[@]}" --out "$run" --jobs 1 --resume
 }
 
-# Networks without one of their parts, which are trained for fewer steps: NAME CONFIG [KEY=VALUE...]
+# Networks without one of their parts, which are trained for fewer steps: NAME CONFIG [KEY=VALUE...]. Three seeds of the
+# whole gtf show how much a training differs from the next.
 ablations=(
   "gtf gtf"
+  "gtf-seed-2 gtf training.seed=2"
+  "gtf-seed-3 gtf training.seed=3"
   "gtf-blind gtf network.picture_px=0 network.box=false"
   "gtf-no-picture gtf network.picture_px=0"
   "gtf-no-3d gtf network.geometry=false network.expected_level=false network.delays=false network.ear_delays=false"

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
+#include <functional>
 #include <iterator>
 
 #include <earpoint/audio/energy.h>
@@ -33,8 +33,8 @@ void burst(Waveform& noise, double level_db, RandomStream& random) {
   const double kept = std::exp(-1.0 / (rate * between(kShortestBurst_s, kLongestBurst_s, random)));
   double size = 1.0;
   for (std::ptrdiff_t i = 0; i < noise.samples(); ++i) {
-    for (int ear = 0; ear < noise.channels(); ++ear) {
-      noise.channel(ear)[i] *= static_cast<float>(size);
+    for (int channel = 0; channel < noise.channels(); ++channel) {
+      noise.channel(channel)[i] *= static_cast<float>(size);
     }
     size = random.uniform() < begins ? 1.0 : kept * size;
   }
@@ -46,28 +46,40 @@ void burst(Waveform& noise, double level_db, RandomStream& random) {
 
 /// Noise as devices of several rates record it: its spectrum does not always end where that of
 /// the samples does. @return as long as the sound and of its rate
-Waveform noise_like(const Waveform& sound, double level_db, RandomStream& random) {
+Waveform noise_like(const Waveform& sound, int channels, double level_db, RandomStream& random) {
   const int rate = kRatesHz[random.index(std::size(kRatesHz))];
   const double corner_hz = between(kRoomNoiseCornerHz, 0.5 * rate, random);
   const std::ptrdiff_t samples = 1 + sound.samples() * rate / sound.sample_rate_hz();
-  Waveform noise(sound.channels(), samples, rate);
+  Waveform noise(channels, samples, rate);
   add_room_noise(noise, level_db, random, 0, corner_hz);
   return window_of(resample(noise, sound.sample_rate_hz()), 0, sound.samples());
 }
 
+/// Adds two channels of the noise, from `first` on.
+void add_ears(Waveform& sound, const Waveform& noise, int first) {
+  for (int ear = 0; ear < 2; ++ear) {
+    std::ranges::transform(sound.channel(ear), noise.channel(first + ear),
+                           sound.channel(ear).begin(), std::plus<>());
+  }
+}
+
 }  // namespace
 
-void make_faint(PairSample& sample, double noise_db, RandomStream& random) {
+void make_faint(PairSample& sample, PairTarget target, double noise_db, RandomStream& random) {
   const auto gain = static_cast<float>(std::pow(10.0, random.uniform(kFaintest_db, 0.0) / 20.0));
   for (Waveform* speech : {&sample.source, &sample.target, &sample.dry}) {
     for (float& value : speech->planar()) value *= gain;
   }
-  Waveform noise = noise_like(sample.source, noise_db, random);
-  if (random.index(2) == 1) std::ranges::copy(noise.channel(0), noise.channel(1).begin());
-  if (random.index(2) == 1) burst(noise, noise_db, random);
-  for (std::size_t i = 0; i < noise.planar().size(); ++i) {
-    sample.source.planar()[i] += noise.planar()[i];
+  const bool at_target = target == PairTarget::viewpoint;
+  Waveform noise = noise_like(sample.source, at_target ? 4 : 2, noise_db, random);
+  if (random.index(2) == 1) {
+    for (int left = 0; left < noise.channels(); left += 2) {
+      std::ranges::copy(noise.channel(left), noise.channel(left + 1).begin());
+    }
   }
+  if (random.index(2) == 1) burst(noise, noise_db, random);
+  add_ears(sample.source, noise, 0);
+  if (at_target) add_ears(sample.target, noise, 2);
 }
 
 }  // namespace earpoint

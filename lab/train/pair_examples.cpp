@@ -27,6 +27,8 @@ constexpr double kLargestShift = 200.0;
 /// Draws for one example within the limits: if only 2 % are within, one in 10^8 examples finds
 /// none.
 constexpr std::uint64_t kMostDraws = 1000;
+constexpr double kFaintNoise_db = -40.0;
+constexpr double kMostSecondGain_db = 6.0;
 // The seed of validation pairs that are drawn because there is no list.
 constexpr std::uint64_t kValidationDraw = 1;
 
@@ -170,6 +172,23 @@ struct PairExamples::State {
     return from.sampler.sample(retold, choice, options.samples);
   }
 
+  /// Lets another of the clip's people speak at the same time, whatever anybody of the split says.
+  void add_second_voice(PairSample& sample, const Drawn& drawn, SoundSpacesChoice choice,
+                        RandomStream& random) const {
+    const auto people = static_cast<int>(drawn.clip.speakers.size());
+    if (people < 2) return;
+    const auto others = static_cast<std::uint64_t>(people - 1);
+    choice.speaker = (choice.speaker + 1 + static_cast<int>(random.index(others))) % people;
+    const PairSample other = other_words(drawn, choice, random);
+    const double gain_db = random.uniform(-kMostSecondGain_db, kMostSecondGain_db);
+    const auto gain = static_cast<float>(std::pow(10.0, gain_db / 20.0));
+    const auto add = [gain](std::span<float> sound, std::span<const float> voice) {
+      for (std::size_t i = 0; i < sound.size(); ++i) sound[i] += gain * voice[i];
+    };
+    add(sample.source.planar(), other.source.planar());
+    add(sample.target.planar(), other.target.planar());
+  }
+
   /// Whether a pair is within the limits for training.
   [[nodiscard]] bool is_wanted(const PairSample& sample) const {
     if (options.farthest_move_m &&
@@ -192,8 +211,11 @@ struct PairExamples::State {
                                            : from.sampler.sample(clip, choice, options.samples);
     if (!is_wanted(sample)) return std::nullopt;
     // Drawn only with the option, so that other draws stay as they were without it.
+    if (options.second_voices > 0.0 && random.uniform() < options.second_voices) {
+      add_second_voice(sample, drawn, choice, random);
+    }
     if (options.faint_speech > 0.0 && random.uniform() < options.faint_speech) {
-      make_faint(sample, *options.ambient_db, random);
+      make_faint(sample, options.target, options.ambient_db.value_or(kFaintNoise_db), random);
     }
     add_room(sample, RandomStream(options.seed, {kNoise, number}).next());
     boxes.tell(sample);

@@ -13,6 +13,7 @@
 #include <earpoint/core/file.h>
 #include <earpoint/dataset_testing/tiny_dataset.h>
 #include <earpoint/error.h>
+#include <earpoint/pose.h>
 #include <earpoint/train/example_loader.h>
 #include <earpoint/train/train_config.h>
 #include <earpoint/train/training_task.h>
@@ -187,6 +188,77 @@ TEST_F(PairExamplesTest, MakesSpeechFaintAsOftenAsAskedInNoiseThatIsNot) {
   // Fifty fair draws of a hundred: +- 5.
   EXPECT_GT(faint, 30);
   EXPECT_LT(faint, 70);
+}
+
+/// What is in `mixed` besides `alone`.
+Waveform added(const Waveform& mixed, const Waveform& alone) {
+  Waveform rest = mixed;
+  for (std::size_t i = 0; i < rest.planar().size(); ++i) rest.planar()[i] -= alone.planar()[i];
+  return rest;
+}
+
+TEST_F(PairExamplesTest, ATargetViewpointHearsTheNoiseAroundFaintSpeechAsLoud) {
+  PairOptions quiet = options();
+  quiet.mirror = false;
+  PairOptions noisy = quiet;
+  noisy.faint_speech = 1.0;
+  const PairExamples plain = examples(quiet);
+  const PairExamples among_noise = examples(noisy);
+  double ratio = 0.0;
+  constexpr int kDraws = 40;
+  for (std::uint64_t n = 0; n < kDraws; ++n) {
+    const PairSample two = among_noise.training_sample(n);
+    PairSample one = plain.training_sample(n);
+    const auto gain =
+        static_cast<float>(std::sqrt(energy(two.dry.planar()) / energy(one.dry.planar())));
+    for (Waveform* speech : {&one.source, &one.target}) {
+      for (float& value : speech->planar()) value *= gain;
+    }
+    const Waveform at_source = added(two.source, one.source);
+    const Waveform at_target = added(two.target, one.target);
+    ratio += 10.0 * std::log10(energy(at_target.planar()) / energy(at_source.planar())) / kDraws;
+    double product = 0.0;
+    for (std::size_t i = 0; i < at_source.planar().size(); ++i) {
+      product += double{at_source.planar()[i]} * at_target.planar()[i];
+    }
+    // Of the darkest noise half a second has some twenty independent values for each ear.
+    EXPECT_LT(std::abs(product),
+              0.8 * std::sqrt(energy(at_source.planar()) * energy(at_target.planar())));
+  }
+  // Single ones differ by 3 dB at most, those of a few bursts.
+  EXPECT_NEAR(ratio, 0.0, 1.0);
+}
+
+TEST_F(PairExamplesTest, TheSecondVoiceIsHeardFromWhereTheOtherPersonIs) {
+  PairOptions alone = options();
+  alone.mirror = false;
+  PairOptions both = alone;
+  both.second_voices = 1.0;
+  const PairExamples one_speaks = examples(alone);
+  const PairExamples both_speak = examples(both);
+  int told = 0;
+  for (std::uint64_t n = 0; n < 20; ++n) {
+    const PairSample one = one_speaks.training_sample(n);
+    const PairSample two = both_speak.training_sample(n);
+    EXPECT_EQ(one.speaker_m, two.speaker_m);
+    EXPECT_EQ(one.speaker_box.has_value(), two.speaker_box.has_value());
+    EXPECT_TRUE(std::ranges::equal(one.dry.planar(), two.dry.planar()));
+    // The people stand at either side of the origin.
+    const Vector3 here = transform_point(one.world_from_source, one.speaker_m);
+    const Vector3 other =
+        transform_point(inverse(one.world_from_source), {-here.x, -here.y, here.z});
+    const auto expect_side = [&](const Waveform& voice, const Vector3& seen) {
+      EXPECT_GT(energy(voice.planar()), 0.0);
+      const double left = std::sin(spherical_from_cartesian(seen).azimuth_rad);
+      if (std::abs(left) < 0.2) return;  // 2 dB between the ears, and the tail's
+      ++told;
+      EXPECT_EQ(energy(voice.channel(0)) > energy(voice.channel(1)), left > 0.0);
+    };
+    expect_side(added(two.source, one.source), other);
+    expect_side(added(two.target, one.target),
+                transform_point(inverse(one.source_from_target), other));
+  }
+  EXPECT_GT(told, 20);
 }
 
 TEST_F(PairExamplesTest, TellsTheBoxThatIsAskedForAndLeavesTheTruthToLearnFrom) {

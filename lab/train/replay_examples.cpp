@@ -33,6 +33,7 @@ PairOptions checked(PairOptions options) {
   if (options.any_speech) refuse("any_speech", "false");
   if (options.spoilt_pictures > 0.0) refuse("spoilt_pictures", "0");
   if (options.faint_speech > 0.0) refuse("faint_speech", "0");
+  if (options.second_voices > 0.0) refuse("second_voices", "0");
   if (options.wide_pictures > 0.0) refuse("wide_pictures", "0");
   if (options.hidden_boxes > 0.0) refuse("hidden_boxes", "0");
   if (options.farthest_move_m) refuse("farthest_move_m", "null");

@@ -331,10 +331,9 @@ PairOptions pair_options_from_json(std::string_view text, std::string_view where
   }
   section.take("ambient_db", options.ambient_db, -120.0, 0.0);
   section.take("faint_speech", options.faint_speech, 0.0, 1.0);
-  if (options.faint_speech > 0.0 &&
-      !(options.ambient_db && options.target == PairTarget::near_microphone)) {
-    section.fail("faint_speech",
-                 "0 where 'ambient_db' is null or 'target' is not \"near_microphone\"", "another");
+  section.take("second_voices", options.second_voices, 0.0, 1.0);
+  if (options.second_voices > 0.0 && options.target != PairTarget::viewpoint) {
+    section.fail("second_voices", "0 where 'target' is \"near_microphone\"", "more");
   }
   section.take("separate", options.separate);
   section.take("ambient", options.separation, kSeparations);

@@ -70,9 +70,12 @@ struct PairOptions {
   Alignment alignment = Alignment::responses;  ///< in training; validation pairs are aligned
   /// Level of room noise in both sounds, dB re full scale; near microphones hear none.
   std::optional<double> ambient_db;
-  /// Share of training examples whose speech is faint among other sounds; see make_faint(). Needs
-  /// near_microphone and ambient_db.
+  /// Share of training examples whose speech is faint among other sounds of ambient_db, of -40 dB
+  /// without it; see make_faint().
   double faint_speech = 0.0;
+  /// Share of training examples in which the other person speaks too, louder or fainter by up to
+  /// 6 dB; box, position and dry speech stay those of the one. Not for near_microphone.
+  double second_voices = 0.0;
   bool separate = true;                                        ///< take the ambient sound out again
   AmbientSeparation separation = AmbientSeparation::bandpass;  ///< and how
   /// Give recordings the near microphone's sound for dry speech (ReplaySampler::near_voice()).
