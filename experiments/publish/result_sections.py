@@ -219,7 +219,7 @@ ROBUSTNESS = Page("robustness", "Robustness", "Inputs that differ from the train
                   "are killed.", [
     Section("Generalisation", "generalisation.json", generalisation_table,
             "`experiments/measure/generalisation.py --every 2`: gtf's mean errors over those of the unchanged input, in "
-            "unseen homes, where one condition differs from training; below 1 it improves on the input. `dsp` is given "
+            "unseen homes, where one condition differs from most of training; below 1 it improves on the input. `dsp` is given "
             "the speaker's true position. Voices of the test split are in no other split; Greek is not in the training "
             "data.", Plot("generalisation", ("Mag", "LRE", "ITD"), ("", "case"))),
     Section("Generalisation: other heads, another building", "generalisation_heads.json", generalisation_table,

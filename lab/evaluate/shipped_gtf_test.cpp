@@ -19,6 +19,7 @@
 #include <earpoint/audio/sound_file.h>
 #include <earpoint/core/file.h>
 #include <earpoint/core/random.h>
+#include <earpoint/dataset/ambient.h>
 #include <earpoint/error.h>
 #include <earpoint/evaluate/method.h>
 #include <earpoint/gtf/synthesizer.h>
@@ -178,6 +179,33 @@ TEST_F(ShippedGtf, WalkingAwayRaisesTheReverberation) {
     const std::optional<double> near_db = clarity_db(clip, near);
     return far_db && near_db && *far_db < *near_db;
   });
+}
+
+TEST_F(ShippedGtf, NoiseOfTheRoomIsAsLoudEverywhere) {
+  // Nobody speaks, and noise comes from everywhere. A former network, which had only heard speech,
+  // made it 8 dB louder, also for a listener who walks away.
+  for (const double corner_hz : {100.0, 1000.0, 8000.0}) {
+    for (const double distance_m : {1.0, 4.0}) {
+      std::vector<double> changes_db;
+      for (const SanityClip& clip : read_clips()) {
+        Waveform noise(2, kSamples, kRate_hz);
+        RandomStream random(3);
+        add_room_noise(noise, -45.0, random, 0, corner_hz);
+        synthesizer_.observe({.sound = noise,
+                              .picture = std::make_shared<const Image>(clip.picture),
+                              .speaker_box = clip.box,
+                              .speaker_m = std::nullopt});
+        const Waveform there = synthesizer_.synthesize(towards_camera(clip, distance_m));
+        changes_db.push_back(level_db(there.planar()) - level_db(noise.planar()));
+      }
+      std::ranges::sort(changes_db);
+      const std::size_t count = changes_db.size();
+      std::printf("noise up to %.0f Hz at %.0f m: %.1f, %.1f, %.1f dB\n", corner_hz, distance_m,
+                  changes_db[count / 20], changes_db[count / 2], changes_db[count * 19 / 20]);
+      EXPECT_LT(changes_db[count * 19 / 20], 3.0) << corner_hz << " Hz, " << distance_m << " m";
+      EXPECT_GT(changes_db[count / 20], -6.0) << corner_hz << " Hz, " << distance_m << " m";
+    }
+  }
 }
 
 /// Pictures as people have them: what was seen, nothing, a dark, a grey, a covered lens, noise, or
