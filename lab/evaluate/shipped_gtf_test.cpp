@@ -183,7 +183,7 @@ TEST_F(ShippedGtf, WalkingAwayRaisesTheReverberation) {
 
 TEST_F(ShippedGtf, NoiseOfTheRoomIsAsLoudEverywhere) {
   // Nobody speaks, and noise comes from everywhere. A former network, which had only heard speech,
-  // made it 8 dB louder, also for a listener who walks away.
+  // made it 9 dB louder, also for a listener who walks away.
   for (const double corner_hz : {100.0, 1000.0, 8000.0}) {
     for (const double distance_m : {1.0, 4.0}) {
       std::vector<double> changes_db;
@@ -202,8 +202,9 @@ TEST_F(ShippedGtf, NoiseOfTheRoomIsAsLoudEverywhere) {
       const std::size_t count = changes_db.size();
       std::printf("noise up to %.0f Hz at %.0f m: %.1f, %.1f, %.1f dB\n", corner_hz, distance_m,
                   changes_db[count / 20], changes_db[count / 2], changes_db[count * 19 / 20]);
-      EXPECT_LT(changes_db[count * 19 / 20], 3.0) << corner_hz << " Hz, " << distance_m << " m";
-      EXPECT_GT(changes_db[count / 20], -6.0) << corner_hz << " Hz, " << distance_m << " m";
+      // Within 0.6 dB of others' noise; less than 2 dB can hardly be heard.
+      EXPECT_LT(changes_db[count * 19 / 20], 2.0) << corner_hz << " Hz, " << distance_m << " m";
+      EXPECT_GT(changes_db[count / 20], -2.0) << corner_hz << " Hz, " << distance_m << " m";
     }
   }
 }

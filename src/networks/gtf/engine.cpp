@@ -8,6 +8,7 @@
 
 #include <earpoint/core/ears.h>
 #include <earpoint/error.h>
+#include <earpoint/gtf/constants.h>
 
 namespace earpoint {
 namespace {
@@ -111,6 +112,8 @@ void Gtf::start(std::optional<GtfStatistics> statistics, std::optional<int> phas
   state.recent = {};
   state.hops = 0;
   state.squares = state.square_count = 0.0;
+  state.is_silent = state.was_silent = true;
+  state.statistics.level = gtf::kQuietest;
   state.holds_statistics = statistics.has_value();
   if (statistics) {
     EARPOINT_CHECK(std::ssize(statistics->summary) == state.description.summary_features());

@@ -114,11 +114,15 @@ void Gtf::State::render_window(std::span<const Pose> path, std::span<float> outp
   expected_gain = expected_power / std::reduce(frame_power.begin(), frame_power.end());
 }
 
-/// Lets level and summary follow the stream.
+/// Lets level and summary follow the stream, and keeps them over silence: no training clip is
+/// silent, and what the network makes of silence it would make of the first words after it.
 void Gtf::State::follow(std::span<const float> hop) {
-  const double kept = kept_of_stream();
   double sum = 0.0;
   for (const float x : hop) sum += double{x} * x;
+  was_silent = is_silent;
+  is_silent = sum < double{gtf::kQuietest} * gtf::kQuietest * static_cast<double>(hop.size());
+  if (is_silent && was_silent) return;
+  const double kept = kept_of_stream();
   squares = kept * squares + sum;
   square_count = kept * square_count + static_cast<double>(hop.size());
   const float before = statistics.level;
@@ -159,10 +163,12 @@ void Gtf::State::take_hop() {
                                   static_cast<std::size_t>(description.frame_features()));
   gtf::GtfSoundEncoder::measure(spectrum, magnitude);
   follow_power(magnitude);
-  sound_encoder.hear(spectrum, magnitude, features);
-  // The summary changes slowly.
+  const bool counts = !(is_silent && was_silent);
+  sound_encoder.hear(spectrum, magnitude, features, counts);
+  // The summary changes slowly, but for that of the first frames.
   constexpr std::ptrdiff_t kRefresh = 10;
-  if (!holds_statistics && frames_in % kRefresh == 0) {
+  const bool is_new = counts && sound_encoder.frames() < kRefresh;
+  if (!holds_statistics && (is_new || frames_in % kRefresh == 0)) {
     sound_encoder.summarize(statistics.summary);
     is_heard = false;
   }

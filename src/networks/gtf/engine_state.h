@@ -131,9 +131,12 @@ struct Gtf::State {
     std::copy_n(new_magnitudes, count * kFrame, magnitudes.data() + (past + ahead) * kFrame);
     std::copy_n(new_spectra, count * kFrame, spectra.data() + ahead * kFrame);
     float* new_states = states.data() + late_states() * trunk.row();
-    // The trunk's first frame stands for the output's first: it begins with what lies ahead.
+    // The trunk's first frame stands for the output's first: it begins with what lies ahead. Of
+    // silence at the beginning it would remember what the filters for silence are.
+    const bool waits = is_stream && !holds_statistics && sound_encoder.frames() == 0.0;
     const std::ptrdiff_t skipped =
-        std::clamp<std::ptrdiff_t>(description.look_ahead_frames - frames_in, 0, count);
+        waits ? count
+              : std::clamp<std::ptrdiff_t>(description.look_ahead_frames - frames_in, 0, count);
     std::fill_n(new_states, skipped * trunk.row(), 0.0F);
     if (skipped < count) {
       trunk.run(features + skipped * description.frame_features(), count - skipped,
@@ -206,6 +209,8 @@ struct Gtf::State {
   bool is_stream = false;
   int stream_rounds = 0;  ///< of phases
   bool holds_statistics = false;
+  bool is_silent = true;   ///< the latest hop
+  bool was_silent = true;  ///< the one before
   std::array<std::array<float, D::kFrameSamples>, kEars> recent{};
   std::ptrdiff_t hops = 0;
   double squares = 0.0;

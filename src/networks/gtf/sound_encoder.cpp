@@ -45,11 +45,12 @@ void GtfSoundEncoder::measure(EarSpectra spectrum, std::span<float> magnitude) {
 }
 
 void GtfSoundEncoder::hear(EarSpectra spectrum, std::span<const float> magnitude,
-                           std::span<float> features) {
+                           std::span<float> features, bool counts) {
   EARPOINT_CHECK(std::ssize(features) == std::ptrdiff_t{4} * bands_);
   const std::complex<float>* left = spectrum.data();
   const std::complex<float>* right = left + D::kBins;
-  frames_ += 1.0;
+  const float weight = counts ? 1.0F : 0.0F;
+  frames_ += weight;
   for (int band = 0; band < bands_; ++band) {
     float power[2] = {};
     float common[2] = {};
@@ -65,17 +66,17 @@ void GtfSoundEncoder::hear(EarSpectra spectrum, std::span<const float> magnitude
           left[bin].imag() * right[bin].real() - left[bin].real() * right[bin].imag();
       common[0] += real;
       common[1] += imag;
-      cross_[bin] += std::complex<float>(real, imag);
-      strength_[bin] += std::sqrt(real * real + imag * imag);
+      cross_[bin] += weight * std::complex<float>(real, imag);
+      strength_[bin] += weight * std::sqrt(real * real + imag * imag);
     }
     const float scale = 1.0F / std::sqrt(power[0] * power[1] + gtf::kCrossFloor);
     const float loudness = power[0] + power[1];
-    loudness_[band] += loudness;
+    loudness_[band] += weight * loudness;
     for (int i = 0; i < 2; ++i) {
       features[i * bands_ + band] = std::log(power[i] + gtf::kBandFloor) / gtf::kBandLogScale;
       features[(2 + i) * bands_ + band] = common[i] * scale;
-      power_[i * bands_ + band] += power[i];
-      likeness_[i * bands_ + band] += loudness * common[i] * scale;
+      power_[i * bands_ + band] += weight * power[i];
+      likeness_[i * bands_ + band] += weight * loudness * common[i] * scale;
     }
   }
 }

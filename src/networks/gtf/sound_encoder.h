@@ -20,10 +20,15 @@ class GtfSoundEncoder {
   /// Magnitudes of a frame. @param magnitude  [2][bins]
   static void measure(EarSpectra spectrum, std::span<float> magnitude);
 
-  /// Features of a frame, which also counts for the summary. Allocates nothing.
+  /// Features of a frame. Allocates nothing.
   /// @param magnitude  as measure() gave it
   /// @param features   [frame features]
-  void hear(EarSpectra spectrum, std::span<const float> magnitude, std::span<float> features);
+  /// @param counts     for the summary, too
+  void hear(EarSpectra spectrum, std::span<const float> magnitude, std::span<float> features,
+            bool counts = true);
+
+  /// How many frames count, after what faded.
+  [[nodiscard]] double frames() const { return frames_; }
 
   /// Lets what was heard so far count less. @param share  that it keeps, 0 to 1
   void fade(float share);
