@@ -197,38 +197,6 @@ Waveform added(const Waveform& mixed, const Waveform& alone) {
   return rest;
 }
 
-TEST_F(PairExamplesTest, ATargetViewpointHearsTheNoiseAroundFaintSpeechAsLoud) {
-  PairOptions quiet = options();
-  quiet.mirror = false;
-  PairOptions noisy = quiet;
-  noisy.faint_speech = 1.0;
-  const PairExamples plain = examples(quiet);
-  const PairExamples among_noise = examples(noisy);
-  double ratio = 0.0;
-  constexpr int kDraws = 40;
-  for (std::uint64_t n = 0; n < kDraws; ++n) {
-    const PairSample two = among_noise.training_sample(n);
-    PairSample one = plain.training_sample(n);
-    const auto gain =
-        static_cast<float>(std::sqrt(energy(two.dry.planar()) / energy(one.dry.planar())));
-    for (Waveform* speech : {&one.source, &one.target}) {
-      for (float& value : speech->planar()) value *= gain;
-    }
-    const Waveform at_source = added(two.source, one.source);
-    const Waveform at_target = added(two.target, one.target);
-    ratio += 10.0 * std::log10(energy(at_target.planar()) / energy(at_source.planar())) / kDraws;
-    double product = 0.0;
-    for (std::size_t i = 0; i < at_source.planar().size(); ++i) {
-      product += double{at_source.planar()[i]} * at_target.planar()[i];
-    }
-    // Of the darkest noise half a second has some twenty independent values for each ear.
-    EXPECT_LT(std::abs(product),
-              0.8 * std::sqrt(energy(at_source.planar()) * energy(at_target.planar())));
-  }
-  // Single ones differ by 3 dB at most, those of a few bursts.
-  EXPECT_NEAR(ratio, 0.0, 1.0);
-}
-
 TEST_F(PairExamplesTest, TheSecondVoiceIsHeardFromWhereTheOtherPersonIs) {
   PairOptions alone = options();
   alone.mirror = false;

@@ -108,7 +108,7 @@ TEST_P(RenderStreamRates, BringBackThroughANetworkThatChangesNothingWhatWentInAs
 INSTANTIATE_TEST_SUITE_P(Rates, RenderStreamRates,
                          testing::Values(16000, 22050, 44100, 48000, 96000));
 
-/// How the third second of the demo's speech is heard in a stream and in a window.
+/// Compares the level of the third second in a stream with that of the same second as a window.
 void expect_stream_as_loud_as_window(const Waveform& sound, const Pose& pose) {
   const Vector3 kMouth_m{2.0, 0.5, 0.0};  // given, since a stream's summary locates it elsewhere
   const auto picture =
@@ -138,8 +138,8 @@ void expect_stream_as_loud_as_window(const Waveform& sound, const Pose& pose) {
 }
 
 TEST(RenderStream, HearsTheEarpointAsWholeWindowsDo) {
-  // The clip begins with silence, of which a network has learned nothing: it was once so loud when
-  // speech began that the limit of levels kept the next seconds 15 dB too quiet. Quiet rooms too.
+  // The clip begins with silence, which no network has learned: speech after it once began so loud
+  // that the limit of levels kept the next seconds 15 dB too quiet. A quiet room may be as bad.
   for (const double floor_db : {-200.0, -79.0, -65.0}) {
     SCOPED_TRACE(floor_db);
     Waveform sound = speech(16000);

@@ -121,7 +121,7 @@ void Gtf::State::follow(std::span<const float> hop) {
   for (const float x : hop) sum += double{x} * x;
   was_silent = is_silent;
   is_silent = sum < double{gtf::kQuietest} * gtf::kQuietest * static_cast<double>(hop.size());
-  if (is_silent && was_silent) return;
+  if (is_quiet()) return;
   const double kept = kept_of_stream();
   squares = kept * squares + sum;
   square_count = kept * square_count + static_cast<double>(hop.size());
@@ -163,11 +163,10 @@ void Gtf::State::take_hop() {
                                   static_cast<std::size_t>(description.frame_features()));
   gtf::GtfSoundEncoder::measure(spectrum, magnitude);
   follow_power(magnitude);
-  const bool counts = !(is_silent && was_silent);
-  sound_encoder.hear(spectrum, magnitude, features, counts);
+  sound_encoder.hear(spectrum, magnitude, features, !is_quiet());
   // The summary changes slowly, but for that of the first frames.
   constexpr std::ptrdiff_t kRefresh = 10;
-  const bool is_new = counts && sound_encoder.frames() < kRefresh;
+  const bool is_new = !is_quiet() && sound_encoder.frames() < kRefresh;
   if (!holds_statistics && (is_new || frames_in % kRefresh == 0)) {
     sound_encoder.summarize(statistics.summary);
     is_heard = false;

@@ -131,8 +131,8 @@ struct Gtf::State {
     std::copy_n(new_magnitudes, count * kFrame, magnitudes.data() + (past + ahead) * kFrame);
     std::copy_n(new_spectra, count * kFrame, spectra.data() + ahead * kFrame);
     float* new_states = states.data() + late_states() * trunk.row();
-    // The trunk's first frame stands for the output's first: it begins with what lies ahead. Of
-    // silence at the beginning it would remember what the filters for silence are.
+    // The trunk's first frame stands for the output's first: it begins with what lies ahead. A
+    // stream's begins with the first sound: silence would stay in its memory.
     const bool waits = is_stream && !holds_statistics && sound_encoder.frames() == 0.0;
     const std::ptrdiff_t skipped =
         waits ? count
@@ -160,6 +160,9 @@ struct Gtf::State {
     keep(magnitudes, past + ahead, kFrame);
     keep(spectra, ahead, kFrame);
   }
+
+  /// Whether the latest frame, which has samples of two hops, is silence.
+  [[nodiscard]] bool is_quiet() const { return is_silent && was_silent; }
 
   void measure_window(std::span<const float> source);
   void measure_power(std::ptrdiff_t frames_of_window);
@@ -209,7 +212,7 @@ struct Gtf::State {
   bool is_stream = false;
   int stream_rounds = 0;  ///< of phases
   bool holds_statistics = false;
-  bool is_silent = true;   ///< the latest hop
+  bool is_silent = true;   ///< the latest hop, below gtf::kQuietest
   bool was_silent = true;  ///< the one before
   std::array<std::array<float, D::kFrameSamples>, kEars> recent{};
   std::ptrdiff_t hops = 0;
