@@ -68,13 +68,14 @@ CLI::Validator known_texture() {
           "{natural,mean} or 0 to 1"};
 }
 
-void add_ambient_option(CLI::App& command, std::string& ambient) {
+void add_ambient_option(CLI::App& command, std::string& ambient, const char* fate,
+                        const char* cutoff) {
   const auto names = ambient_separation_names();
   command
       .add_option("--ambient", ambient,
-                  "Ambient sound, which passes unchanged: bandpass, all below --ambient-cutoff; "
-                  "subtract or mmse, steady noise too, found by spectral subtraction or "
-                  "log-MMSE")
+                  fmt::format("Ambient sound, {}: bandpass, all below {}; subtract or mmse, steady "
+                              "noise too, found by spectral subtraction or log-MMSE",
+                              fate, cutoff))
       ->check(CLI::IsMember(std::vector<std::string>(names.begin(), names.end())))
       ->capture_default_str();
 }

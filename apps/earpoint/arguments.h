@@ -32,6 +32,9 @@ std::optional<double> texture_of(const std::string& word);
 CLI::Validator known_texture();
 
 /// --ambient KIND, a name of AmbientSeparation.
-void add_ambient_option(CLI::App& command, std::string& ambient);
+/// @param fate    what becomes of ambient sound, as "which is removed"
+/// @param cutoff  below which bandpass takes everything for it
+void add_ambient_option(CLI::App& command, std::string& ambient, const char* fate,
+                        const char* cutoff);
 
 }  // namespace earpoint

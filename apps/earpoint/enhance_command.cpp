@@ -188,7 +188,7 @@ void add_enhance_command(CLI::App& app) {
   command->add_option("--model", arguments->model,
                       "A weight file that was trained for enhancement, or the name of a shipped "
                       "one; default: enhance");
-  add_ambient_option(*command, arguments->ambient);
+  add_ambient_option(*command, arguments->ambient, "which is removed", "the model's cutoff");
   command
       ->add_option("--band", arguments->band,
                    "full: what lies above the model's band follows its top octave; model: leave "

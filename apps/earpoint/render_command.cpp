@@ -350,7 +350,7 @@ void add_model_options(CLI::App& command, RenderArguments& arguments) {
                   "model: remove it")
       ->check(CLI::IsMember({"full", "model"}))
       ->capture_default_str();
-  add_ambient_option(command, arguments.ambient);
+  add_ambient_option(command, arguments.ambient, "which passes unchanged", "--ambient-cutoff");
   command
       .add_option("--ambient-cutoff", arguments.ambient_cutoff_hz,
                   "Sound below this (Hz) is ambient; default: the model's")

@@ -88,7 +88,7 @@ void add_how(CLI::App& command, Options& options) {
       ->capture_default_str();
   command
       .add_option("--other-rooms-reach", generation.conversation.other_room_reach_m,
-                  "Largest distance of those from the speakers, metres")
+                  "Largest distance of those from the middle between the speakers, metres")
       ->capture_default_str();
   command
       .add_option("--height-spread", generation.conversation.height_spread_m,

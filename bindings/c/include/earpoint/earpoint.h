@@ -149,7 +149,7 @@ typedef struct earpoint_request {
   const earpoint_path_point* path;
   size_t path_count;      ///< points of the path
   double gain_db;         ///< of the output, before the limiter; -100 to 100
-  int no_band_extension;  ///< not 0: sound above the model's band keeps its level
+  int no_band_extension;  ///< not 0: sound above the model's band is removed
   int no_limiter;         ///< not 0: the output may exceed full scale
 } earpoint_request;
 
@@ -194,7 +194,7 @@ EARPOINT_API earpoint_status earpoint_renderer_warnings(const earpoint_renderer*
 typedef struct earpoint_stream_options {
   size_t struct_size;
   int sample_rate_hz;     ///< from 16000 to 192000, a multiple of 50; 0: 48000
-  int no_band_extension;  ///< not 0: sound above the network's band keeps its level; gtf only
+  int no_band_extension;  ///< not 0: sound above the network's band is removed; gtf only
   int no_limiter;         ///< not 0: the output may exceed full scale
   /// Rounds that make the phases of frames consistent; each adds 20 ms of latency. Null: as many
   /// as the network was trained with, which is the most; "dsp" has none.
@@ -249,7 +249,7 @@ EARPOINT_API earpoint_status earpoint_stream_latency(const earpoint_stream* stre
 
 /// Estimated position of the speaker's mouth.
 /// @param mouth_m  receives metres in the source's frame; untouched if unknown
-/// @param known    receives 0 before the first sound, else 1
+/// @param known    receives 0 before the first sound and if "dsp" was told nothing, else 1
 EARPOINT_API earpoint_status earpoint_stream_speaker(const earpoint_stream* stream,
                                                      earpoint_vector3* mouth_m, int* known);
 
