@@ -13,8 +13,8 @@ import os
 import sys
 
 HEIGHT, LEFT, TOP, PLOT = 330, 60, 40, (330, 230)
-COLOURS = {"gtf-begun": "#56b4e9", "gtf": "#0072b2", "vigas": "#d55e00", "vigas-blind": "#e69f00",
-           "vam": "#009e73"}
+COLOURS = {"gtf-begun": "#56b4e9", "gtf": "#0072b2", "gtf-adapted": "#0072b2", "vigas": "#d55e00",
+           "vigas-adapted": "#d55e00", "vigas-blind": "#e69f00", "vam": "#009e73"}
 
 
 def curve_of(folder):

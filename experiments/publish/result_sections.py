@@ -40,6 +40,7 @@ RATIOS = ("Mag", "LRE (dB)", "RTE (s)")
 EVALUATION_WORDS = (
     "`earpoint evaluate --oracles --json` on the frozen pairs of the test split. Intervals are bootstrapped by home "
     "where there are several, else by conversation, because clips of one home share rooms, positions and voices. "
+    "Networks are told the speaker's true box, dsp and tf the true position. gtf and vigas are the shipped networks. "
     "A gtf that was trained for two textures has three rows: `gtf` is the natural one, `gtf:mean` the mean, and `gtf:0.5` "
     "lies between ([how gtf works](../method.md)). "
     "Oracles are given part of the answer: they show how much of the error could be removed. ")
@@ -47,10 +48,16 @@ EVALUATION_WORDS = (
 METHODS = Page("methods", "Methods", "Errors of every method on the same pairs, beside the unchanged input, baselines "
                "and oracles.", [
     Section("Methods in unseen homes", "evaluate-novel.json", evaluation_table,
-            EVALUATION_WORDS + "Homes and speakers of the test split are in no other split.",
+            EVALUATION_WORDS + "Homes and speakers of the test split are in no other split. Networks called -anew were trained "
+            "by `./dev results` itself, on fewer clips than those that ship.",
             Plot("methods-novel", RATIOS)),
     Section("Methods in one home", "evaluate-single.json", evaluation_table,
-            EVALUATION_WORDS + "One home, split by conversation.", Plot("methods-single", RATIOS)),
+            EVALUATION_WORDS + "One home, split by conversation; voices of the test split are in no other split. The shipped "
+            "networks were not trained on this home; those called -adapted were trained on from there with its clips, as long as "
+            "*[Learning curves in one home](#learning-curves-in-one-home)* says; networks called -one-home have heard this home "
+            "alone: vam 9,600 clips, the two ViGAS 3,200 with sound, those of "
+            "*[the ablations](ablations.md#ablations-in-one-home)*.",
+            Plot("methods-single", RATIOS)),
     Section("Methods in unseen homes, with preceding sound", "context-novel.json", evaluation_table,
             "`earpoint evaluate --context 4 --json`: the same pairs, but `dsp` and networks also get the four seconds "
             "before the second that is compared, in overlapping windows that are cross-faded, as in a long recording.",
@@ -63,15 +70,17 @@ METHODS = Page("methods", "Methods", "Errors of every method on the same pairs, 
     Section("Learning curves in one home", "learning_curves-single.md", None,
             "`experiments/publish/learning_curves.py`: Mag on 256 validation pairs while `earpoint train` runs on one core "
             "beside other work, so minutes are upper bounds. Validation of gtf uses the natural texture, whose loss has "
-            "terms that Mag does not measure. vigas and vigas-blind are first trained to locate the speaker, without "
-            "producing sound; those clips do not count. ![Error over clips seen](../images/learning-curves-single.svg)"),
+            "terms that Mag does not measure. ViGAS is first trained to locate the speaker, without producing sound, and "
+            "gtf-adapted starts from a gtf that was; those clips do not count. Networks called -adapted start from shipped "
+            "weights. ![Error over clips seen](../images/learning-curves-single.svg)"),
     Section("Learning curves in unseen homes", "learning_curves-novel.md", None,
-            "`experiments/publish/learning_curves.py`, as above. "
+            "`experiments/publish/learning_curves.py`, as above. gtf goes on from gtf-begun (gtf-magnitude in older tables): its "
+            "clips are those of its own part. "
             "![Error over clips seen](../images/learning-curves-novel.svg)"),
     Section("Speech enhancement in unseen homes", "enhance-novel.json", enhancement_table,
             "`earpoint evaluate --enhance --json`: the target is the speaker's near microphone, the dry speech at its "
-            "level 1 m in front of the mouth in free field. gtf is a network of `configs/enhance.json`, as `earpoint enhance` "
-            "uses, gtf:mean its mean texture; vigas is a small ViGAS that was trained further on the same, but fewer, clips. "
+            "level 1 m in front of the mouth in free field. gtf is the network that `earpoint enhance` uses, gtf:mean its mean "
+            "texture, gtf-anew one of `configs/enhance.json`; vigas is a small ViGAS that was trained further on fewer such clips. "
             "`oracle-gain` is the source at the true level: what a change of level alone would bring.",
             Plot("methods-enhance", RATIOS)),
     Section("The bundled clip: four earpoints", "demo.json", demo_table,
@@ -85,10 +94,13 @@ METHODS = Page("methods", "Methods", "Errors of every method on the same pairs, 
 
 ABLATIONS = Page("ablations", "Ablations", "The networks without one of their parts.", [
     Section("Ablations in unseen homes", "ablations-novel.json", evaluation_table,
-            "`earpoint evaluate --ablations --json`: the network without one of its parts.",
+            "`earpoint evaluate --ablations --json`: the network without one of its parts, after a short training. Rows can be "
+            "compared with each other, not with other tables.",
             Plot("ablations-novel", RATIOS)),
     Section("Ablations in one home", "ablations-single.json", evaluation_table,
-            "`earpoint evaluate --ablations --json`, as above.", Plot("ablations-single", RATIOS)),
+            "`earpoint evaluate --ablations --json`, as above: gtf after 16,000 clips, three times with other seeds, its "
+            "natural texture; ViGAS after 4,800 clips without sound and 3,200 with it. All from random weights.",
+            Plot("ablations-single", RATIOS)),
     Section("Ablations in recorded sessions", "ablations-recorded.json", recorded_table,
             "`earpoint evaluate --layout replay --ablations --json`: ViGAS without one of its parts, half as wide as the other "
             "small ViGAS, trained on 3,200 clips of *[recorded sessions](people-and-recordings.md#methods-in-recorded-sessions)* "
@@ -210,8 +222,8 @@ SPEED = Page("speed-and-memory", "Speed, memory and exactness", "Timings on anot
             "medians on two threads."),
     Section("Speed: training gtf", "training_gtf.json", gtf_training_table,
             "`experiments/measure/gtf_training.py`: the whole of `earpoint train` with `configs/gtf.json`, its "
-            "examples prepared on the fly, medians of runs in turns. *before* is the build before the optimisations of "
-            "[ADR 0015](../adr/0015-training-speed.md). Other work on the machine affects wall time, but hardly "
+            "examples prepared on the fly, medians of runs in turns. *before*, where it was measured, is the build before the "
+            "optimisations of [ADR 0015](../adr/0015-training-speed.md). Other work on the machine affects wall time, but hardly "
             "processor time."),
 ])
 
@@ -220,8 +232,8 @@ ROBUSTNESS = Page("robustness", "Robustness", "Inputs that differ from the train
     Section("Generalisation", "generalisation.json", generalisation_table,
             "`experiments/measure/generalisation.py --every 2`: gtf's mean errors over those of the unchanged input, in "
             "unseen homes, where one condition differs from most of training; below 1 it improves on the input. `dsp` is given "
-            "the speaker's true position. Voices of the test split are in no other split; Greek is not in the training "
-            "data.", Plot("generalisation", ("Mag", "LRE", "ITD"), ("", "case"))),
+            "the speaker's true position. Voices of the test split are in no other split; Greek and French are not in "
+            "the training data.", Plot("generalisation", ("Mag", "LRE", "ITD"), ("", "case"))),
     Section("Generalisation: other heads, another building", "generalisation_heads.json", generalisation_table,
             "`experiments/measure/generalisation_heads.py`, as above: homes of other seeds, with the head of training and "
             "with FABIAN, measured in the horizontal plane; and a house that was not generated, with an octagonal hall, a "

@@ -1,5 +1,5 @@
-# The command ./dev results. ./dev sources this file; say, build, bench, demo, gather_speech and
-# speech_folder are from there.
+# The command ./dev results. ./dev sources this file; say, fail, build, bench, demo, ensure_packages, install_assets,
+# gather_speech and speech_folder are from there.
 # shellcheck shell=bash disable=SC2154
 
 # A network that ./dev assets --people installs.
@@ -60,45 +60,70 @@ recorded_ablations=(
   "vigas-no-alignment vigas-small-replay data.align=none"
 )
 
-# Trains one of those. Usage: train_ablation EARPOINT DATA RUN CONFIG [KEY=VALUE...]
+# Pairs that gtf learns from.
+of_near_pairs="data.farthest_move_m=6 data.most_gain_db=12"
+
+# Trains one of the ablations. Usage: train_ablation EARPOINT DATA RUN CONFIG [KEY=VALUE...]
 train_ablation() {
-  local earpoint=$1 data=$2 run=$3 config=$4 short=training.steps=1500
+  local earpoint=$1 data=$2 run=$3 config=$4 short=training.steps=1000
   shift 4
-  [ "$config" != vigas-small ] || short="training.steps=1200 network.place_steps=600"
+  [ "$config" != vigas-small ] || short="training.steps=1000 network.place_steps=600"
   # shellcheck disable=SC2086
   train_run "$earpoint" "$config" "$data" "$run" $short "$@"
 }
 
 # gtf: first the speaker's position alone, which costs little, and at the end with an estimator's reverberation times in its
-# loss. That is another estimator than the one that RTE is measured with. Usage: train_gtf EARPOINT DATA RUNS STEPS
+# loss. That is another estimator than the one that RTE is measured with. Usage: train_gtf EARPOINT
 train_gtf() {
-  local earpoint=$1 data=$2 runs=$3 steps=$4 estimator
-  estimator=out/estimator/$(basename "$runs")
-  local of_pairs="data.farthest_move_m=6 data.most_gain_db=12"
+  local earpoint=$1 data=out/data/novel runs=out/runs/novel estimator=out/estimator/novel
   train_run "$earpoint" rt60 "$data" "$estimator" training.seed=2 training.steps=2500
   # Homes in general, and fewer pairs with listeners in other rooms and farther away.
-  [ "$data" != out/data/novel ] || data=$data,$data,$data,out/data/rooms,out/data/far
+  data=$data,$data,$data,out/data/rooms,out/data/far
   # shellcheck disable=SC2086
   {
     train_run "$earpoint" gtf "$data" "$runs/gtf-located" network.place_steps=10000 training.steps=10000 \
-      training.batch=32 network.loss.place=1 data.hidden_boxes=0.3 $of_pairs
-    train_run "$earpoint" gtf "$data" "$runs/gtf-begun" "training.steps=$steps" network.loss.place=0.3 \
-      "network.init=$runs/gtf-located/best.safetensors" $of_pairs
+      training.batch=32 network.loss.place=1 data.hidden_boxes=0.3 $of_near_pairs
+    train_run "$earpoint" gtf "$data" "$runs/gtf-begun" training.steps=12000 network.loss.place=0.3 \
+      "network.init=$runs/gtf-located/best.safetensors" $of_near_pairs
     train_run "$earpoint" gtf "$data" "$runs/gtf" training.seed=2 training.steps=2500 training.learning_rate=0.001 \
       "network.init=$runs/gtf-begun/best.safetensors" "network.estimator=$estimator/best.safetensors" \
-      network.loss.natural.reverberation=1 network.loss.place=0.3 $of_pairs
+      network.loss.natural.reverberation=1 network.loss.place=0.3 $of_near_pairs
   }
 }
 
-# The networks that the tables compare, and the ablations.
-train_data_set() {
-  local earpoint=$1 data=out/data/$2 runs=out/runs/$2 ablation name config settings steps=12000
-  # One home is learned sooner than unseen ones.
-  [ "$2" = novel ] || steps=9000
-  train_gtf "$earpoint" "$data" "$runs" "$steps"
-  train_run "$earpoint" vigas-small "$data" "$runs/vigas"
-  train_run "$earpoint" vigas-small "$data" "$runs/vigas-blind" network.picture=null network.box=false
+# What the tables of unseen homes compare.
+train_unseen_homes() {
+  local earpoint=$1 data=out/data/novel runs=out/runs/novel
+  train_gtf "$earpoint"
+  train_run "$earpoint" vigas-small "$data" "$runs/vigas" training.validate_every=600
+  train_run "$earpoint" vigas-small "$data" "$runs/vigas-blind" network.picture=null network.box=false \
+    training.validate_every=600
   train_run "$earpoint" vam "$data" "$runs/vam"
+  train_ablations "$earpoint" novel
+}
+
+# What the tables of one home compare: shipped networks, trained on with the clips of that home (gtf as models/gtf.md says,
+# part 4), and networks that have heard nothing else.
+train_one_home() {
+  local earpoint=$1 data=out/data/single runs=out/runs/single located=out/located/single
+  # shellcheck disable=SC2086
+  {
+    train_run "$earpoint" gtf "$data" "$located" network.init=models/gtf.safetensors network.place_steps=4000 \
+      training.steps=4000 training.batch=32 network.loss.place=1 data.hidden_boxes=0.3 $of_near_pairs
+    train_run "$earpoint" gtf "$data" "$runs/gtf-adapted" "network.init=$located/best.safetensors" training.steps=2000 \
+      training.batch=32 training.learning_rate=0.0015 network.loss.place=0.3 network.loss.phase_difference=0.06 \
+      network.loss.natural.phase_difference=0.15 $of_near_pairs
+  }
+  train_run "$earpoint" vigas-small "$data" "$runs/vigas-adapted" network.init=models/vigas.safetensors \
+    network.place_steps=400 training.steps=1600 \
+    training.validate_every=400
+  train_run "$earpoint" vam "$data" "$runs/vam"
+  train_ablations "$earpoint" single
+}
+
+# Usage: train_ablations EARPOINT DATA
+train_ablations() {
+  local earpoint=$1 data=out/data/$2 ablation name config settings
   for ablation in "${ablations[@]}"; do
     read -r name config settings <<<"$ablation"
     # shellcheck disable=SC2086
@@ -113,15 +138,15 @@ train_data_set() {
 # Both data sets side by side, then enhancement: hours on two cores.
 train_methods() {
   local earpoint=$1 novel single
-  train_data_set "$earpoint" novel &
+  train_unseen_homes "$earpoint" &
   novel=$!
-  train_data_set "$earpoint" single &
+  train_one_home "$earpoint" &
   single=$!
   wait "$novel"
   wait "$single"
   train_run "$earpoint" enhance out/data/novel out/enhance/gtf network.init=out/runs/novel/gtf/best.safetensors
   train_run "$earpoint" vigas-small out/data/novel out/enhance/vigas network.init=out/runs/novel/vigas/best.safetensors \
-    network.place_steps=0 data.target=near_microphone data.ambient_db=-40 data.faint_speech=0.2
+    network.place_steps=0 training.steps=4000 data.target=near_microphone data.ambient_db=-40 data.faint_speech=0.2
 }
 
 # Networks that are trained on the clips of recorded sessions: few clips, so few steps.
@@ -214,36 +239,71 @@ separate_ambient() {
     --levels=-40 >out/bench/separation-trained.md
 }
 
-# Every method side by side on the frozen test pairs, into out/bench; networks that were not trained have no row.
-# Usage: evaluate_methods EARPOINT DATA...
-evaluate_methods() {
-  local earpoint=$1 data name methods weights
-  shift
-  for data in "$@"; do
-    methods=input,tf,dsp
-    for name in vam vigas-blind vigas gtf; do
-      weights=out/runs/$data/$name/best.safetensors
-      [ -f "$weights" ] || continue
-      methods+=,$name=$weights
-      [ "$name" != gtf ] || methods+=,$name=$weights:0.5,$name=$weights:mean
-    done
-    say "Methods side by side in $data: $methods"
-    "$earpoint" evaluate --data "out/data/$data" --methods "$methods" --oracles --json \
-      >"out/bench/evaluate-$data.json"
-    say "The same with four seconds of sound before"
-    "$earpoint" evaluate --data "out/data/$data" --methods "${methods/input,tf,/input,}" --context 4 --json \
-      >"out/bench/context-$data.json"
-    if [ -d "out/ablations/$data" ]; then
-      say "Ablations in $data"
-      "$earpoint" evaluate --data "out/data/$data" --ablations --runs "out/ablations/$data" --json \
-        >"out/bench/ablations-$data.json"
-    fi
-    if [ -d "out/ambient/$data" ]; then
-      say "Ambient sound in $data"
-      "$earpoint" evaluate --data "out/data/$data" --ambient -40 --methods input,dsp \
-        --runs "out/ambient/$data" --json >"out/bench/ambient-$data.json"
-    fi
+# Adds the weight file of a method to a list, if there is one; all textures of gtf. Usage: with_method LIST ROW=FILE
+with_method() {
+  local list=$1 method=$2
+  if [ -f "${method#*=}" ]; then
+    list+=,$method
+    case $method in gtf*) list+=,$method:0.5,$method:mean ;; esac
+  fi
+  echo "$list"
+}
+
+# The shipped networks, with all textures.
+shipped_methods=vigas,gtf,gtf:0.5,gtf:mean
+
+# What is compared in unseen homes: baselines that do not ship, the shipped networks, and these trained anew.
+unseen_methods() {
+  local methods=input,tf,dsp name
+  for name in vam vigas-blind; do
+    methods=$(with_method "$methods" "$name=out/runs/novel/$name/best.safetensors")
   done
+  methods+=,$shipped_methods
+  for name in vigas gtf; do
+    methods=$(with_method "$methods" "$name-anew=out/runs/novel/$name/best.safetensors")
+  done
+  echo "$methods"
+}
+
+# What is compared in one home: networks that have heard nothing else, shipped ones, and these trained on there.
+one_home_methods() {
+  local methods name
+  methods=$(with_method input,tf,dsp vam-one-home=out/runs/single/vam/best.safetensors)
+  for name in vigas-blind vigas; do
+    methods=$(with_method "$methods" "$name-one-home=out/ablations/single/$name/best.safetensors")
+  done
+  methods+=,$shipped_methods
+  for name in vigas gtf; do
+    methods=$(with_method "$methods" "$name-adapted=out/runs/single/$name-adapted/best.safetensors")
+  done
+  echo "$methods"
+}
+
+# Methods side by side on the frozen test pairs, ablations and ambient sound, into out/bench. Usage: evaluate_methods
+# EARPOINT DATA METHODS
+evaluate_methods() {
+  local earpoint=$1 data=$2 methods=$3
+  say "Methods side by side in $data: $methods"
+  "$earpoint" evaluate --data "out/data/$data" --methods "$methods" --oracles --json >"out/bench/evaluate-$data.json"
+  if [ -d "out/ablations/$data" ]; then
+    say "Ablations in $data"
+    "$earpoint" evaluate --data "out/data/$data" --ablations --runs "out/ablations/$data" --json \
+      >"out/bench/ablations-$data.json"
+  fi
+  if [ -d "out/ambient/$data" ]; then
+    say "Ambient sound in $data"
+    "$earpoint" evaluate --data "out/data/$data" --ambient -40 --methods input,dsp \
+      --runs "out/ambient/$data" --json >"out/bench/ambient-$data.json"
+  fi
+}
+
+# The methods of unseen homes with four seconds of sound before the second that is compared.
+evaluate_context() {
+  local earpoint=$1 methods
+  methods=$(unseen_methods)
+  say "Methods in unseen homes with preceding sound"
+  "$earpoint" evaluate --data out/data/novel --methods "${methods/input,tf,/input,}" --context 4 --json \
+    >out/bench/context-novel.json
 }
 
 # Farther away and in other rooms, with the people found in the picture as a user has it, with their true boxes, and
@@ -252,7 +312,7 @@ evaluate_places() {
   local earpoint=$1 boxes
   say "Methods farther away and in other rooms"
   for boxes in detected true none; do
-    "$earpoint" evaluate --data out/data/places --boxes "$boxes" --methods input,vigas,gtf,gtf:0.5,gtf:mean --json
+    "$earpoint" evaluate --data out/data/places --boxes "$boxes" --methods "input,$shipped_methods" --json
   done >out/bench/places.jsonl
 }
 
@@ -282,12 +342,12 @@ simulate_generalisation() {
 
 # Speech enhancement, and conditions for which gtf was not trained.
 evaluate_beyond() {
-  local earpoint=$1 gtf=out/enhance/gtf/best.safetensors
-  if [ -f "$gtf" ]; then
-    say "Speech enhancement"
-    "$earpoint" evaluate --data out/data/novel --enhance --oracles --json \
-      --methods "input,vigas=out/enhance/vigas/best.safetensors,gtf=$gtf,gtf=$gtf:mean" >out/bench/enhance-novel.json
-  fi
+  local earpoint=$1 methods shipped=models/enhance.safetensors
+  say "Speech enhancement"
+  methods=$(with_method input vigas=out/enhance/vigas/best.safetensors)
+  methods=$(with_method "$methods,gtf=$shipped,gtf=$shipped:mean" gtf-anew=out/enhance/gtf/best.safetensors)
+  "$earpoint" evaluate --data out/data/novel --enhance --oracles --json --methods "$methods" \
+    >out/bench/enhance-novel.json
   say "Generalisation of the shipped gtf"
   python3 experiments/measure/generalisation.py "$earpoint" out/data/novel models/gtf.safetensors \
     out/generalisation --every 2 >out/bench/generalisation.json
@@ -383,7 +443,9 @@ results() {
   say "Training steps of gtf"
   python3 experiments/measure/gtf_training.py "$earpoint" configs/gtf.json out/data/novel out/bench
   train_methods "$earpoint"
-  evaluate_methods "$earpoint" novel single
+  evaluate_methods "$earpoint" novel "$(unseen_methods)"
+  evaluate_methods "$earpoint" single "$(one_home_methods)"
+  evaluate_context "$earpoint"
   evaluate_places "$earpoint"
   separate_ambient "$earpoint"
   evaluate_beyond "$earpoint"
