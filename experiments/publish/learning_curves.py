@@ -15,6 +15,7 @@ import sys
 HEIGHT, LEFT, TOP, PLOT = 330, 60, 40, (330, 230)
 COLOURS = {"gtf-begun": "#56b4e9", "gtf": "#0072b2", "gtf-adapted": "#0072b2", "vigas": "#d55e00",
            "vigas-adapted": "#d55e00", "vigas-blind": "#e69f00", "vam": "#009e73"}
+TITLES = {"single": "one home", "novel": "unseen homes"}  # by the folder of the data
 
 
 def curve_of(folder):
@@ -70,7 +71,7 @@ def picture(data, runs):
     parts = [f'<svg xmlns="http://www.w3.org/2000/svg" width="{width + 2 * LEFT}" height="{HEIGHT}" '
              'font-family="sans-serif" font-size="12"><rect width="100%" height="100%" fill="#fff"/>',
              f'<rect x="{left}" y="{TOP}" width="{width}" height="{height}" fill="none" '
-             'stroke="#888"/>', text(left + width / 2, TOP - 12, f"{data}: Mag of validation pairs")]
+             'stroke="#888"/>', text(left + width / 2, TOP - 12, f"Mag of validation pairs, {data}")]
     x_of = lambda n: left + width * n / most
     y_of = lambda error: TOP + height * (high - min(error, high)) / (high - low)
     for i in range(5):
@@ -99,7 +100,8 @@ def main():
         print(f"| {method} | {curve[-1][0]:.0f} | {seconds / 60:.0f} | {curve[0][1]:.4f} | "
               f"{half[1]:.4f} | {curve[-1][1]:.4f} | {f'{later:.4f}' if later else ''} |")
     with open(sys.argv[2], "w", encoding="utf-8") as file:
-        file.write(picture(os.path.basename(os.path.normpath(sys.argv[1])), runs))
+        data = os.path.basename(os.path.normpath(sys.argv[1]))
+        file.write(picture(TITLES.get(data, data), runs))
 
 
 main()
