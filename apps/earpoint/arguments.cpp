@@ -68,14 +68,14 @@ CLI::Validator known_texture() {
           "{natural,mean} or 0 to 1"};
 }
 
-void add_ambient_option(CLI::App& command, std::string& ambient, const char* fate,
+void add_ambient_option(CLI::App& command, std::string& ambient, const char* treatment,
                         const char* cutoff) {
   const auto names = ambient_separation_names();
   command
       .add_option("--ambient", ambient,
                   fmt::format("Ambient sound, {}: bandpass, all below {}; subtract or mmse, steady "
                               "noise too, found by spectral subtraction or log-MMSE",
-                              fate, cutoff))
+                              treatment, cutoff))
       ->check(CLI::IsMember(std::vector<std::string>(names.begin(), names.end())))
       ->capture_default_str();
 }

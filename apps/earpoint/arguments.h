@@ -32,9 +32,9 @@ std::optional<double> texture_of(const std::string& word);
 CLI::Validator known_texture();
 
 /// --ambient KIND, a name of AmbientSeparation.
-/// @param fate    what becomes of ambient sound, as "which is removed"
-/// @param cutoff  below which bandpass takes everything for it
-void add_ambient_option(CLI::App& command, std::string& ambient, const char* fate,
+/// @param treatment  of ambient sound, as "which is removed"
+/// @param cutoff     below which bandpass takes everything for it
+void add_ambient_option(CLI::App& command, std::string& ambient, const char* treatment,
                         const char* cutoff);
 
 }  // namespace earpoint

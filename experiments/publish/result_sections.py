@@ -49,7 +49,7 @@ METHODS = Page("methods", "Methods", "Errors of every method on the same pairs, 
                "and oracles.", [
     Section("Methods in unseen homes", "evaluate-novel.json", evaluation_table,
             EVALUATION_WORDS + "Homes and speakers of the test split are in no other split. Networks called -anew were trained "
-            "by `./dev results` itself, on fewer clips than those that ship.",
+            "by `./dev results` itself, from random weights.",
             Plot("methods-novel", RATIOS)),
     Section("Methods in one home", "evaluate-single.json", evaluation_table,
             EVALUATION_WORDS + "One home, split by conversation; voices of the test split are in no other split. The shipped "

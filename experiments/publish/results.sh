@@ -115,8 +115,7 @@ train_one_home() {
       network.loss.natural.phase_difference=0.15 $of_near_pairs
   }
   train_run "$earpoint" vigas-small "$data" "$runs/vigas-adapted" network.init=models/vigas.safetensors \
-    network.place_steps=400 training.steps=1600 \
-    training.validate_every=400
+    network.place_steps=400 training.steps=1600 training.validate_every=400
   train_run "$earpoint" vam "$data" "$runs/vam"
   train_ablations "$earpoint" single
 }
@@ -239,13 +238,15 @@ separate_ambient() {
     --levels=-40 >out/bench/separation-trained.md
 }
 
-# Adds the weight file of a method to a list, if there is one; all textures of gtf. Usage: with_method LIST ROW=FILE
-with_method() {
-  local list=$1 method=$2
-  if [ -f "${method#*=}" ]; then
+# Adds methods to a list, those whose weight files exist; all textures of gtf. Usage: with_methods LIST ROW=FILE...
+with_methods() {
+  local list=$1 method
+  shift
+  for method in "$@"; do
+    [ -f "${method#*=}" ] || continue
     list+=,$method
     case $method in gtf*) list+=,$method:0.5,$method:mean ;; esac
-  fi
+  done
   echo "$list"
 }
 
@@ -254,29 +255,19 @@ shipped_methods=vigas,gtf,gtf:0.5,gtf:mean
 
 # What is compared in unseen homes: baselines that do not ship, the shipped networks, and these trained anew.
 unseen_methods() {
-  local methods=input,tf,dsp name
-  for name in vam vigas-blind; do
-    methods=$(with_method "$methods" "$name=out/runs/novel/$name/best.safetensors")
-  done
-  methods+=,$shipped_methods
-  for name in vigas gtf; do
-    methods=$(with_method "$methods" "$name-anew=out/runs/novel/$name/best.safetensors")
-  done
-  echo "$methods"
+  local runs=out/runs/novel methods
+  methods=$(with_methods input,tf,dsp "vam=$runs/vam/best.safetensors" "vigas-blind=$runs/vigas-blind/best.safetensors")
+  with_methods "$methods,$shipped_methods" "vigas-anew=$runs/vigas/best.safetensors" \
+    "gtf-anew=$runs/gtf/best.safetensors"
 }
 
 # What is compared in one home: networks that have heard nothing else, shipped ones, and these trained on there.
 one_home_methods() {
-  local methods name
-  methods=$(with_method input,tf,dsp vam-one-home=out/runs/single/vam/best.safetensors)
-  for name in vigas-blind vigas; do
-    methods=$(with_method "$methods" "$name-one-home=out/ablations/single/$name/best.safetensors")
-  done
-  methods+=,$shipped_methods
-  for name in vigas gtf; do
-    methods=$(with_method "$methods" "$name-adapted=out/runs/single/$name-adapted/best.safetensors")
-  done
-  echo "$methods"
+  local runs=out/runs/single short=out/ablations/single methods
+  methods=$(with_methods input,tf,dsp "vam-one-home=$runs/vam/best.safetensors" \
+    "vigas-blind-one-home=$short/vigas-blind/best.safetensors" "vigas-one-home=$short/vigas/best.safetensors")
+  with_methods "$methods,$shipped_methods" "vigas-adapted=$runs/vigas-adapted/best.safetensors" \
+    "gtf-adapted=$runs/gtf-adapted/best.safetensors"
 }
 
 # Methods side by side on the frozen test pairs, ablations and ambient sound, into out/bench. Usage: evaluate_methods
@@ -344,8 +335,8 @@ simulate_generalisation() {
 evaluate_beyond() {
   local earpoint=$1 methods shipped=models/enhance.safetensors
   say "Speech enhancement"
-  methods=$(with_method input vigas=out/enhance/vigas/best.safetensors)
-  methods=$(with_method "$methods,gtf=$shipped,gtf=$shipped:mean" gtf-anew=out/enhance/gtf/best.safetensors)
+  methods=$(with_methods input vigas=out/enhance/vigas/best.safetensors "gtf=$shipped" \
+    gtf-anew=out/enhance/gtf/best.safetensors)
   "$earpoint" evaluate --data out/data/novel --enhance --oracles --json --methods "$methods" \
     >out/bench/enhance-novel.json
   say "Generalisation of the shipped gtf"
